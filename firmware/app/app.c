@@ -67,7 +67,7 @@ void app_init(struct app *app)
 }
 
 /* A plant has come whose base tick the plan in force is to be made for; the tick waits for it. */
-static void fit_plan(struct app *app)
+static void fit_plan_to_plant(struct app *app)
 {
     if (!app->service.plan_to_fit)
         return;
@@ -100,7 +100,7 @@ static bool do_work(struct app *app)
 void app_background(struct app *app)
 {
     app->main_turns++;
-    fit_plan(app);
+    fit_plan_to_plant(app);
     early_resets_poll(&app->early_resets, (uint32_t)hal_clock_ms());
     bool busy = console_poll(&app->console);
     busy = do_work(app) || busy;

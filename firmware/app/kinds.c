@@ -1,6 +1,7 @@
 /* The kinds of blocks this board has: the only place that names them all. A board leaves a family out by leaving its folder
  * out of the build (firmware/CMakeLists.txt). */
 #include "block/block.h"
+#include "exchange/rows.h"
 #include "kinds/ahead/column_ahead.h"
 #include "kinds/column/column.h"
 #include "kinds/composition/composition_settings.h"
@@ -19,30 +20,38 @@
 #include "kinds/state_law/state_law.h"
 #include "kinds/two_position/two_position.h"
 
+#if CONFIG_EXPERIMENT
+#define EXPERIMENT_ROWS ROWS_HERE
+#else
+#define EXPERIMENT_ROWS ROWS_NOWHERE
+#endif
+#if CONFIG_FEEDFORWARD_TUNE
+#define FEEDFORWARD_TUNE_ROWS ROWS_HERE
+#else
+#define FEEDFORWARD_TUNE_ROWS ROWS_NOWHERE
+#endif
+
+/* clang-format off */
 const struct block_kind *const block_kinds[] = {
     &pid_kind,
     &two_position_kind,
     &decoupler_kind,
     &feedforward_kind,
-#if CONFIG_BLOCKS
-    &column_kind,
-    &gmv_kind,
-    &inferential_kind,
-    &ratio_kind,
-    &composition_kind,
-    &polynomial_kind,
-    &rst_kind,
-    &state_feedback_kind,
-    &ahead_kind,
-    &leadlag_kind,
-    &state_law_kind,
-#endif
-#if CONFIG_EXPERIMENT
-    &experiment_kind,
-#endif
-#if CONFIG_FEEDFORWARD_TUNE
-    &feedforward_tune_kind,
-#endif
+    BLOCK_ROWS(
+        &column_kind,
+        &gmv_kind,
+        &inferential_kind,
+        &ratio_kind,
+        &composition_kind,
+        &polynomial_kind,
+        &rst_kind,
+        &state_feedback_kind,
+        &ahead_kind,
+        &leadlag_kind,
+        &state_law_kind)
+    EXPERIMENT_ROWS(&experiment_kind)
+    FEEDFORWARD_TUNE_ROWS(&feedforward_tune_kind)
 };
+/* clang-format on */
 
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];

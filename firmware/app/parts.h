@@ -3,7 +3,6 @@
 #ifndef REFLUX_APP_PARTS_H
 #define REFLUX_APP_PARTS_H
 
-#include "app/app.h"
 #include "app/start_up.h"
 #include "base/job.h"
 #include "base/workspace.h"

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "app/app.h"
 #include "base/elapsed.h"
 #include "hal/clock.h"
 #include "hal/identity.h"

@@ -52,13 +52,11 @@ static ALWAYS_INLINE uint32_t divided(uint32_t crc)
 /* As they stand in a message: the first byte is the lowest. */
 static ALWAYS_INLINE uint32_t four_bytes(const uint8_t *p)
 {
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
     uint32_t x;
+    if (__BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__)
+        return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
     memcpy(&x, p, sizeof x); /* one load, at any address */
     return x;
-#else
-    return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-#endif
 }
 
 /* Four bytes at a time: a step needs the lowest byte alone, so that those above it may be added early. */

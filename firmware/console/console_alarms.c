@@ -71,7 +71,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
                                : "not announced by the plant");
         }
 #if CONFIG_LOOP_GUARD
-        if (n < sup->placed[PLACED_MEASUREMENTS] && sup->measurement[n].doubt.active) {
+        if (n < sup->placed[PLACED_MEASUREMENTS] && sup->measurement[n].doubt.lasting.active) {
             text_str(line, "DOUBTFUL ");
             text_str(line, plan->config.measurement[n].name);
             text_str(line, " is uncertain and a loop acts on it");
@@ -100,7 +100,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     n -= CONFIG_INTERLOCKS;
 #if CONFIG_LOOP_GUARD
     if (n < CONFIG_LOOPS) {
-        if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviation.active) {
+        if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviation.lasting.active) {
             text_str(line, "DEVIATION ");
             text_str(line, plan->config.loop[n].name);
             text_str(line, " is far from its setpoint");

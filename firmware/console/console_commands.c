@@ -236,7 +236,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
                            ? qualities[s->supervisor->measurement[n].quality]
                            : "not announced by the plant");
 #if CONFIG_STEPS
-        if (s->supervisor->measurement[n].offset_on) {
+        if (s->supervisor->measurement[n].offset.on) {
             text_str(line, ", less its offset ");
             text_float(line, m->offset);
         }

@@ -15,12 +15,10 @@ const char *measurement_fault_text(uint8_t fault)
 void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE])
 {
     const struct alarm_config *a = &config->alarm[i];
-#if CONFIG_BLOCKS
-    if (strchr(a->on, '.')) { /* an event has no sides */
+    if (alarm_is_on_event(a)) { /* an event has no sides */
         memcpy(name, a->on, CHANNEL_NAME_SIZE);
         return;
     }
-#endif
     const char *side = sides[a->side];
     size_t room = CHANNEL_NAME_SIZE - 2u - strlen(side), n = strlen(a->on);
     n = n < room ? n : room;

@@ -55,9 +55,7 @@ uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS])
     return sum * ARENA_GRAIN;
 }
 
-#if CONFIG_BLOCKS
 uint32_t arena_history_grains(uint16_t ticks)
 {
     return ticks ? ARENA_GRAINS(applied_history_bytes(ticks)) : 0;
 }
-#endif

@@ -12,9 +12,7 @@ uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS]);
 uint32_t arena_kind_bytes(enum placed kind);
 uint32_t arena_kind_grains(enum placed kind, uint8_t n);
 
-#if CONFIG_BLOCKS
 /* Grains of a history of applied inputs that goes back so many base ticks. */
 uint32_t arena_history_grains(uint16_t ticks);
-#endif
 
 #endif

@@ -7,15 +7,6 @@
 
 #define NO_KIND 0xFFu
 
-uint8_t block_kind_find(const char *name)
-{
-    for (uint8_t k = 0; name[0] && k < block_kind_count; k++)
-        if (strcmp(block_kinds[k]->name, name) == 0)
-            return k;
-    return NO_KIND;
-}
-
-#if CONFIG_BLOCKS
 bool block_kind_has_record(uint8_t kind)
 {
     const struct block_kind *k = kind < block_kind_count ? block_kinds[kind] : NULL;
@@ -48,4 +39,3 @@ void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])
     text_char(&t, '.');
     text_str(&t, word);
 }
-#endif

@@ -1,6 +1,6 @@
 /* Settings of blocks: each a record of the block's kind, the struct that its rows of parameters fill, in the pool of the
  * configuration. Records stand there in the order of their blocks without gaps, so that equal settings have equal
- * bytes whatever was set before. The record of a kind that is a table stands elsewhere (exchange/tables.h). On boards without blocks there is nothing but block_kind_find().
+ * bytes whatever was set before. The record of a kind that is a table stands elsewhere (exchange/tables.h).
  */
 #ifndef REFLUX_EXCHANGE_BLOCK_SETTINGS_H
 #define REFLUX_EXCHANGE_BLOCK_SETTINGS_H
@@ -16,7 +16,6 @@
 /* Place in block_kinds[], PLAN_NONE (0xFF) where this build has no such kind. */
 uint8_t block_kind_find(const char *name);
 
-#if CONFIG_BLOCKS
 /* May blockN.kind be that? Kinds without parameters have them elsewhere (loopN, decoupleN, ffN); one with a larger table
  * cannot be. */
 bool block_kind_has_record(uint8_t kind);
@@ -39,6 +38,5 @@ static inline size_t block_value_size(uint8_t type)
 {
     return type == BLOCK_FLOAT ? sizeof(float) : type == BLOCK_U16 ? sizeof(uint16_t) : 1u;
 }
-#endif
 
 #endif

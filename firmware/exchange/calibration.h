@@ -4,17 +4,6 @@
 
 #include "exchange/plan.h"
 
-/* What the plant sends, calibrated, EU. */
-static inline float calibrated(const struct measurement_config *c, float value)
-{
-#if CONFIG_CALIBRATION
-    return c->zero + c->gain * value;
-#else
-    (void)c;
-    return value;
-#endif
-}
-
 /* For what comes from no transmitter: at most a tenth of its span outside it. */
 static inline bool near_span(float value, float lo, float hi)
 {
@@ -23,6 +12,20 @@ static inline bool near_span(float value, float lo, float hi)
 }
 
 #if CONFIG_CALIBRATION
+/* What the plant sends, calibrated, EU. */
+static inline float calibrated(const struct measurement_config *c, float value)
+{
+    return c->zero + c->gain * value;
+}
+/* Limits outside of which a reading is not valid, where they are set. */
+static inline bool has_limits_of_belief(const struct measurement_config *c)
+{
+    return c->valid_lo != 0.0f || c->valid_hi != 0.0f;
+}
+static inline bool within_limits_of_belief(const struct measurement_config *c, float value)
+{
+    return value >= c->valid_lo && value <= c->valid_hi;
+}
 static inline bool same_calibration(const struct measurement_config *a,
                                     const struct measurement_config *b)
 {
@@ -36,8 +39,11 @@ static inline float recalibrated(const struct measurement_config *c,
                                        : calibrated(c, (value - before->zero) / before->gain);
 }
 #else
-#define same_calibration(a, b)         ((void)(a), (void)(b), true)
-#define recalibrated(c, before, value) ((void)(c), (void)(before), (value))
+#define calibrated(c, value)              ((void)(c), (value))
+#define has_limits_of_belief(c)           ((void)(c), false)
+#define within_limits_of_belief(c, value) ((void)(c), (void)(value), true)
+#define same_calibration(a, b)            ((void)(a), (void)(b), true)
+#define recalibrated(c, before, value)    ((void)(c), (void)(before), (value))
 #endif
 
 #endif

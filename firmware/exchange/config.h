@@ -60,7 +60,8 @@
 #endif
 #endif
 #ifndef CONFIG_POOL_BYTES
-#define CONFIG_POOL_BYTES 2048 /* for the settings of all of them, a multiple of 4 */
+#define CONFIG_POOL_BYTES                                                                          \
+    (CONFIG_BLOCKS ? 2048 : 0) /* for the settings of all blocks, a multiple of 4 */
 #endif
 /* Tables, which are not in the pool (exchange/tables.h): so many places of so many bytes, whatever refers to them. */
 #define CONFIG_TABLES 2
@@ -235,7 +236,6 @@ struct step_config {
 };
 _Static_assert(sizeof(struct step_config) == 48, "there are many rows, in every plan");
 
-#if CONFIG_BLOCKS
 #define BLOCK_LOOPS_SIZE 48 /* bytes of a list of names, with the terminating zero */
 #define BLOCK_NAMES_SIZE 64
 
@@ -250,7 +250,6 @@ struct block_config {
 };
 
 #define CONFIG_NO_TABLE 0 /* the record, if there is one, is in the pool */
-#endif
 
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
@@ -267,9 +266,7 @@ struct config {
     struct ff_config feedforward[CONFIG_FEEDFORWARDS];
     struct interlock_config interlock[CONFIG_INTERLOCKS];
     struct alarm_config alarm[CONFIG_ALARMS];
-#if CONFIG_STEPS
     struct step_config step[CONFIG_STEPS];
-#endif
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
@@ -283,21 +280,16 @@ struct config {
 #endif
     char console_key[CHANNEL_NAME_SIZE]; /* opens the engineer level; empty = it is open */
     float relock_s; /* without engineer commands for this long it locks again; 0 = never */
-#if CONFIG_BLOCKS
     struct block_config block[CONFIG_BLOCKS];
     /* Records of the blocks, in their order, one behind the other; the rest is 0. */
     _Alignas(4) uint8_t pool[CONFIG_POOL_BYTES];
     /* Of each block the place of its table, 1 and up, or CONFIG_NO_TABLE. Last: it says where, not what, and equal
      * settings may differ in it. */
     uint8_t table[CONFIG_BLOCKS];
-#endif
 };
 
 /* So many bytes of it are what is set. */
-#if CONFIG_BLOCKS
-#define CONFIG_CONTENT_BYTES offsetof(struct config, table)
-#else
-#define CONFIG_CONTENT_BYTES sizeof(struct config)
-#endif
+#define CONFIG_CONTENT_BYTES                                                                       \
+    (CONFIG_BLOCKS ? offsetof(struct config, table) : sizeof(struct config))
 
 #endif

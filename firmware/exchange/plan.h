@@ -6,6 +6,7 @@
 #define REFLUX_EXCHANGE_PLAN_H
 
 #include <stdbool.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "block/block.h"
@@ -21,16 +22,17 @@ _Static_assert(ARENA_GRAINS(PLAN_ARENA_BYTES) <= UINT16_MAX, "places in the aren
 
 #define PLAN_NONE 0xFFu
 
+/* Channels that blocks may write, or look back at. */
+#define PLAN_POINTS (CONFIG_BLOCKS ? CHANNEL_MAX : 0)
+
 /* Why a configuration was refused: "<group><index>.<field>: <subject> <wanted>". */
 struct config_fault {
     enum err code;
-    const char *group;  /* "loop" */
-    uint8_t index;      /* 1-based; 0 = the group has no index */
-    const char *field;  /* "pv" */
-    const char *wanted; /* what would be right, in words */
-#if CONFIG_BLOCKS
-    bool must_be; /* ... of which it is the range */
-#endif
+    const char *group;               /* "loop" */
+    uint8_t index;                   /* 1-based; 0 = the group has no index */
+    const char *field;               /* "pv" */
+    const char *wanted;              /* what would be right, in words */
+    bool must_be;                    /* ... of which it is the range */
     char subject[CHANNEL_NAME_SIZE]; /* the offending name, or empty */
     uint32_t bytes;                  /* ERR_MEMORY: bytes needed */
 };
@@ -42,10 +44,8 @@ struct loop_plan {
     uint8_t inner; /* loop whose setpoint it drives, or PLAN_NONE */
     uint8_t outer; /* loop that drives its setpoint, or PLAN_NONE */
     bool decouple;
-#if CONFIG_BLOCKS
     uint8_t
         server; /* slot of the block that serves it in place of its own controller, or PLAN_NONE */
-#endif
 };
 
 /* Blocks have fixed slots in a plan: the loops' own controllers, the static decoupler, the feedforward elements, and those
@@ -58,12 +58,9 @@ struct loop_plan {
 struct block_place {
     uint16_t at, grains; /* place of its state in the arena, and size, in grains */
     uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is no block */
-#if CONFIG_BLOCKS
-    uint8_t spare; /* bytes of the last grain that the state does not need */
-#endif
+    uint8_t spare;       /* bytes of the last grain that the state does not need */
 };
 
-#if CONFIG_BLOCKS
 #define INFER_IS_ESTIMATE 0x80u
 #define INPUT_IS_MV       0x80u /* an input is a measurement, or, with this bit, a manipulated variable */
 
@@ -78,7 +75,6 @@ struct record_plan {
     uint8_t point[BLOCK_POINTS_MAX]; /* measurements; of a feedforward element the MVs it adds to */
     uint8_t last; /* the member whose turn comes last: then it runs for all of them */
 };
-#endif
 
 /* An alarm on an event of a block: place of the record and of the event in its kind. */
 #define ALARM_OF_BLOCK        0x80u
@@ -98,15 +94,13 @@ struct plan {
     uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
     struct block_place block[PLAN_BLOCKS];
-#if CONFIG_BLOCKS
     struct record_plan record[CONFIG_BLOCKS];
     uint8_t records; /* there is none from this one on */
     uint8_t
-        writer[CHANNEL_MAX]; /* record of the estimator that writes measurement i, or PLAN_NONE */
+        writer[PLAN_POINTS]; /* record of the estimator that writes measurement i, or PLAN_NONE */
     uint16_t history
-        [CHANNEL_MAX]; /* base ticks for which what was applied to MV j is kept; 0 = it is not */
+        [PLAN_POINTS]; /* base ticks for which what was applied to MV j is kept; 0 = it is not */
     uint8_t histories; /* there is none from this MV on */
-#endif
     struct {
         uint8_t from, to; /* measurement (or output) and output index; PLAN_NONE = unused */
         bool from_mv;     /* `from` is a manipulated variable */
@@ -118,12 +112,10 @@ struct plan {
     uint8_t infer[CHANNEL_MAX];
     /* Measurement, loop of a deviation, or ALARM_OF_BLOCK; PLAN_NONE = unused, or of a block whose kind this build lacks. */
     uint8_t alarm[CONFIG_ALARMS];
-#if CONFIG_STEPS
     bool has_steps; /* there is at least one row */
     struct step_plan {
         uint8_t what, measurement; /* index by the kind of action; PLAN_NONE = not needed */
     } step[CONFIG_STEPS];
-#endif
     struct config config; /* last, so that the rest can be cleared and resolved again around it */
 };
 
@@ -134,24 +126,22 @@ static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_
 /* Number of the block that writes a measurement, from 0, or PLAN_NONE: the plant announces it. */
 static inline uint8_t plan_writer(const struct plan *plan, uint8_t measurement)
 {
-#if CONFIG_BLOCKS
-    return plan->writer[measurement];
-#else
-    (void)plan;
-    (void)measurement;
-    return PLAN_NONE;
-#endif
+    return CONFIG_BLOCKS ? plan->writer[measurement] : (uint8_t)PLAN_NONE;
 }
 /* The plant does not announce it: an estimator writes it. */
 static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement)
 {
-#if CONFIG_BLOCKS
-    return plan->writer[measurement] != PLAN_NONE;
-#else
-    (void)plan;
-    (void)measurement;
-    return false;
-#endif
+    return plan_writer(plan, measurement) != PLAN_NONE;
+}
+/* Slot of the block that serves a loop in place of its own controller, or PLAN_NONE. */
+static inline uint8_t plan_server(const struct plan *plan, uint8_t loop)
+{
+    return CONFIG_BLOCKS ? plan->loop[loop].server : (uint8_t)PLAN_NONE;
+}
+/* The name of an alarm's subject is that of an event of a block, "block2.drift": no other name has a dot. */
+static inline bool alarm_is_on_event(const struct alarm_config *a)
+{
+    return CONFIG_BLOCKS && strchr(a->on, '.') != NULL;
 }
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);

@@ -8,17 +8,21 @@
 #include "exchange/state.h"
 
 /* It comes every so many base ticks; 1: in each. */
+#if CONFIG_ANALYSERS
 static inline uint16_t sampling_every(const struct measurement_config *c)
 {
-#if CONFIG_ANALYSERS
     return c->every;
-#else
-    (void)c;
-    return 1;
-#endif
 }
-
-#if CONFIG_ANALYSERS
+/* With `every` above 1: a reading was looked at in this tick. */
+static inline bool sampling_is_fresh(const struct measurement_state *m)
+{
+    return m->analyser.fresh;
+}
+/* Base ticks from sampling to coming. */
+static inline uint16_t sampling_delay(const struct measurement_config *c)
+{
+    return c->delay;
+}
 
 static inline uint32_t sampling_tick_ms(const struct plan *plan)
 {
@@ -28,22 +32,21 @@ static inline uint32_t sampling_tick_ms(const struct plan *plan)
 static inline uint64_t sampling_ms(const struct supervisor *s, const struct measurement_state *m,
                                    const struct measurement_config *c)
 {
-    return sampling_every(c) > 1 ? m->sample_ms : s->time_ms;
+    return sampling_every(c) > 1 ? m->analyser.sample_ms : s->time_ms;
 }
 /* Something stands in for it, or nothing has come since the last tick: in either case no step of its filter. */
 static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
 {
-    return sampling_every(&s->plan->config.measurement[i]) > 1 && !s->measurement[i].fresh;
+    return sampling_every(&s->plan->config.measurement[i]) > 1 && !s->measurement[i].analyser.fresh;
 }
 #else
 
-static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
-{
-    (void)s;
-    (void)i;
-    return false;
-}
-#define sampling_ms(s, m, c) ((s)->time_ms)
+#define sampling_every(c)      ((void)(c), (uint16_t)1)
+#define sampling_is_fresh(m)   ((void)(m), false)
+#define sampling_delay(c)      ((void)(c), (uint16_t)0)
+#define sampling_tick_ms(plan) ((void)(plan), 0u)
+#define sampling_stands(s, i)  ((void)(s), (void)(i), false)
+#define sampling_ms(s, m, c)   ((s)->time_ms)
 
 #endif
 
@@ -52,9 +55,8 @@ static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
 static inline float sampling_without_s(const struct supervisor *s, uint8_t i)
 {
     float since = elapsed_ms(s->time_ms, s->measurement[i].valid_ms) / 1000.0f;
-#if CONFIG_ANALYSERS
-    since -= (float)(sampling_every(&s->plan->config.measurement[i]) - 1) * s->plan->tick_s;
-#endif
+    if (CONFIG_ANALYSERS)
+        since -= (float)(sampling_every(&s->plan->config.measurement[i]) - 1) * s->plan->tick_s;
     return since;
 }
 
@@ -62,12 +64,11 @@ static inline float sampling_without_s(const struct supervisor *s, uint8_t i)
 static inline uint64_t sampling_at_ms(const struct supervisor *s, uint8_t i)
 {
     uint64_t came_ms = s->measurement[i].valid_ms;
-#if CONFIG_ANALYSERS
-    uint64_t delay_ms = (uint64_t)s->plan->config.measurement[i].delay * sampling_tick_ms(s->plan);
+    if (!CONFIG_ANALYSERS)
+        return came_ms;
+    uint64_t delay_ms =
+        (uint64_t)sampling_delay(&s->plan->config.measurement[i]) * sampling_tick_ms(s->plan);
     return delay_ms < came_ms ? came_ms - delay_ms : 0;
-#else
-    return came_ms;
-#endif
 }
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "exchange/state.h"
 
-#if CONFIG_STEPS
 /* First row of a sequence after row `after` (-1: from the start), or PLAN_NONE. */
 uint8_t sequence_next(const struct config *config, enum sequence_kind kind, int after);
 
@@ -17,6 +16,5 @@ bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *va
 const char *sequence_state_text(uint8_t state);
 const char *sequence_kind_text(uint8_t kind);
 const char *sequence_reason_text(uint8_t reason);
-#endif
 
 #endif

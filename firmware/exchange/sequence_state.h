@@ -69,6 +69,21 @@ static inline bool sequence_active(const struct sequence *q)
     return q->state == SEQUENCE_RUNNING || q->state == SEQUENCE_HELD ||
            q->state == SEQUENCE_CONFIRM;
 }
+/* enum sequence_state; the row it stands at, or ended at. */
+static inline uint8_t sequence_phase(const struct sequence *q)
+{
+    return q->state;
+}
+static inline uint8_t sequence_row(const struct sequence *q)
+{
+    return q->step;
+}
+#else
+struct sequence {
+};
+#define sequence_active(q) ((void)(q), false)
+#define sequence_phase(q)  ((void)(q), (uint8_t)SEQUENCE_IDLE)
+#define sequence_row(q)    ((void)(q), (uint8_t)0)
 #endif
 
 #endif

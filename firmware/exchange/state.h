@@ -84,6 +84,64 @@ struct lasting {
 };
 #define LASTING_MS 0x3FFFFFFFu
 
+/* What a board may lack of the states below is a struct that is empty there. */
+#if CONFIG_CALIBRATION
+struct reading_watch {          /* supervise/watch.h */
+    uint8_t young;              /* readings for which the first valid one may still prove wrong */
+    uint8_t twin, twin_changes; /* a measurement that sends the same numbers; how many so far */
+};
+#else
+struct reading_watch {
+};
+#endif
+#if CONFIG_STEPS
+struct offset_state {
+    bool on; /* the configured offset is subtracted from readings */
+};
+#else
+struct offset_state {
+};
+#endif
+#if CONFIG_LOOP_GUARD
+struct guard_timer { /* supervise/deviations.h */
+    struct lasting lasting;
+};
+#else
+struct guard_timer {
+};
+#endif
+#if CONFIG_ANALYSERS
+struct analyser_state { /* of a measurement with `every` above 1 */
+    uint64_t sample_ms; /* plant time at which its last sample came */
+    uint32_t turn;      /* the base tick of that */
+    bool fresh;         /* a reading was looked at in this tick */
+};
+#else
+struct analyser_state {
+};
+#endif
+#if CONFIG_BLOCKS
+struct estimate_state { /* of a measurement that a block writes */
+    bool stands_in;     /* it was valid at the end of the last tick */
+    float value;        /* ... with this value, EU */
+};
+struct served_loop { /* of a loop that a block serves */
+    num_t applied;   /* what took effect of v */
+    num_t excite,
+        excited; /* the block's test signal on the setpoint: asked for, and in `setpoint` */
+};
+struct event_alarm {
+    float value; /* of the event of a block, when it was last raised */
+};
+#else
+struct estimate_state {
+};
+struct served_loop {
+};
+struct event_alarm {
+};
+#endif
+
 struct measurement_state {
     bool bound;        /* the plant announces it with the configured unit */
     bool seen;         /* there has been a usable value */
@@ -92,24 +150,12 @@ struct measurement_state {
     bool delivered;    /* `last` is a reading */
     bool alarm : 1;    /* reported as bad */
     bool inferred : 1; /* `value` is made from something else, by meas.infer */
-#if CONFIG_BLOCKS
-    bool doubted : 1; /* an estimate that no loop may act on: it has long been uncertain */
-#endif
-    uint8_t fault; /* enum measurement_fault of the last reading */
-#if CONFIG_CALIBRATION
-    uint8_t young;              /* readings for which the first valid one may still prove wrong */
-    uint8_t twin, twin_changes; /* a measurement that sends the same numbers; how many so far */
-#endif
-#if CONFIG_STEPS
-    bool offset_on; /* the configured offset is subtracted from readings */
-#endif
-#if CONFIG_ANALYSERS
-    bool fresh; /* with `every` above 1: a reading was looked at in this tick */
-#endif
-    enum quality quality; /* of `value` */
-#if CONFIG_LOOP_GUARD
-    struct lasting doubt; /* it is uncertain while a loop acts on it */
-#endif
+    bool doubted : 1;  /* an estimate that no loop may act on: it has long been uncertain */
+    uint8_t fault;     /* enum measurement_fault of the last reading */
+    struct reading_watch watch;
+    struct offset_state offset;
+    enum quality quality;     /* of `value` */
+    struct guard_timer doubt; /* it is uncertain while a loop acts on it */
     float raw;   /* last reading that was good by the plant, valid or not, less the offset, EU */
     num_t value; /* validated and filtered, fraction of span */
     struct lag filter;
@@ -117,14 +163,8 @@ struct measurement_state {
     float last;          /* last number delivered, as the plant sends it */
     uint64_t valid_ms;   /* plant time at which `good` came */
     uint64_t changed_ms; /* plant time at which `last` came to its value */
-#if CONFIG_ANALYSERS
-    uint64_t sample_ms; /* with `every` above 1: plant time at which its last sample came */
-    uint32_t turn;      /* ... and the base tick of that */
-#endif
-#if CONFIG_BLOCKS
-    bool stands_in; /* it is an estimate that was valid at the end of the last tick */
-    float estimate; /* ... and its value, EU */
-#endif
+    struct analyser_state analyser;
+    struct estimate_state estimate;
 };
 
 struct mv_state {
@@ -152,18 +192,13 @@ struct loop_state {
     bool downstream_inactive; /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
-#if CONFIG_LOOP_GUARD
-    struct lasting deviation; /* the PV is far from the setpoint */
-#endif
-    num_t target;   /* setpoint asked for */
-    num_t setpoint; /* in force, after limits, ramp and filter */
+    struct guard_timer deviation; /* the PV is far from the setpoint */
+    num_t target;                 /* setpoint asked for */
+    num_t setpoint;               /* in force, after limits, ramp and filter */
     struct ramp ramp;
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */
-#if CONFIG_BLOCKS
-    num_t told;            /* what took effect of v, for the block that serves it */
-    num_t excite, excited; /* a block's test signal on the setpoint: asked for, and in `setpoint` */
-#endif
+    struct served_loop served;
     num_t feedforward;
     uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
     uint8_t limited; /* the same: limits of its block that its output is at */
@@ -179,9 +214,7 @@ struct block_state {
     bool must_follow : 1; /* before its next step */
     bool running : 1;     /* a feedforward element: has begun on a usable value */
     uint8_t acting;       /* of a compensator: members that take part */
-#if CONFIG_BLOCKS
-    uint8_t going_on; /* ... and did so in the last tick */
-#endif
+    uint8_t going_on;     /* ... and did so in the last tick */
 };
 
 #if CONFIG_BLOCKS
@@ -252,6 +285,18 @@ struct supervisor_work {
     struct supervisor *supervisor;
     uint8_t slot;
 };
+#else
+struct served_state {
+};
+struct excitation_state {
+};
+struct proposal_slot {
+};
+struct switch_off_slot {
+};
+struct supervisor_work {
+};
+#define SILENCED_BYTES 0
 #endif
 
 /* supervise/alarms.h */
@@ -261,9 +306,7 @@ struct alarm_state {
     bool acknowledged; /* ... and somebody has seen it */
     bool first;        /* came before the others of its group; until all of them are off the list */
     bool pending;      /* condition holds, delay running */
-#if CONFIG_BLOCKS
-    float value; /* of the event of a block, when it was last raised */
-#endif
+    struct event_alarm event;
     uint64_t since_ms;
     uint64_t shelved_until_ms; /* 0 = not shelved */
 };
@@ -303,20 +346,16 @@ struct supervisor {
     struct loop_state *loop;
     struct interlock_state *interlock;
     struct alarm_state *alarm;
-#if CONFIG_STEPS
     struct sequence sequence;
-#endif
     struct block_state block[PLAN_BLOCKS]; /* by slot, as in the plan */
-#if CONFIG_BLOCKS
-    struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
+    struct job work[CONFIG_BLOCKS];        /* of blocks with a record */
     struct supervisor_work worker[CONFIG_BLOCKS];
-    uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
+    uint16_t history[PLAN_POINTS]; /* of each MV, as in the plan; they stand behind the blocks */
     struct excitation_state excitation;
     struct served_state served[CONFIG_BLOCKS];
     struct proposal_slot proposal;
     struct switch_off_slot switch_off[CONFIG_BLOCKS]; /* of each block */
     uint8_t silenced[SILENCED_BYTES];
-#endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
@@ -326,39 +365,63 @@ static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
     return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
 }
 
+#if CONFIG_BLOCKS
+/* element: switch_off_element() or switch_off_term(). */
+static inline bool element_is_silenced(const struct supervisor *s, uint8_t element)
+{
+    return element / ELEMENT_TERMS < SILENCED_BYTES &&
+           (s->silenced[element / ELEMENT_TERMS] & 1u << element % ELEMENT_TERMS) != 0;
+}
 /* The kind of the block that excites the plant now, or NULL. While start-up tests (`testing`) none can. */
 static inline const char *supervisor_excited_by(const struct supervisor *s)
 {
-#if CONFIG_BLOCKS
-    if (s->excitation.holder)
-        return plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + s->excitation.holder - 1u))->name;
-#endif
-    (void)s;
-    return NULL;
+    uint8_t holder = s->excitation.holder;
+    return holder ? plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + holder - 1u))->name : NULL;
 }
-
 /* The setpoint in force without a test signal. */
 static inline num_t loop_own_setpoint(const struct loop_state *l)
 {
-#if CONFIG_BLOCKS
-    return num_sub(l->setpoint, l->excited);
-#else
-    return l->setpoint;
-#endif
+    return num_sub(l->setpoint, l->served.excited);
 }
+/* What took effect of the output of a loop that a block serves. */
+static inline void loop_applied(struct loop_state *l, num_t v)
+{
+    l->served.applied = v;
+}
+/* Slot of the block in whose hands loop i is, or PLAN_NONE: its own controller's. */
+static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
+{
+    uint8_t slot = s->plan->loop[i].server;
+    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
+}
+#else
+#define element_is_silenced(s, element) ((void)(s), (void)(element), false)
+#define supervisor_excited_by(s)        ((void)(s), (const char *)NULL)
+#define loop_own_setpoint(l)            ((l)->setpoint)
+#define loop_applied(l, v)              ((void)(l), (void)(v))
+#define loop_server(s, i)               ((void)(s), (void)(i), (uint8_t)PLAN_NONE)
+#endif
 
 /* The offset subtracted from readings of a measurement now, EU. */
+#if CONFIG_STEPS
 static inline float measurement_offset_in_force(const struct measurement_state *m,
                                                 const struct measurement_config *c)
 {
-#if CONFIG_STEPS
-    return m->offset_on ? c->offset : 0.0f;
-#else
-    (void)m;
-    (void)c;
-    return 0.0f;
-#endif
+    return m->offset.on ? c->offset : 0.0f;
 }
+static inline bool measurement_offset_is_on(const struct measurement_state *m)
+{
+    return m->offset.on;
+}
+static inline float measurement_offset_of(const struct measurement_config *c)
+{
+    return c->offset;
+}
+#else
+#define measurement_offset_of(c)          ((void)(c), 0.0f)
+#define measurement_offset_in_force(m, c) ((void)(m), (void)(c), 0.0f)
+#define measurement_offset_is_on(m)       ((void)(m), false)
+#endif
 
 /* The last reading is good by the plant: it is a number, valid or not. After validation. */
 static inline bool measurement_is_good(const struct measurement_state *m)
@@ -370,41 +433,13 @@ static inline bool measurement_is_good(const struct measurement_state *m)
 /* A loop may act on its value. */
 static inline bool measurement_may_control(const struct measurement_state *m)
 {
-#if CONFIG_BLOCKS
-    if (m->doubted)
-        return false;
-#endif
-    return quality_usable(m->quality);
+    return !m->doubted && quality_usable(m->quality);
 }
 
-/* LOOP_MANUAL for one that is not there. */
+/* LOOP_MANUAL for a loop beyond those of the plan. */
 static inline enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop)
 {
     return loop < s->placed[PLACED_LOOPS] ? s->loop[loop].mode : LOOP_MANUAL;
 }
-
-/* Slot of the block in whose hands loop i is, or PLAN_NONE: its own controller's. */
-static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
-{
-#if CONFIG_BLOCKS
-    uint8_t slot = s->plan->loop[i].server;
-    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
-#else
-    (void)s;
-    (void)i;
-    return PLAN_NONE;
-#endif
-}
-
-#if CONFIG_BLOCKS
-/* element: switch_off_element() or switch_off_term(). */
-static inline bool element_is_silenced(const struct supervisor *s, uint8_t element)
-{
-    return element / ELEMENT_TERMS < SILENCED_BYTES &&
-           (s->silenced[element / ELEMENT_TERMS] & 1u << element % ELEMENT_TERMS) != 0;
-}
-#else
-#define element_is_silenced(s, element) ((void)(s), false)
-#endif
 
 #endif

@@ -14,14 +14,14 @@
 #include "base/error.h"
 #include "exchange/config.h"
 
-#if CONFIG_BLOCKS
-
-enum tables_watcher { TABLES_OF_PLAN, TABLES_OF_OTHER_PLAN, TABLES_TO_GO_BACK_TO, TABLES_WATCHERS };
-
 /* Why there is no place, in words, and how to get one. */
 #define TABLES_TAKEN                                                                               \
     "no place for another table beside those in force (and start-up's way back, during a trial): " \
     "set the kind of a block that has one to -, apply, then paste"
+
+#if CONFIG_BLOCKS
+
+enum tables_watcher { TABLES_OF_PLAN, TABLES_OF_OTHER_PLAN, TABLES_TO_GO_BACK_TO, TABLES_WATCHERS };
 
 /* All places are free, nobody is watched. */
 void tables_begin(void);
@@ -41,5 +41,12 @@ uint32_t tables_identity(const struct config *config, uint32_t crc);
 /* Tables of *config that are equal to one of *other are the same place from now on. */
 void tables_share(struct config *config, const struct config *other);
 
+#else
+#define tables_begin()               ((void)0)
+#define tables_watch(who, config)    ((void)0)
+#define tables_identity(config, crc) ((void)(config), (crc))
+#define tables_share(config, other)  ((void)(config), (void)(other))
+#define tables_free_for(config)      ((void)(config), 0u)
 #endif
+
 #endif

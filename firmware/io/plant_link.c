@@ -223,10 +223,7 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
               strcmp(m.unit, "-") == 0 ? "" : m.unit); /* "-": none; configured as an empty text */
     if (manipulated)
         link->safe[link->next_page - link->count[0]] = m.safe;
-#if COMMISSION_CHANNELS
-    link->lo[link->next_page] = m.lo;
-    link->hi[link->next_page] = m.hi;
-#endif
+    plant_spans_keep(&link->spans, link->next_page, m.lo, m.hi);
     link->next_page++;
     link->asks = 0;
     if (link->text_n > sizeof link->text)
@@ -408,14 +405,11 @@ static struct io_channel channel(const void *context, bool manipulated, uint8_t 
     const struct plant_link *link = context;
     unsigned page = index + (manipulated ? link->count[0] : 0u);
     const char *name = &link->text[link->text_at[page]];
-    return (struct io_channel)
-    {
-        .name = name, .unit = name + strlen(name) + 1,
-#if COMMISSION_CHANNELS
-        .lo = link->lo[page], .hi = link->hi[page],
-#endif
-        .safe = manipulated ? link->safe[index] : 0.0f
-    };
+    struct io_channel c = {.name = name,
+                           .unit = name + strlen(name) + 1,
+                           .safe = manipulated ? link->safe[index] : 0.0f};
+    plant_spans_give(&link->spans, page, &c.lo, &c.hi);
+    return c;
 }
 
 static uint32_t tick_ms(const void *context)

@@ -24,6 +24,29 @@ typedef uint8_t link_place;
 typedef uint16_t link_place;
 #endif
 
+/* Spans that the plant announces, by page: only people look at them, and only where there is start-up. */
+#if COMMISSION_CHANNELS
+struct plant_spans {
+    float lo[2 * LINK_CHANNELS_ROOM], hi[2 * LINK_CHANNELS_ROOM]; /* EU */
+};
+static inline void plant_spans_keep(struct plant_spans *s, unsigned page, float lo, float hi)
+{
+    s->lo[page] = lo;
+    s->hi[page] = hi;
+}
+static inline void plant_spans_give(const struct plant_spans *s, unsigned page, float *lo,
+                                    float *hi)
+{
+    *lo = s->lo[page];
+    *hi = s->hi[page];
+}
+#else
+struct plant_spans {
+};
+#define plant_spans_keep(s, page, lo, hi) ((void)(s))
+#define plant_spans_give(s, page, lo, hi) ((void)(s), (void)(page))
+#endif
+
 struct plant_link {
     enum io_state state;
     uint32_t generation;
@@ -42,9 +65,7 @@ struct plant_link {
         [2 *
          LINK_CHANNELS_ROOM]; /* by page: where name and unit stand in text, a zero after each */
     float safe[LINK_CHANNELS_ROOM];
-#if COMMISSION_CHANNELS
-    float lo[2 * LINK_CHANNELS_ROOM], hi[2 * LINK_CHANNELS_ROOM]; /* by page: for people alone */
-#endif
+    struct plant_spans spans;
     char text[LINK_TEXT_BYTES];
     enum plant_fault refused; /* why the plant with this `hello` is not taken */
     uint32_t told_ms,

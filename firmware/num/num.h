@@ -25,6 +25,7 @@ typedef struct {
     int32_t q;
 } num_t;
 
+#define NUM_IS_FIXED      1
 #define NUM_FRACTION_BITS 24
 #define NUM_FORMAT        "Q7.24"
 #define NUM_MAX_MAGNITUDE 127.0f /* largest value a parameter may ask for */
@@ -120,6 +121,7 @@ static inline bool num_eq(num_t a, num_t b)
 
 #else
 
+#define NUM_IS_FIXED 0
 typedef float num_t;
 
 #define NUM_FORMAT        "float32"

@@ -14,11 +14,7 @@
 static uint8_t first_of_stage(enum block_stage stage)
 {
     for (uint8_t k = 0; k < block_kind_count; k++)
-#if CONFIG_BLOCKS
-        if (block_kinds[k]->stage == stage && !block_kind_has_record(k))
-#else
-        if (block_kinds[k]->stage == stage)
-#endif
+        if (block_kinds[k]->stage == stage && !(CONFIG_BLOCKS && block_kind_has_record(k)))
             return k;
     return PLAN_NONE;
 }
@@ -104,12 +100,10 @@ static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct conf
 {
     static const char *const wanted = "finds no memory";
     const struct config *c = &plan->config;
-#if CONFIG_BLOCKS
-    if (slot >= SLOT_RECORDS) {
+    if (CONFIG_BLOCKS && slot >= SLOT_RECORDS) {
         unsigned n = slot - SLOT_RECORDS;
         return plan_refuse(fault, ERR_MEMORY, "block", n + 1u, "kind", c->block[n].kind, wanted);
     }
-#endif
     if (slot >= SLOT_ELEMENTS) {
         unsigned k = slot - SLOT_ELEMENTS;
         return plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead", c->feedforward[k].from,
@@ -132,10 +126,8 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
             plan_block_setup(plan, slot, &b);
             uint32_t bytes = plan_kind(plan, slot)->bytes(&b.setup);
             grains = ARENA_GRAINS(bytes);
-#if CONFIG_BLOCKS
             place->spare = (uint8_t)(grains * ARENA_GRAIN - bytes);
             grains += plan_grains_behind(plan, slot);
-#endif
         }
         if (at + grains > PLAN_ARENA_BYTES / ARENA_GRAIN) {
             enum err err = refuse_memory(plan, slot, fault);
@@ -146,9 +138,5 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
         place->grains = (uint16_t)grains;
         at += grains;
     }
-#if CONFIG_BLOCKS
     return plan_resolve_histories(plan, at, fault);
-#else
-    return ERR_OK;
-#endif
 }

@@ -197,13 +197,11 @@ static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault
     return ERR_OK;
 }
 
-#if CONFIG_BLOCKS
 #define INFER_WANTED                                                                               \
-    "must be the name of a configured manipulated variable, or of a measurement that a block "     \
-    "writes"
-#else
-#define INFER_WANTED "must be the name of a configured manipulated variable"
-#endif
+    (CONFIG_BLOCKS ? "must be the name of a configured manipulated variable, or of a measurement " \
+                     "that a block "                                                               \
+                     "writes"                                                                      \
+                   : "must be the name of a configured manipulated variable")
 
 static enum err resolve_inferences(struct plan *plan, struct config_fault *fault)
 {
@@ -212,8 +210,8 @@ static enum err resolve_inferences(struct plan *plan, struct config_fault *fault
         plan->infer[i] = m->name[0] ? config_find_mv(&plan->config, m->infer) : PLAN_NONE;
         if (!m->name[0])
             continue;
-#if CONFIG_BLOCKS
-        uint8_t estimate = config_find_measurement(&plan->config, m->infer);
+        uint8_t estimate =
+            CONFIG_BLOCKS ? config_find_measurement(&plan->config, m->infer) : (uint8_t)PLAN_NONE;
         if (plan->infer[i] == PLAN_NONE && estimate != PLAN_NONE &&
             plan_is_estimate(plan, estimate)) {
             if (estimate == i)
@@ -221,7 +219,6 @@ static enum err resolve_inferences(struct plan *plan, struct config_fault *fault
                                    "is the measurement itself");
             plan->infer[i] = (uint8_t)(INFER_IS_ESTIMATE | estimate);
         }
-#endif
         if (m->infer[0] && plan->infer[i] == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer, INFER_WANTED);
         if (m->fallback == FALLBACK_SUBSTITUTE &&
@@ -237,14 +234,12 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
     for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
         const struct alarm_config *a = &plan->config.alarm[i];
         bool deviation = a->side == ALARM_DEVIATION;
-#if CONFIG_BLOCKS
-        if (strchr(a->on, '.')) { /* which is in no name */
+        if (alarm_is_on_event(a)) {
             enum err err = plan_resolve_block_alarm(plan, i, fault);
             if (err)
                 return err;
             continue;
         }
-#endif
         plan->alarm[i] = deviation ? config_find_loop(&plan->config, a->on)
                                    : config_find_measurement(&plan->config, a->on);
         if (a->on[0] && plan->alarm[i] == PLAN_NONE)
@@ -254,30 +249,6 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
     }
     return ERR_OK;
 }
-
-#if COMMISSION_CHANNELS
-static enum err check_tests(const struct config *c, struct config_fault *fault)
-{
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        const struct mv_config *o = &c->mv[i];
-        if (o->name[0] && o->test_step > 0.5f * (o->hi - o->lo))
-            return plan_refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
-                               "must be half of the span at most");
-    }
-    for (uint8_t i = 0; i < CONFIG_PAIRS; i++) {
-        const struct pair_config *p = &c->pair[i];
-        if (!p->measurement[0] && !p->mv[0])
-            continue;
-        if (config_find_measurement(c, p->measurement) == PLAN_NONE)
-            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "meas", p->measurement,
-                               "must be the name of a configured measurement");
-        if (config_find_mv(c, p->mv) == PLAN_NONE)
-            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->mv,
-                               "must be the name of a configured manipulated variable");
-    }
-    return ERR_OK;
-}
-#endif
 
 enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault)
 {
@@ -326,14 +297,10 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         err = plan_check_calibration(plan, fault);
     if (!err)
         err = resolve_alarms(plan, fault);
-#if COMMISSION_CHANNELS
     if (!err)
-        err = check_tests(config, fault);
-#endif
-#if CONFIG_STEPS
+        err = plan_check_tests(plan, fault);
     if (!err)
         err = sequence_resolve(plan, fault);
-#endif
     return err;
 }
 
@@ -344,8 +311,6 @@ enum err plan_build(struct plan *plan, const struct config *config, float tick_s
         memcpy(&plan->config, config,
                sizeof *config); /* whole: unused bytes count in its checksum */
     plan->identity = crc32_update(0, &plan->config, CONFIG_CONTENT_BYTES);
-#if CONFIG_BLOCKS
     plan->identity = tables_identity(&plan->config, plan->identity);
-#endif
     return plan_set_tick(plan, tick_s, fault);
 }

@@ -3,8 +3,6 @@
 #include "exchange/block_setup.h"
 #include "plan/plan_parts.h"
 
-#if CONFIG_BLOCKS
-
 _Static_assert(CHANNEL_MAX <= 32, "a bit for each manipulated variable");
 
 static enum err refuse_stage(struct config_fault *fault, enum err code, uint8_t n,
@@ -123,14 +121,3 @@ uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot)
         return 0;
     return plan->record[slot - SLOT_RECORDS].members;
 }
-
-#else
-
-enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
-{
-    (void)plan;
-    (void)fault;
-    return ERR_OK;
-}
-
-#endif

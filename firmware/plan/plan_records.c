@@ -6,8 +6,6 @@
 #include "exchange/block_setup.h"
 #include "plan/plan_parts.h"
 
-#if CONFIG_BLOCKS
-
 const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE])
 {
     size_t n = 0;
@@ -250,26 +248,3 @@ enum err plan_check_records(struct plan *plan, struct config_fault *fault)
     }
     return ERR_OK;
 }
-
-#else
-
-enum err plan_resolve_records(struct plan *plan, struct config_fault *fault)
-{
-    (void)plan;
-    (void)fault;
-    return ERR_OK;
-}
-
-enum err plan_check_records(struct plan *plan, struct config_fault *fault)
-{
-    (void)plan;
-    (void)fault;
-    return ERR_OK;
-}
-
-bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
-{
-    return plan->loop[i].outer == PLAN_NONE || taken[plan->loop[i].outer];
-}
-
-#endif

@@ -9,12 +9,10 @@
 #define SALT (0x45564D00u + EVENT_COUNT)
 
 /* Characters of a subject are ',' to '~', which are 83, or its end: five of them make a word. */
-#define SYMBOLS 84u
-#define FIVE    5u
-#define BEFORE  '+'
-/* A run ends when nothing of it has come for so long of plant time. */
-#define RUN_GAP_MS 3600000u
-#define TIME_MOST  ((UINT64_C(1) << 48) - 1u)
+#define SYMBOLS   84u
+#define FIVE      5u
+#define BEFORE    '+'
+#define TIME_MOST ((UINT64_C(1) << 48) - 1u)
 _Static_assert(sizeof(struct event_record) == 32, "no gaps, which the checksum would cover");
 _Static_assert(CHANNEL_NAME_SIZE - 1 == 3 * FIVE, "a subject fills its words");
 
@@ -99,47 +97,6 @@ bool event_log_get(const struct event_log *log, uint32_t sequence, struct event 
     event->detail = r->detail;
     return true;
 }
-
-#if EVENT_LOG_JOINS
-/* What stands behind it is of this start. */
-static void take_out(struct event_log *log, uint32_t sequence)
-{
-    struct event e;
-    for (uint32_t k = sequence; k + 1u < log->count; k++) {
-        if (event_log_get(log, k + 1u, &e))
-            event_log_replace(log, k, &e);
-        else
-            memset(&log->record[k % EVENT_HISTORY], 0, sizeof log->record[0]);
-    }
-    log->count--;
-    memset(&log->record[log->count % EVENT_HISTORY], 0, sizeof log->record[0]);
-}
-
-bool event_log_join(struct event_log *log, uint32_t sequence)
-{
-    struct event e, before;
-    if (!event_log_get(log, sequence, &e) || !event_may_repeat(e.code))
-        return false;
-    for (uint32_t k = sequence; k-- > event_log_oldest(log);) {
-        if (!event_log_get(log, k, &before))
-            continue;
-        if (before.boot != e.boot || e.time_ms < before.time_ms ||
-            e.time_ms - before.time_ms > RUN_GAP_MS)
-            return false;
-        if ((before.code & ~EVENT_REPEATED) != e.code || before.detail != e.detail ||
-            strcmp(before.subject, e.subject) != 0)
-            continue;
-        bool latest = before.code & EVENT_REPEATED;
-        e.code |= EVENT_REPEATED;
-        e.value = latest ? before.value + 1.0f : 2.0f;
-        event_log_replace(log, sequence, &e);
-        if (latest)
-            take_out(log, k);
-        return latest;
-    }
-    return false;
-}
-#endif
 
 uint32_t event_log_oldest(const struct event_log *log)
 {

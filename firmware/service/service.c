@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "exchange/sampling.h"
 #include "exchange/sequence_rows.h"
 #include "exchange/tables.h"
 #include "hal/identity.h"
@@ -27,11 +28,9 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
                    hal_boot_id());
     s->announced = s->history.count; /* earlier starts have announced theirs */
     struct config_fault fault;
-#if CONFIG_BLOCKS
     tables_begin();
     tables_watch(TABLES_OF_PLAN, &s->plan[0].config);
     tables_watch(TABLES_OF_OTHER_PLAN, &s->plan[1].config);
-#endif
     struct config *defaults = service_staged(s);
     parameters_defaults(defaults);
     /* The defaults name no channel and no loop: nothing in them can be refused. */
@@ -153,10 +152,8 @@ static enum err build_next(struct service *s, const struct config *config,
     enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
     if (err)
         return err;
-#if CONFIG_BLOCKS
     /* A table that is in force already stays where it is: whoever has looked it up there need not be told. */
     tables_share(&plan->config, &service_plan(s)->config);
-#endif
     if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
         *fault =
             (struct config_fault){.code = ERR_CONFLICT,
@@ -165,7 +162,6 @@ static enum err build_next(struct service *s, const struct config *config,
                                   .wanted = "must be 0, or the interval of the plant's samples"};
         return ERR_CONFLICT;
     }
-#if CONFIG_STEPS
     if (sequence_active(&s->supervisor->sequence) && sequence_differs(plan, service_plan(s))) {
         *fault = (struct config_fault){
             .code = ERR_STATE,
@@ -175,16 +171,13 @@ static enum err build_next(struct service *s, const struct config *config,
                       "way; `seq abort` ends it"};
         return ERR_STATE;
     }
-#endif
     return ERR_OK;
 }
 
-#if CONFIG_BLOCKS
 enum err service_check(struct service *s, const struct config *config, struct config_fault *fault)
 {
     return build_next(s, config, fault);
 }
-#endif
 
 enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
 {
@@ -224,14 +217,12 @@ static bool counts_ticks(const struct config *c, struct config_fault *fault)
                 .group = "loop", .index = (uint8_t)(i + 1u), .field = "divisor"};
             return true;
         }
-#if CONFIG_ANALYSERS
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)
-        if (c->measurement[i].name[0] && c->measurement[i].every > 1) {
+        if (c->measurement[i].name[0] && sampling_every(&c->measurement[i]) > 1) {
             *fault = (struct config_fault){
                 .group = "meas", .index = (uint8_t)(i + 1u), .field = "every"};
             return true;
         }
-#endif
     return false;
 }
 
@@ -336,13 +327,11 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         *wanted = "has no outer loop that drives its setpoint";
         return ERR_CONFLICT;
     }
-#if CONFIG_BLOCKS
-    uint8_t server = plan->loop[loop].server;
+    uint8_t server = plan_server(plan, loop);
     if (mode != LOOP_MANUAL && server != PLAN_NONE && plan->block[server].kind == PLAN_NONE) {
         *wanted = "is served by a block whose kind this build lacks";
         return ERR_UNSUPPORTED;
     }
-#endif
     if (nobody_there(s, wanted))
         return ERR_STATE;
     enum err err = ERR_OK;

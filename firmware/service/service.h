@@ -97,11 +97,9 @@ struct config *service_stage(struct service *s);
 /* Mode a loop will have once the queued requests are carried out. */
 enum loop_mode service_mode(const struct service *s, uint8_t loop);
 
-#if CONFIG_BLOCKS
 /* What service_apply() would say of the configuration now; the scratch plan is built from it, nothing is queued. */
 MUST_CHECK enum err service_check(struct service *s, const struct config *config,
                                   struct config_fault *fault);
-#endif
 /* Checks the configuration whole and queues it for the next tick. Errors as plan_build, ERR_STATE when it would
  * disturb a sequence under way, and ERR_BUSY when the request queue is full or
  * another plan waits that has come since service_stage() (*fault then has no group). */

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "exchange/sampling.h"
+
 void telemetry_init(struct telemetry *t)
 {
     memset(t, 0, sizeof *t);
@@ -43,18 +45,15 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
         const struct measurement_config *m = &c->measurement[s->plan->loop[i].pv];
         row->setpoint[i] = span_to_eu(s->loop[i].setpoint, m->lo, m->hi);
     }
-#if CONFIG_STEPS
-    row->sequence = s->sequence.state;
-    row->step = s->sequence.state == SEQUENCE_IDLE ? 0 : (uint8_t)(s->sequence.step + 1u);
+    row->sequence = sequence_phase(&s->sequence);
+    row->step = (uint8_t)(row->sequence == SEQUENCE_IDLE ? 0u : sequence_row(&s->sequence) + 1u);
     row->offsets = 0;
-    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
-        row->offsets = (uint16_t)(row->offsets | (s->measurement[i].offset_on ? 1u << i : 0u));
-#endif
-#if CONFIG_ANALYSERS
     row->fresh = 0;
-    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
-        row->fresh = (uint16_t)(row->fresh | (s->measurement[i].fresh ? 1u << i : 0u));
-#endif
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
+        const struct measurement_state *m = &s->measurement[i];
+        row->offsets = (uint16_t)(row->offsets | (measurement_offset_is_on(m) ? 1u << i : 0u));
+        row->fresh = (uint16_t)(row->fresh | (sampling_is_fresh(m) ? 1u << i : 0u));
+    }
     spsc_write_done(&t->index);
 }
 
@@ -92,23 +91,17 @@ bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
         text_str(piece, "H,");
         text_u32(piece, TELEMETRY_FORMAT);
         text_str(piece, ",number,time[s],state,ev");
-#if CONFIG_STEPS
-        text_str(piece, plan->has_steps ? ",seq,step" : "");
-#endif
+        text_str(piece, CONFIG_STEPS && plan->has_steps ? ",seq,step" : "");
         return true;
     case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
             return true;
         column(piece, c->measurement[i].name, "", c->measurement[i].unit);
         column(piece, c->measurement[i].name, ".q", NULL);
-#if CONFIG_STEPS
-        if (c->measurement[i].offset != 0.0f)
+        if (measurement_offset_of(&c->measurement[i]) != 0.0f)
             column(piece, c->measurement[i].name, ".off", c->measurement[i].unit);
-#endif
-#if CONFIG_ANALYSERS
-        if (c->measurement[i].every > 1)
+        if (sampling_every(&c->measurement[i]) > 1)
             column(piece, c->measurement[i].name, ".new", NULL);
-#endif
         return true;
     case PART_LOOP:
         if (!plan->loop[i].used)
@@ -145,20 +138,14 @@ bool telemetry_same_columns(const struct plan *a, const struct plan *b)
         const struct mv_config *oa = &ca->mv[i], *ob = &cb->mv[i];
         same = same && same_channel(ma->name, ma->unit, mb->name, mb->unit) &&
                same_channel(oa->name, oa->unit, ob->name, ob->unit);
-#if CONFIG_STEPS
-        same = same && ma->offset == mb->offset; /* a row says only whether one is subtracted */
-#endif
-#if CONFIG_ANALYSERS
-        same = same && (ma->every > 1) == (mb->every > 1);
-#endif
+        /* A row says only whether an offset is subtracted. */
+        same = same && measurement_offset_of(ma) == measurement_offset_of(mb);
+        same = same && (sampling_every(ma) > 1) == (sampling_every(mb) > 1);
     }
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         same = same && a->loop[i].pv == b->loop[i].pv &&
                strcmp(ca->loop[i].name, cb->loop[i].name) == 0;
-#if CONFIG_STEPS
-    same = same && a->has_steps == b->has_steps;
-#endif
-    return same;
+    return same && a->has_steps == b->has_steps;
 }
 
 static void put_number(struct text *line, float x)
@@ -186,26 +173,21 @@ bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *pie
         text_seconds(piece, row->time_ms);
         put_whole(piece, row->state);
         put_whole(piece, row->events);
-#if CONFIG_STEPS
-        if (row->plan->has_steps) {
+        if (CONFIG_STEPS && row->plan->has_steps) {
             put_whole(piece, row->sequence);
             put_whole(piece, row->step);
         }
-#endif
         return true;
     case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
             return true;
         put_number(piece, row->measurement[i]);
         put_whole(piece, row->quality[i]);
-#if CONFIG_STEPS
-        if (c->measurement[i].offset != 0.0f)
-            put_number(piece, row->offsets & 1u << i ? c->measurement[i].offset : 0.0f);
-#endif
-#if CONFIG_ANALYSERS
-        if (c->measurement[i].every > 1)
+        if (measurement_offset_of(&c->measurement[i]) != 0.0f)
+            put_number(piece,
+                       row->offsets & 1u << i ? measurement_offset_of(&c->measurement[i]) : 0.0f);
+        if (sampling_every(&c->measurement[i]) > 1)
             put_whole(piece, row->fresh >> i & 1u);
-#endif
         return true;
     case PART_LOOP:
         if (!row->plan->loop[i].used)

@@ -31,20 +31,16 @@ struct telemetry_row {
     uint32_t number;
     uint64_t time_ms;
     uint8_t state;
+    uint8_t sequence, step; /* enum sequence_state; row from 1, 0: none */
     uint32_t events;
     uint32_t cycles; /* of this tick */
     float measurement[CHANNEL_MAX];
     uint8_t quality[CHANNEL_MAX];
     uint8_t mode[CONFIG_LOOPS];
+    uint16_t offsets; /* switched on, a bit for each measurement */
+    uint16_t fresh;   /* a bit for each measurement */
     float setpoint[CONFIG_LOOPS];
     float commanded[CHANNEL_MAX], applied[CHANNEL_MAX];
-#if CONFIG_STEPS
-    uint8_t sequence, step;
-    uint16_t offsets; /* switched on, a bit for each measurement */
-#endif
-#if CONFIG_ANALYSERS
-    uint16_t fresh; /* a bit for each measurement */
-#endif
 };
 
 struct telemetry {

@@ -1,6 +1,6 @@
 /* Parameters of blocks: what is fixed (kind, and the names of loops, inputs and points) and what the rows of the kind
  * declare. Their values are texts of several names, rows of tables, and a kind, which no other parameter is; single
- * numbers and words are handled as everywhere (parameters.c). Nothing here on boards without blocks.
+ * numbers and words are handled as everywhere (parameters.c).
  */
 #ifndef REFLUX_SETTINGS_BLOCK_PARAMETERS_H
 #define REFLUX_SETTINGS_BLOCK_PARAMETERS_H
@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "exchange/block_settings.h"
 
-#if CONFIG_BLOCKS
 enum block_field { BLOCK_FIELD_KIND, BLOCK_FIELD_LOOPS, BLOCK_FIELD_INPUTS, BLOCK_FIELD_POINTS };
 #define BLOCK_FIELDS 4u
 
@@ -65,6 +64,5 @@ size_t block_row_encode(const struct block_parameter *own, const uint8_t *at, ui
 /* False: a value had to be changed to the nearest one allowed; *taken false: they are no numbers, nothing has changed. */
 bool block_row_decode(const struct block_parameter *own, uint8_t *at, const uint8_t *stored,
                       bool *taken);
-#endif
 
 #endif

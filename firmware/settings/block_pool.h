@@ -5,7 +5,6 @@
 
 #include "exchange/block_settings.h"
 
-#if CONFIG_BLOCKS
 /* The same, to be written; the block must have one, and record_to_write() must have been asked. */
 void *record_place(struct config *config, uint8_t n);
 /* Before the settings of block n are written: a table that others refer to is copied. ERR_FULL: no place for the copy. */
@@ -16,6 +15,5 @@ MUST_CHECK enum err record_make(struct config *config, uint8_t n, const char *ki
                                 uint32_t *needed, uint32_t *free);
 /* As stored: a kind that is unknown, or finds no room, stays as a name without a record. False then. */
 bool record_restore(struct config *config, uint8_t n, const char *kind);
-#endif
 
 #endif

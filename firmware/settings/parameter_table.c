@@ -1,6 +1,7 @@
 /* The declaration of every parameter. Ids are for ever: take the next free one for a new field. */
 #include <stddef.h>
 
+#include "exchange/rows.h"
 #include "settings/parameters.h"
 
 #define BIG 1e9f
@@ -37,6 +38,9 @@ static const float values[] = {VALUES(ENTRY, )};
 #define N(s, member, id, name, help)                                                               \
     ROW(id, PARAMETER_NAME, offsetof(struct s, member), name, "", 0, 0, 0, help)
 
+/* Fields of a group that a board may lack. */
+#define OPTIONAL_FIELDS static const __attribute__((unused)) struct parameter_field
+
 static const struct parameter_field config_fields[] = {
     ROW(1, PARAMETER_FIXED, offsetof(struct config, schema), "schema", "", 0, 0, CONFIG_SCHEMA,
         "version of this list of parameters"),
@@ -51,6 +55,18 @@ static const struct parameter_field tick_fields[] = {
       "no sample for this long of the board's clock: safe state; 0 = off, for plants that may "
       "wait"),
 };
+
+/* Of an analyser, and of a calibration. */
+#define A(member, id, lo, hi, initial, help)                                                       \
+    {                                                                                              \
+        id, PARAMETER_U16, offsetof(struct measurement_config, member), #member, "ticks", help,    \
+            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+    }
+#define C(member, id, unit, lo, hi, initial, help)                                                 \
+    {                                                                                              \
+        id, PARAMETER_FLOAT, offsetof(struct measurement_config, member), #member, unit, help,     \
+            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+    }
 
 static const struct parameter_field measurement_fields[] = {
     N(measurement_config, name, 1, "name", "measurement as the plant announces it; - = unused"),
@@ -72,55 +88,38 @@ static const struct parameter_field measurement_fields[] = {
       "a faster change is not valid; 0 = off"),
     F(measurement_config, frozen_s, 10, "frozen", "s", 0, 1e6f, 0,
       "a reading that has not changed at all for this long is not valid; 0 = off"),
-#if CONFIG_BLOCKS
     N(measurement_config, infer, 11, "infer",
-      "manipulated variable, or point that a block writes, that stands in for a lost reading; - = "
-      "none"),
-#else
-    N(measurement_config, infer, 11, "infer",
-      "manipulated variable whose output stands in for a lost reading; - = none"),
-#endif
+      CONFIG_BLOCKS ? "manipulated variable, or point that a block writes, that stands in for a "
+                      "lost reading; - = "
+                      "none"
+                    : "manipulated variable whose output stands in for a lost reading; - = none"),
     F(measurement_config, infer_gain, 12, "infer_gain", "EU/EU", -BIG, BIG, 1,
       "inferred value per unit of that output"),
     F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
       "inferred value where that output is 0"),
-#if COMMISSION_CHANNELS
-    W(measurement_config, test, 14, "test", "off|on", 1, "automatic start-up finds a loop for it"),
-    F(measurement_config, test_limit, 15, "test_limit", "EU", 0, BIG, 0,
-      "farthest it may go from rest while the plant is tested; 0 = a fifth of the span"),
-    W(measurement_config, test_critical, 16, "test_critical", "off|on", 0,
-      "while the plant is tested it may go only half as far"),
-#endif
-#if CONFIG_STEPS
-    F(measurement_config, offset, 17, "offset", "EU", -BIG, BIG, 0,
-      "subtracted from the reading while a sequence has switched it on (offset_on)"),
-#endif
-#if CONFIG_ANALYSERS
-#define A(member, id, lo, hi, initial, help)                                                       \
-    {                                                                                              \
-        id, PARAMETER_U16, offsetof(struct measurement_config, member), #member, "ticks", help,    \
-            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
-    }
-    A(every, 18, 1, 10000, 1, "base ticks from one sample of it to the next (an analyser)"),
-    A(phase, 19, 0, 9999, 0, "base tick of plant time within these in which it comes"),
-    A(delay, 20, 0, 10000, 0, "base ticks from when it is sampled until it comes"),
-#undef A
-#endif
-#if CONFIG_CALIBRATION
-#define C(member, id, unit, lo, hi, initial, help)                                                 \
-    {                                                                                              \
-        id, PARAMETER_FLOAT, offsetof(struct measurement_config, member), #member, unit, help,     \
-            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
-    }
-    C(gain, 21, "EU/EU", 1e-6f, 1e6f, 1,
-      "calibration: reading = zero + gain times what the plant sends"),
-    C(zero, 22, "EU", -BIG, BIG, 0, "calibration: added to that (docs/faults.md)"),
-    C(valid_lo, 23, "EU", -BIG, BIG, 0,
-      "a lower reading is not valid; both 0 = -2.5 % and 106.25 % of the span, as NAMUR NE 43"),
-    C(valid_hi, 24, "EU", -BIG, BIG, 0, "a higher reading is not valid"),
-#undef C
-#endif
-};
+    START_UP_ROWS(
+        W(measurement_config, test, 14, "test", "off|on", 1,
+          "automatic start-up finds a loop for it"),
+        F(measurement_config, test_limit, 15, "test_limit", "EU", 0, BIG, 0,
+          "farthest it may go from rest while the plant is tested; 0 = a fifth of the span"),
+        W(measurement_config, test_critical, 16, "test_critical", "off|on", 0,
+          "while the plant is tested it may go only half as far"))
+        SEQUENCE_ROWS(
+            F(measurement_config, offset, 17, "offset", "EU", -BIG, BIG, 0,
+              "subtracted from the reading while a sequence has switched it on (offset_on)"))
+            ANALYSER_ROWS(
+                A(every, 18, 1, 10000, 1,
+                  "base ticks from one sample of it to the next (an analyser)"),
+                A(phase, 19, 0, 9999, 0, "base tick of plant time within these in which it comes"),
+                A(delay, 20, 0, 10000, 0, "base ticks from when it is sampled until it comes"))
+                CALIBRATION_ROWS(
+                    C(gain, 21, "EU/EU", 1e-6f, 1e6f, 1,
+                      "calibration: reading = zero + gain times what the plant sends"),
+                    C(zero, 22, "EU", -BIG, BIG, 0, "calibration: added to that (docs/faults.md)"),
+                    C(valid_lo, 23, "EU", -BIG, BIG, 0,
+                      "a lower reading is not valid; both 0 = -2.5 % and 106.25 % of the span, as "
+                      "NAMUR NE 43"),
+                    C(valid_hi, 24, "EU", -BIG, BIG, 0, "a higher reading is not valid"))};
 
 static const struct parameter_field mv_fields[] = {
     N(mv_config, name, 1, "name", "manipulated variable as announced; - = unused"),
@@ -137,16 +136,14 @@ static const struct parameter_field mv_fields[] = {
       "read-back this close to the command counts as followed"),
     F(mv_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
       "a command not followed for this long is an alarm"),
-#if COMMISSION_CHANNELS
-    W(mv_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
-    F(mv_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
-      "amplitude of the test; 0 = larger ones are tried until the response stands out"),
-    F(mv_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
-      "length of half a double step; 0 = until the plant is at rest"),
-    W(mv_config, test_critical, 14, "test_critical", "off|on", 0,
-      "tested first: its times are the first guess for the others"),
-#endif
-};
+    START_UP_ROWS(
+        W(mv_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
+        F(mv_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
+          "amplitude of the test; 0 = larger ones are tried until the response stands out"),
+        F(mv_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
+          "length of half a double step; 0 = until the plant is at rest"),
+        W(mv_config, test_critical, 14, "test_critical", "off|on", 0,
+          "tested first: its times are the first guess for the others"))};
 
 static const struct parameter_field loop_fields[] = {
     N(loop_config, name, 1, "name", "name of the loop; - = unused"),
@@ -227,13 +224,12 @@ static const struct parameter_field interlock_fields[] = {
 };
 
 static const struct parameter_field alarm_fields[] = {
-#if CONFIG_BLOCKS
-    ROW(1, PARAMETER_NAME, offsetof(struct alarm_config, on), "on", PARAMETER_SUBJECT, 0, 0, 0,
-        "measurement that is watched, loop (deviation), or event of a block (blockN.CODE); - = "
-        "unused"),
-#else
-    N(alarm_config, on, 1, "on", "measurement that is watched, or loop (deviation); - = unused"),
-#endif
+    ROW(1, PARAMETER_NAME, offsetof(struct alarm_config, on), "on",
+        CONFIG_BLOCKS ? PARAMETER_SUBJECT : "", 0, 0, 0,
+        CONFIG_BLOCKS ? "measurement that is watched, loop (deviation), or event of a block "
+                        "(blockN.CODE); - = "
+                        "unused"
+                      : "measurement that is watched, or loop (deviation); - = unused"),
     W(alarm_config, side, 2, "side", "hi_hi|hi|lo|lo_lo|deviation", ALARM_HI,
       "which limit this is; deviation: distance from the setpoint of a loop that acts"),
     F(alarm_config, limit, 3, "limit", "EU", -BIG, BIG, 0, "limit of the measurement or distance"),
@@ -247,32 +243,29 @@ static const struct parameter_field alarm_fields[] = {
       "the first alarm of a group is marked"),
 };
 
+#define STEP_FIELD(member) offsetof(struct step_config, member)
+
 static const struct parameter_field step_fields[] = {
-#if CONFIG_STEPS
-#define STEP(member) offsetof(struct step_config, member)
-#else /* named, to be refused */
-#define STEP(member) 0
-#endif
 #define S(member, id, name, words, initial, help)                                                  \
-    ROW(id, PARAMETER_WORD, STEP(member), name, words, 0, 0, initial, help)
+    ROW(id, PARAMETER_WORD, offsetof(struct step_config, member), name, words, 0, 0, initial, help)
     S(sequence, 1, "seq", "none|start|stop", SEQUENCE_NONE,
       "sequence the row belongs to (docs/sequences.md); none = unused"),
     S(action, 2, "do", "nothing|out|manual|auto|cascade|sp|offset_on|offset_off|guard|drop",
       STEP_NOTHING,
       "what the row does; guard: its condition must hold from here on, drop: no longer"),
-    ROW(3, PARAMETER_NAME, STEP(what), "what", "", 0, 0, 0,
+    ROW(3, PARAMETER_NAME, STEP_FIELD(what), "what", "", 0, 0, 0,
         "manipulated variable, loop or measurement it does that to"),
-    ROW(4, PARAMETER_FLOAT, STEP(value), "value", "EU", -BIG, BIG, 0,
+    ROW(4, PARAMETER_FLOAT, STEP_FIELD(value), "value", "EU", -BIG, BIG, 0,
         "of out, in the output's unit; of sp, in the measurement's"),
     S(until, 5, "until", "at_once|above|below|steady|time|confirm", STEP_AT_ONCE,
       "what is waited for then"),
-    ROW(6, PARAMETER_NAME, STEP(measurement), "meas", "", 0, 0, 0,
+    ROW(6, PARAMETER_NAME, STEP_FIELD(measurement), "meas", "", 0, 0, 0,
         "measurement that is waited for, or guarded"),
-    ROW(7, PARAMETER_FLOAT, STEP(limit), "limit", "EU", -BIG, BIG, 0,
+    ROW(7, PARAMETER_FLOAT, STEP_FIELD(limit), "limit", "EU", -BIG, BIG, 0,
         "of above and below; steady: the width the measurement stays within"),
-    ROW(8, PARAMETER_U16, STEP(wait_s), "hold", "s", 0, 65535, 0,
+    ROW(8, PARAMETER_U16, STEP_FIELD(wait_s), "hold", "s", 0, 65535, 0,
         "the condition must hold this long; time: how long; guard: how long it may be broken"),
-    ROW(9, PARAMETER_U16, STEP(timeout_s), "timeout", "s", 0, 65535, 0,
+    ROW(9, PARAMETER_U16, STEP_FIELD(timeout_s), "timeout", "s", 0, 65535, 0,
         "longest wait; 0 = none, for time and confirm"),
     S(otherwise, 10, "else", "abort|go_on|hold", STEP_ABORT, "what the time-out, or a guard, does"),
 #undef S
@@ -287,15 +280,12 @@ static const struct parameter_field restart_fields[] = {
       "longest gap in plant time over the reset; after a longer one the safe state stays"),
 };
 
-#if CONFIG_LOOP_GUARD
-static const struct parameter_field deviation_fields[] = {
+OPTIONAL_FIELDS deviation_fields[] = {GUARD_ROWS(
     F(config, deviation_width, 1, "width", "fraction", 0, 1, 0.1f,
       "alarm of every loop that acts: its PV is further from the setpoint than this part of its "
       "span; "
       "0 = none. A loop with an alarm of side dev of its own has that instead"),
-    F(config, deviation_delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"),
-};
-#endif
+    F(config, deviation_delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"))};
 
 static const struct parameter_field console_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,
@@ -304,8 +294,7 @@ static const struct parameter_field console_fields[] = {
       "the engineer level locks itself after this long without its commands; 0 = never"),
 };
 
-#if COMMISSION_CHANNELS
-static const struct parameter_field test_fields[] = {
+OPTIONAL_FIELDS test_fields[] = {START_UP_ROWS(
     F(config, test.noise_multiple, 1, "noise", "-", 2, 1000, 20,
       "a response this many times the noise is large enough"),
     F(config, test.blank_s, 2, "blank", "s", 0, 1e5f, 0,
@@ -321,17 +310,14 @@ static const struct parameter_field test_fields[] = {
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
       "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
     W(config, test.pairs, 8, "pairs", "found|given", TEST_PAIRS_FOUND,
-      "which measurement gets which input: found by the tests, or given: each pair<i>"),
-};
+      "which measurement gets which input: found by the tests, or given: each pair<i>"))};
 
-static const struct parameter_field pair_fields[] = {
+OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
     N(pair_config, measurement, 1, "meas", "measurement; - = unused"),
     N(pair_config, mv, 2, "mv", "manipulated variable"),
     F(pair_config, time_s, 3, "time", "s", 0, 1e6f, 0,
       "dead time and time constant together, as far as known; 0 = unknown"),
-    F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"),
-};
-#endif
+    F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* most: what the headers give where no board says otherwise. */
@@ -354,22 +340,14 @@ const struct parameter_group parameter_groups[] = {
     {9, 1, COUNT(console_fields), false, 0, 0, "console", console_fields, 1},
     GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
     {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
-#if CONFIG_LOOP_GUARD
-    {13, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1},
-#endif
-#if COMMISSION_CHANNELS
-    {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
-    GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),
-#endif
-#if CONFIG_STEPS
+    GUARD_ROWS({13, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1})
+        START_UP_ROWS({14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
+                      GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields))
+    /* Without sequences: named, to be refused. */
     GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 32, step_fields),
-#else
-    {12, 0, COUNT(step_fields), true, 0, sizeof(struct step_config), "step", step_fields, 32},
-#endif
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);
 
-#if CONFIG_BLOCKS
 #define B(member, id, type, name, help)                                                            \
     ROW(id, type, offsetof(struct block_config, member), name, "", 0, 0, 0, help)
 static const struct parameter_field block_fields[BLOCK_FIELDS] = {
@@ -391,7 +369,6 @@ const struct parameter_field parameter_own_fields[] = {
     ROW(0, PARAMETER_WORD, 0, "", "", 0, 0, 0, ""),
     ROW(0, PARAMETER_ROW, 0, "", "", 0, 0, 0, ""),
 };
-#endif
 
 float field_lo(const struct parameter_field *field)
 {

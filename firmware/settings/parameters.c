@@ -4,6 +4,7 @@
 
 #include "base/channel.h"
 #include "settings/block_pool.h"
+#include "settings/block_texts.h"
 #include "settings/words.h"
 
 const char *field_unit(const struct parameter_field *field)
@@ -16,61 +17,58 @@ const char *field_words(const struct parameter_field *field)
     return field->type == PARAMETER_WORD ? field->unit : "";
 }
 
-#if CONFIG_BLOCKS
 const char *parameter_unit(const struct parameter *p)
 {
-    if (p->own)
-        return p->own->type == BLOCK_WORD ? "" : p->own->unit;
-    return p->group == &parameter_blocks ? "" : field_unit(p->field);
+    const struct block_parameter *own = parameter_own(p);
+    if (own)
+        return own->type == BLOCK_WORD ? "" : own->unit;
+    return parameter_is_of_block(p) ? "" : field_unit(p->field);
 }
 
 const char *parameter_word_list(const struct parameter *p)
 {
-    return p->own && p->own->type == BLOCK_WORD ? p->own->unit : field_words(p->field);
+    const struct block_parameter *own = parameter_own(p);
+    return own && own->type == BLOCK_WORD ? own->unit : field_words(p->field);
 }
 
 const char *parameter_about(const struct parameter *p)
 {
-    return p->own ? p->own->help : p->field->help;
+    const struct block_parameter *own = parameter_own(p);
+    return own ? own->help : p->field->help;
 }
 
 float parameter_lo(const struct parameter *p)
 {
-    return p->own ? p->own->lo : field_lo(p->field);
+    const struct block_parameter *own = parameter_own(p);
+    return own ? own->lo : field_lo(p->field);
 }
 
 float parameter_hi(const struct parameter *p)
 {
-    return p->own ? p->own->hi : field_hi(p->field);
+    const struct block_parameter *own = parameter_own(p);
+    return own ? own->hi : field_hi(p->field);
 }
-#endif
 
 static const uint8_t *place_const(const struct parameter *p, const struct config *config)
 {
-#if CONFIG_BLOCKS
-    if (p->own)
+    if (parameter_own(p))
         return block_parameter_where(config, p->index, p->row, p->own);
-#endif
     return (const uint8_t *)config + p->group->offset + (size_t)p->index * p->group->stride +
            p->field->offset;
 }
 
 void *parameter_place(const struct parameter *p, struct config *config)
 {
-#if CONFIG_BLOCKS
-    if (p->own) /* of a record, which may be in another place */
+    if (parameter_own(p)) /* of a record, which may be in another place */
         return (uint8_t *)record_place(config, p->index) +
                (place_const(p, config) - (const uint8_t *)config_record(config, p->index));
-#endif
     return (uint8_t *)config + (place_const(p, config) - (const uint8_t *)config);
 }
 
-#if CONFIG_BLOCKS
 enum err parameter_to_write(const struct parameter *p, struct config *config)
 {
-    return p->own ? record_to_write(config, p->index) : ERR_OK;
+    return parameter_own(p) ? record_to_write(config, p->index) : ERR_OK;
 }
-#endif
 
 size_t parameter_size(const struct parameter *p)
 {
@@ -85,25 +83,17 @@ size_t parameter_size(const struct parameter *p)
         return CHANNEL_NAME_SIZE;
     case PARAMETER_UNIT:
         return CHANNEL_UNIT_SIZE;
-#if CONFIG_BLOCKS
-    case PARAMETER_KIND:
-        return CHANNEL_NAME_SIZE;
-    case PARAMETER_LIST:
-        return p->field->id == 1u + BLOCK_FIELD_LOOPS ? BLOCK_LOOPS_SIZE : BLOCK_NAMES_SIZE;
-    case PARAMETER_ROW:
-        return p->own ? block_row_size(p->own) : 0;
-#endif
-    default:
+    case PARAMETER_WORD:
         return 1;
+    default:
+        return block_text_size(p);
     }
 }
 
 static float initial(const struct parameter *p)
 {
-#if CONFIG_BLOCKS
-    if (p->own)
+    if (parameter_own(p))
         return p->own->initial;
-#endif
     bool diagonal =
         p->group->offset == offsetof(struct config, decoupler) && p->field->id == p->index + 1u;
     return diagonal ? 1.0f : field_initial(p->field);
@@ -150,8 +140,7 @@ void parameter_name(const struct parameter *p, struct text *t)
     if (p->group->indexed)
         text_u32(t, p->index + 1u);
     text_char(t, '.');
-#if CONFIG_BLOCKS
-    if (p->own) {
+    if (parameter_own(p)) {
         text_str(t, p->own->name);
         if (p->field->type == PARAMETER_ROW) {
             text_char(t, '.');
@@ -159,7 +148,6 @@ void parameter_name(const struct parameter *p, struct text *t)
         }
         return;
     }
-#endif
     text_str(t, p->field->name);
 }
 
@@ -186,15 +174,9 @@ void parameter_value(const struct parameter *p, const struct config *config, str
     case PARAMETER_WORD:
         words_put(parameter_word_list(p), *at, t);
         break;
-#if CONFIG_BLOCKS
-    case PARAMETER_LIST:
-        block_list_put((const char *)at, t);
-        break;
-    case PARAMETER_ROW:
-        block_row_put(p->own, at, t);
-        break;
-#endif
     default:
+        if (block_text_put(p, at, t))
+            break;
         text_str(t, !*at ? "-" : parameter_is_secret(p) ? PARAMETER_SECRET : (const char *)at);
         break;
     }
@@ -225,31 +207,13 @@ void parameter_default(const struct parameter *p, const struct config *config, s
     case PARAMETER_WORD:
         words_put(parameter_word_list(p), (unsigned)initial(p), t);
         break;
-#if CONFIG_BLOCKS
-    case PARAMETER_ROW:
-        block_row_put_initial(p->own, t);
-        break;
-#endif
     default:
+        if (block_text_put_initial(p, t))
+            break;
         text_str(t, "-");
         break;
     }
 }
-
-#if CONFIG_BLOCKS
-static void range_of_row(const struct parameter *p, struct text *t)
-{
-    text_u32(t, p->own->cols);
-    text_str(t, " with commas between them, each ");
-    if (p->own->type == BLOCK_WORD) {
-        text_str(t, p->own->unit);
-        return;
-    }
-    text_float(t, p->own->lo);
-    text_str(t, " .. ");
-    text_float(t, p->own->hi);
-}
-#endif
 
 void parameter_range(const struct parameter *p, struct text *t)
 {
@@ -261,31 +225,16 @@ void parameter_range(const struct parameter *p, struct text *t)
         text_str(t, "read-only");
         break;
     case PARAMETER_NAME:
-#if CONFIG_BLOCKS
-        if (p->field->unit[0] == PARAMETER_SUBJECT[0]) {
-            text_str(t, "up to 15 letters, digits or _, blockN.CODE, - for none");
-            break;
-        }
-#endif
-        text_str(t, "up to 15 letters, digits or _, - for none");
+        text_str(t, parameter_names_event(p)
+                        ? "up to 15 letters, digits or _, blockN.CODE, - for none"
+                        : "up to 15 letters, digits or _, - for none");
         break;
     case PARAMETER_UNIT:
         text_str(t, "up to 11 printable characters without blanks or commas, - for none");
         break;
-#if CONFIG_BLOCKS
-    case PARAMETER_KIND:
-        block_kinds_put(t);
-        break;
-    case PARAMETER_LIST:
-        text_str(t, "names with commas between them, up to ");
-        text_u32(t, (uint32_t)parameter_size(p) - 1u);
-        text_str(t, " characters, - for none");
-        break;
-    case PARAMETER_ROW:
-        range_of_row(p, t);
-        break;
-#endif
     default:
+        if (block_text_range(p, t))
+            break;
         text_float(t, parameter_lo(p));
         text_str(t, " .. ");
         text_float(t, parameter_hi(p));
@@ -295,8 +244,7 @@ void parameter_range(const struct parameter *p, struct text *t)
 
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b)
 {
-#if CONFIG_BLOCKS
-    if (p->group == &parameter_blocks && (p->own || p->field->type == PARAMETER_KIND)) {
+    if (parameter_is_of_block(p) && (p->own || p->field->type == PARAMETER_KIND)) {
         /* Of another kind, or without a record there: what it begins with is no change beside that of the kind. */
         bool same = config_block_kind(a, p->index) == config_block_kind(b, p->index);
         if (p->own && !same)
@@ -304,7 +252,6 @@ bool parameter_equal(const struct parameter *p, const struct config *a, const st
         if (!same)
             return false;
     }
-#endif
     return memcmp(place_const(p, a), place_const(p, b), parameter_size(p)) == 0;
 }
 
@@ -327,12 +274,8 @@ bool parameter_is_default(const struct parameter *p, const struct config *config
         return u16 == (uint16_t)f;
     case PARAMETER_WORD:
         return *at == (uint8_t)f;
-#if CONFIG_BLOCKS
-    case PARAMETER_ROW:
-        return block_row_is_initial(p->own, at);
-#endif
     default:
-        return *at == 0;
+        return block_text_is_initial(p, at);
     }
 }
 
@@ -341,17 +284,18 @@ unsigned parameter_words(const struct parameter *p)
     return words_count(parameter_word_list(p));
 }
 
-#if CONFIG_BLOCKS
 const struct parameter_field *parameter_number_field(const struct parameter *p)
 {
-    return p->field->type == PARAMETER_ROW ? &parameter_own_fields[p->own->type] : p->field;
+    return parameter_own(p) && p->field->type == PARAMETER_ROW ? &parameter_own_fields[p->own->type]
+                                                               : p->field;
 }
 
 size_t parameter_number_offset(const struct parameter *p)
 {
-    return p->field->type == PARAMETER_ROW ? p->col * block_value_size(p->own->type) : 0;
+    return parameter_own(p) && p->field->type == PARAMETER_ROW
+               ? p->col * block_value_size(p->own->type)
+               : 0;
 }
-#endif
 
 enum err parameter_get_number(const struct parameter *p, const struct config *config, float *value)
 {

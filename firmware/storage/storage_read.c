@@ -301,12 +301,10 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     char name[CHANNEL_NAME_SIZE];
     struct text t = text_on(name, sizeof name);
     const void *at = parameter_place(p, config);
-#if CONFIG_BLOCKS
-    if (p->field->type == PARAMETER_KIND && block_is_unknown(config, p->index)) {
+    if (CONFIG_BLOCKS && p->field->type == PARAMETER_KIND && block_is_unknown(config, p->index)) {
         storage_tell(st, EVENT_BLOCK_UNKNOWN, config->block[p->index].kind, (float)(p->index + 1u));
         return;
     }
-#endif
     float value = 0.0f;
     uint32_t u32 = 0;
     uint16_t u16 = 0;
@@ -332,7 +330,6 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     storage_tell(st, EVENT_STORAGE_CLIPPED, name, value);
 }
 
-#if CONFIG_BLOCKS
 /* The newest set has more tables than there are places free, because of what is in force. At a start there are as many as
  * there will ever be: what is over then stays as a name. */
 static bool lacks_places(const struct storage *st, const struct config *config)
@@ -347,7 +344,6 @@ static bool lacks_places(const struct storage *st, const struct config *config)
     }
     return tables > room;
 }
-#endif
 
 enum err storage_load(struct storage *st, struct config *config, const char **reason)
 {
@@ -367,12 +363,10 @@ enum err storage_load(struct storage *st, struct config *config, const char **re
                               : "nothing is stored yet; `save` does it";
         return st->remains ? ERR_CRC : ERR_EMPTY;
     }
-#if CONFIG_BLOCKS
-    if (lacks_places(st, config)) {
+    if (CONFIG_BLOCKS && lacks_places(st, config)) {
         *reason = TABLES_TAKEN;
         return ERR_FULL;
     }
-#endif
     parameters_defaults(config);
     /* Those that have moved first: a record under the new id is the newer one. Kinds of blocks as well, without which
      * nobody knows what the other records of the block are. */

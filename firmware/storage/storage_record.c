@@ -34,53 +34,15 @@ bool record_at(uint32_t address, uint32_t left, struct stored_record *r)
         .address = address, .id = get16(head), .type = head[2], .size = head[3]};
     if (left - RECORD_HEAD < r->size)
         return false;
-#if CONFIG_BLOCKS
     uint8_t id[RECORD_WIDE];
-    if (r->id == 0 && r->size >= sizeof id) {
+    if (CONFIG_BLOCKS && r->id == 0 && r->size >= sizeof id) {
         if (storage_read(address + RECORD_HEAD, id, sizeof id) != ERR_OK)
             return false;
         r->id = get32(id) >> 16 ? get32(id) : 0;
         r->wide = sizeof id;
     }
-#endif
     return true;
 }
-
-#if CONFIG_BLOCKS
-bool record_of_block(const struct stored_record *r, uint8_t *block)
-{
-    *block = (uint8_t)(r->id & 0x3F);
-    return r->id >> 24 == parameter_blocks.id && *block < CONFIG_BLOCKS;
-}
-
-/* It is the kind of that block: which. */
-static bool kind_stored(const struct stored_record *r, uint8_t block, char kind[CHANNEL_NAME_SIZE])
-{
-    struct parameter p = {.group = &parameter_blocks,
-                          .field = &parameter_blocks.fields[BLOCK_FIELD_KIND],
-                          .index = block};
-    uint8_t size = (uint8_t)(r->size - r->wide);
-    memset(kind, 0, CHANNEL_NAME_SIZE);
-    return r->id == parameter_id(&p) && r->type == STORAGE_TEXT && size < CHANNEL_NAME_SIZE &&
-           storage_read(r->address + RECORD_HEAD + r->wide, kind, size) == ERR_OK;
-}
-
-bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config)
-{
-    char kind[CHANNEL_NAME_SIZE];
-    return kind_stored(r, block, kind) && strcmp(kind, config->block[block].kind) == 0;
-}
-
-bool record_is_table(const struct stored_record *r)
-{
-    char kind[CHANNEL_NAME_SIZE];
-    uint8_t block;
-    if (!record_of_block(r, &block) || !kind_stored(r, block, kind))
-        return false;
-    uint8_t k = block_kind_find(kind);
-    return block_kind_has_record(k) && block_kinds[k]->table;
-}
-#endif
 
 bool record_parameter(const struct stored_record *r, const struct config *config,
                       struct parameter *p, bool *renamed)
@@ -136,11 +98,10 @@ static bool take_number(const struct parameter *p, struct config *config, float 
     return outside || rounded;
 }
 
-#if CONFIG_BLOCKS
-#define TEXT_MAX (BLOCK_NAMES_SIZE - 1u)
+#define TEXT_MAX (CONFIG_BLOCKS ? BLOCK_NAMES_SIZE - 1u : CHANNEL_NAME_SIZE)
 static bool take_text(const struct parameter *p, struct config *config, const char *text)
 {
-    if (p->group == &parameter_blocks)
+    if (parameter_is_of_block(p))
         return parameter_restore(p, config, text);
     return parameter_set(p, config, text) == ERR_OK;
 }
@@ -151,15 +112,11 @@ static bool take_row(const struct stored_record *r, const struct parameter *p,
     uint8_t row[RECORD_COLS_MAX * sizeof(float)];
     size_t size = parameter_size(p);
     bool taken;
-    return p->field->type == PARAMETER_ROW && (size_t)(r->size - r->wide) == size &&
+    return parameter_own(p) && p->field->type == PARAMETER_ROW &&
+           (size_t)(r->size - r->wide) == size &&
            storage_read(r->address + RECORD_HEAD + r->wide, row, (uint32_t)size) == ERR_OK &&
            block_row_decode(p->own, parameter_place(p, config), row, &taken);
 }
-#else
-#define TEXT_MAX                   CHANNEL_NAME_SIZE
-#define take_text(p, config, text) (parameter_set(p, config, text) == ERR_OK)
-#define take_row(r, p, config)     false
-#endif
 
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config)
 {
@@ -167,10 +124,8 @@ bool record_take(const struct stored_record *r, const struct parameter *p, struc
     uint8_t data[4] = {0}, size = (uint8_t)(r->size - r->wide);
     uint32_t address = r->address + RECORD_HEAD + r->wide;
     static const uint8_t sizes[] = {0, 4, 4, 2, 1};
-#if CONFIG_BLOCKS
     if (parameter_to_write(p, config) != ERR_OK)
         return false;
-#endif
     if (r->type == STORAGE_TEXT) {
         if (size >= sizeof text || storage_read(address, text, size))
             return false;
@@ -201,16 +156,12 @@ bool record_wanted(const struct parameter *p, const struct config *config)
 {
     struct parameter first = *p;
     first.field = &p->group->fields[0];
-#if CONFIG_BLOCKS
-    if (p->group == &parameter_blocks)
+    if (parameter_is_of_block(p))
         return config->block[p->index].kind[0] != '\0';
-#endif
     if (p->field->type == PARAMETER_FIXED)
         return false;
-#if CONFIG_ANALYSERS || CONFIG_CALIBRATION
-    if (p->field->if_set)
+    if ((CONFIG_ANALYSERS || CONFIG_CALIBRATION) && p->field->if_set)
         return !parameter_is_default(p, config);
-#endif
     const float *source = parameter_follows(p, config);
     bool moved = source && *source != field_initial(p->field);
     return moved || !p->group->indexed ||
@@ -230,19 +181,15 @@ uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t 
     uint32_t u32;
     uint16_t u16;
     put16(record, id >> 16 ? 0 : (uint16_t)id);
-#if CONFIG_BLOCKS
-    if (id >> 16) {
+    if (CONFIG_BLOCKS && id >> 16) {
         put32(data, id);
         data += RECORD_WIDE;
     }
-#endif
     if (is_text(p)) {
         size = strlen(at);
         memcpy(data, at, size);
-#if CONFIG_BLOCKS
-    } else if (p->field->type == PARAMETER_ROW) {
+    } else if (parameter_own(p) && p->field->type == PARAMETER_ROW) {
         size = block_row_encode(p->own, at, data);
-#endif
     } else if (size == 4) {
         memcpy(&u32, at, sizeof u32);
         put32(data, u32);

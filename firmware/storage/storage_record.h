@@ -6,14 +6,10 @@
 
 #define RECORD_HEAD 4u /* id, type, size */
 /* Of those this build writes. Ids of more than 16 bits stand in front of the value, behind a short one of 0. */
-#if CONFIG_BLOCKS
 #define RECORD_WIDE 4u
-#define RECORD_MAX  (RECORD_HEAD + RECORD_WIDE + BLOCK_NAMES_SIZE)
+#define RECORD_MAX                                                                                 \
+    (RECORD_HEAD + (CONFIG_BLOCKS ? RECORD_WIDE + BLOCK_NAMES_SIZE : CHANNEL_NAME_SIZE))
 _Static_assert(BLOCK_NAMES_SIZE >= RECORD_COLS_MAX * sizeof(float), "rows of tables fit as well");
-#else
-#define RECORD_WIDE 0u
-#define RECORD_MAX  (RECORD_HEAD + CHANNEL_NAME_SIZE)
-#endif
 
 enum storage_type {
     STORAGE_FLOAT = 1,
@@ -48,14 +44,12 @@ bool record_at(uint32_t address, uint32_t left, struct stored_record *r);
  * block has that kind in *config. */
 bool record_parameter(const struct stored_record *r, const struct config *config,
                       struct parameter *p, bool *renamed);
-#if CONFIG_BLOCKS
 /* The block it belongs to, whatever it is of that block; false: of none that this build has. */
 bool record_of_block(const struct stored_record *r, uint8_t *block);
 /* It is the kind of that block, and *config has the same one there. */
 bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config);
 /* It says that a block has a kind whose settings are a table. */
 bool record_is_table(const struct stored_record *r);
-#endif
 /* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config);
 

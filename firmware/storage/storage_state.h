@@ -66,9 +66,7 @@ struct storage {
     unsigned parameter;     /* next one */
     uint32_t old, old_left; /* records of the newest set still to be looked at */
     uint32_t copy_left;     /* bytes of the record at `old` still to be copied */
-#if CONFIG_BLOCKS
-    uint8_t kept_blocks; /* bit n: block n has the kind that the newest set gives it */
-#endif
+    uint8_t kept_blocks;    /* bit n: block n has the kind that the newest set gives it */
     uint8_t record[RECORD_MAX];
     uint8_t record_n, record_at;
     uint8_t piece[STORAGE_PIECE];

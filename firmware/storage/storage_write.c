@@ -127,10 +127,8 @@ static uint32_t largest_set(const struct storage *st)
             bytes += p.group->count * (RECORD_HEAD + (uint32_t)parameter_size(&p));
         }
     }
-#if CONFIG_BLOCKS
-    if (st->newest.sequence && st->newest.length > bytes)
+    if (CONFIG_BLOCKS && st->newest.sequence && st->newest.length > bytes)
         bytes = st->newest.length;
-#endif
     bytes = set_size(bytes);
     uint32_t most = st->slot_size - STORAGE_GRAIN - SAVE_ROOM;
     return bytes < most ? bytes : most;
@@ -169,7 +167,6 @@ static void begin_set(struct storage *st)
         not_taken(st);
 }
 
-#if CONFIG_BLOCKS
 /* What the newest set has of blocks that keep their kind. Of another kind the same ids are something else. */
 static void find_kept_blocks(struct storage *st)
 {
@@ -179,7 +176,7 @@ static void find_kept_blocks(struct storage *st)
     struct stored_record r;
     uint8_t block;
     st->kept_blocks = 0;
-    while (record_at(address, left, &r)) {
+    while (CONFIG_BLOCKS && record_at(address, left, &r)) {
         uint32_t size = RECORD_HEAD + r.size;
         if (record_of_block(&r, &block) && record_is_kind(&r, block, config))
             st->kept_blocks |= (uint8_t)(1u << block);
@@ -191,12 +188,8 @@ static void find_kept_blocks(struct storage *st)
 static bool is_kept(const struct storage *st, const struct stored_record *r)
 {
     uint8_t block;
-    return !record_of_block(r, &block) || (st->kept_blocks >> block & 1u) != 0;
+    return !CONFIG_BLOCKS || !record_of_block(r, &block) || (st->kept_blocks >> block & 1u) != 0;
 }
-#else
-#define find_kept_blocks(st) ((void)0)
-#define is_kept(st, r)       true
-#endif
 
 static void rewind_records(struct storage *st)
 {

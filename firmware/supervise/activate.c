@@ -51,10 +51,8 @@ static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t
     /* A loop's first setpoint; or where the filter ends from now on, the ramp has to go on from there. */
     if (old && (c->sp_filter_s > 0.0f || !(old->config.loop[i].sp_filter_s > 0.0f)))
         return;
-#if CONFIG_BLOCKS
-    if (l->mode == LOOP_CASCADE) /* setpoint_taken() */
+    if (CONFIG_BLOCKS && l->mode == LOOP_CASCADE) /* setpoint_taken() */
         return;
-#endif
     setpoint_rest(l, l->setpoint);
 }
 
@@ -90,9 +88,8 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     uint8_t outer = plan->loop[i].outer;
     if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
         l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
-#if CONFIG_BLOCKS
-        setpoint_rest(l, l->setpoint);
-#endif
+        if (CONFIG_BLOCKS)
+            setpoint_rest(l, l->setpoint);
         event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_AUTO, LOOP_AUTO);
     }
     float lo, hi;
@@ -137,10 +134,8 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
     const struct measurement_config *before = old ? &old->config.measurement[i] : NULL;
     struct measurement_state *state = &s->measurement[i];
     bool same = before && m->name[0] && strcmp(m->name, before->name) == 0;
-#if CONFIG_STEPS
-    if (!same && state->offset_on)
+    if (!same && measurement_offset_is_on(state))
         event_put(s->events, s->time_ms, EVENT_OFFSET, before ? before->name : "", 0.0f, 0);
-#endif
     if (!same)
         *state =
             (struct measurement_state){.quality = QUALITY_MISSING, .fault = MEASUREMENT_MISSING};
@@ -252,8 +247,6 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     histories_place(s, old);
     serve_place(s, old);
     s->tick_s = plan->tick_s; /* only now: until here it tells that the tick is another one */
-#if CONFIG_STEPS
     sequence_place(s, old);
-#endif
     sampling_tell(s, old);
 }

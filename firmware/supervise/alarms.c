@@ -15,31 +15,15 @@ static void tell_alarm(struct supervisor *s, uint8_t i, enum event_code code, fl
     event_put(s->events, s->time_ms, code, name, value, i);
 }
 
-#if CONFIG_BLOCKS
-void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value)
-{
-    for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
-        if (s->plan->alarm[i] == ALARM_OF_EVENT(n, k))
-            s->alarm[i].value = value;
-}
-
-static bool is_of_block(const struct supervisor *s, uint8_t i)
-{
-    return s->plan->alarm[i] & ALARM_OF_BLOCK;
-}
-#endif
-
 /* What entry i looks at, EU. False: nothing that could be valid, all stays as it is. */
 static bool look(const struct supervisor *s, uint8_t i, float *value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
     uint8_t at = s->plan->alarm[i];
-#if CONFIG_BLOCKS
-    if (is_of_block(s, i)) {
-        *value = s->alarm[i].value;
+    if (alarm_is_of_block(s, i)) {
+        *value = alarm_event_value(s, i);
         return true;
     }
-#endif
     uint8_t pv = c->side == ALARM_DEVIATION ? s->plan->loop[at].pv : at;
     const struct measurement_state *m = &s->measurement[pv];
     const struct measurement_config *mc = &s->plan->config.measurement[pv];
@@ -57,11 +41,8 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
 static bool past_limit(const struct supervisor *s, uint8_t i, float value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
-#if CONFIG_BLOCKS
-    uint8_t at = s->plan->alarm[i];
-    if (is_of_block(s, i))
-        return s->served[ALARM_BLOCK(at)].raised & (1u << ALARM_EVENT(at));
-#endif
+    if (alarm_is_of_block(s, i))
+        return alarm_event_is_raised(s, s->plan->alarm[i]);
     float band = s->alarm[i].condition ? c->hysteresis : 0.0f;
     if (c->side == ALARM_DEVIATION && s->loop[s->plan->alarm[i]].mode == LOOP_MANUAL)
         return false;
@@ -76,10 +57,8 @@ static bool comes_now(const struct supervisor *s, uint8_t i)
 {
     bool deviation = s->plan->config.alarm[i].side == ALARM_DEVIATION;
     uint8_t at = s->plan->alarm[i];
-#if CONFIG_BLOCKS
-    if (is_of_block(s, i))
+    if (alarm_is_of_block(s, i))
         return true;
-#endif
     if (deviation && s->loop[at].mode == LOOP_MANUAL)
         return true;
     return !sampling_stands(s, deviation ? s->plan->loop[at].pv : at);

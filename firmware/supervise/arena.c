@@ -7,18 +7,13 @@
 
 /* What has a place in the arena: the kinds above, then the blocks, then the histories. Their order never changes. */
 #define PLACED_BLOCKS (PLACED_KINDS + PLAN_BLOCKS)
-#if CONFIG_BLOCKS
-#define PLACES (PLACED_BLOCKS + CHANNEL_MAX)
-#else
-#define PLACES PLACED_BLOCKS
-#endif
+#define PLACES        (PLACED_BLOCKS + PLAN_POINTS)
 
 struct place {
     uint32_t from, to;     /* grains */
     uint32_t kept, grains; /* bytes of the state that stay; grains it has from now on */
 };
 
-#if CONFIG_BLOCKS
 /* Where the history of MV j stands, behind the blocks and those before it. */
 static uint32_t history_from(uint32_t behind_blocks, const uint16_t *ticks, uint8_t j)
 {
@@ -45,18 +40,15 @@ static void find_history(const struct supervisor *s, const struct plan *plan, ui
     uint16_t least = s->history[j] < plan->history[j] ? s->history[j] : plan->history[j];
     p->kept = least ? applied_history_bytes(least) : 0;
 }
-#endif
 
 static void find_place(const struct supervisor *s, const struct plan *plan,
                        const uint8_t n[PLACED_KINDS], unsigned which, struct place *p)
 {
     *p = (struct place){0};
-#if CONFIG_BLOCKS
-    if (which >= PLACED_BLOCKS) {
+    if (CONFIG_BLOCKS && which >= PLACED_BLOCKS) {
         find_history(s, plan, (uint8_t)(which - PLACED_BLOCKS), p);
         return;
     }
-#endif
     if (which >= PLACED_KINDS) {
         const struct block_state *before = &s->block[which - PLACED_KINDS];
         const struct block_place *now = &plan->block[which - PLACED_KINDS];
@@ -81,12 +73,10 @@ static uint8_t *arena_at(const struct supervisor *s, uint32_t grains)
     return (uint8_t *)s->arena + (size_t)grains * ARENA_GRAIN;
 }
 
-#if CONFIG_BLOCKS
 struct applied_history *arena_history(const struct supervisor *s, uint8_t j)
 {
     return (void *)arena_at(s, history_from(behind_blocks(s), s->history, j));
 }
-#endif
 
 static void move_place(struct supervisor *s, const struct place *p, bool down)
 {
@@ -125,9 +115,7 @@ void arena_place(struct supervisor *s, const struct plan *plan)
         state->at = now->at;
         state->grains = now->grains;
     }
-#if CONFIG_BLOCKS
     memcpy(s->history, plan->history, sizeof s->history);
-#endif
     s->measurement = place[PLACED_MEASUREMENTS];
     s->mv = place[PLACED_MVS];
     s->loop = place[PLACED_LOOPS];

@@ -11,9 +11,7 @@
  * if it is of the same kind and size as before. */
 void arena_place(struct supervisor *s, const struct plan *plan);
 
-#if CONFIG_BLOCKS
 /* That of MV j, which has one. A history stays whole if it is as deep as before; else all of it is zero. */
 struct applied_history *arena_history(const struct supervisor *s, uint8_t j);
-#endif
 
 #endif

@@ -37,14 +37,12 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
 /* Whoever acts for loop i is told what took effect of its output; its own controller follows another's. */
 static void tell_applied(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
 {
-#if CONFIG_BLOCKS
     if (loop_server(s, i) != PLAN_NONE) {
-        s->loop[i].told = told;
+        loop_applied(&s->loop[i], told);
         s->loop[i].clamp = clamp;
         block_follow_at(s, i, told);
         return;
     }
-#endif
     if (block_closes(s, i))
         block_back_calculate(s, i, told, clamp);
 }

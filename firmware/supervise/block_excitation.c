@@ -141,10 +141,8 @@ static enum excite_reason disturbance(const struct supervisor *s, const struct e
 
 static enum excite_reason plant_disturbance(const struct supervisor *s)
 {
-#if CONFIG_STEPS
     if (sequence_active(&s->sequence))
         return EXCITE_SEQUENCE;
-#endif
     return s->state == SUPERVISOR_SAFE ? EXCITE_SAFE : EXCITE_FINE;
 }
 
@@ -179,11 +177,11 @@ static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
 static void end_on_setpoint(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
-    bool moves = !num_eq(l->excited, num_zero());
+    bool moves = !num_eq(l->served.excited, num_zero());
     l->setpoint = loop_own_setpoint(l);
-    l->excited = l->excite = num_zero();
+    l->served.excited = l->served.excite = num_zero();
     if (moves && is_controller(s) && loop_acts(s, i))
-        block_follow_at(s, i, l->told);
+        block_follow_at(s, i, l->served.applied);
 }
 
 void excitation_end(struct supervisor *s, enum excite_reason reason)
@@ -319,7 +317,7 @@ static bool take_values(struct supervisor *s, const struct block_io *io)
         if (!is_at_most(num_abs(a->value), t->amplitude))
             return false;
         if (t->what == EXCITE_SETPOINT)
-            s->loop[t->at].excite = a->value;
+            s->loop[t->at].served.excite = a->value;
         else
             s->mv[t->at].excitation = a->value;
         t++;
@@ -410,13 +408,13 @@ void excitation_add_asked(struct supervisor *s, uint8_t i)
         const struct excited *t = &e->target[k];
         if (t->what != EXCITE_SETPOINT || t->at != i)
             continue;
-        num_t sum = num_add(l->setpoint, l->excite);
+        num_t sum = num_add(l->setpoint, l->served.excite);
         if (!is_within_limits(s, t, sum, sum)) {
             excitation_end(s, EXCITE_LIMIT);
             return;
         }
         l->setpoint = sum;
-        l->excited = l->excite;
+        l->served.excited = l->served.excite;
     }
 }
 
@@ -447,4 +445,12 @@ void excitation_check_commands(struct supervisor *s)
         if (e->target[k].what != EXCITE_SETPOINT)
             s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
     excitation_end(s, reason);
+}
+
+num_t mv_without_signal(const struct mv_state *o, num_t at)
+{
+    if (o->interlocked)
+        return at;
+    num_t part = num_abs(o->excitation);
+    return num_clamp(num_sub(o->commanded, o->excitation), num_sub(at, part), num_add(at, part));
 }

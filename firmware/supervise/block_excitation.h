@@ -35,7 +35,7 @@ void excitation_watch(struct supervisor *s);
 void excitation_add_asked(struct supervisor *s, uint8_t i);
 static inline void excitation_add(struct supervisor *s, uint8_t i)
 {
-    s->loop[i].excited = num_zero();
+    s->loop[i].served.excited = num_zero();
     if (s->excitation.targets)
         excitation_add_asked(s, i);
 }

@@ -111,14 +111,12 @@ void block_follow(struct supervisor *s, uint8_t i)
     follow_output(s, i, &s->loop[i].v, &s->loop[i].limited);
 }
 
-#if CONFIG_BLOCKS
 void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
 {
     uint8_t limited; /* not its limits, but those of the block that acts */
     give_new_settings(s, i);
     follow_output(s, i, &v, &limited);
 }
-#endif
 
 void block_shift(struct supervisor *s, uint8_t i, num_t v)
 {

@@ -8,10 +8,8 @@ bool calibration_believes(const struct plan *plan, uint8_t i, float value)
 {
     const struct measurement_config *c = &plan->config.measurement[i];
     float span = c->hi - c->lo;
-#if CONFIG_CALIBRATION
-    if (c->valid_lo != 0.0f || c->valid_hi != 0.0f)
-        return value >= c->valid_lo && value <= c->valid_hi;
-#endif
+    if (has_limits_of_belief(c))
+        return within_limits_of_belief(c, value);
     if (plan_is_estimate(plan, i))
         return near_span(value, c->lo, c->hi);
     return value > c->lo + FAILURE_LO * span && value < c->lo + FAILURE_HI * span;

@@ -33,7 +33,6 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
            heard_within(s, k, s->plan->config.measurement[i].sensor_hold_s);
 }
 
-#if CONFIG_BLOCKS
 bool interlock_begins(const struct supervisor *s, uint8_t j)
 {
     for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
@@ -48,7 +47,6 @@ bool interlock_begins(const struct supervisor *s, uint8_t j)
     }
     return false;
 }
-#endif
 
 /* A missing sample does not begin the delay anew, when others are heard meanwhile; it takes one past the limit to end
  * the delay. */
@@ -159,16 +157,6 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
         ramp_reset(&o->rate, o->constrained);
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }
-
-#if CONFIG_BLOCKS || COMMISSION_CHANNELS
-num_t mv_without_signal(const struct mv_state *o, num_t at)
-{
-    if (o->interlocked)
-        return at;
-    num_t part = num_abs(o->excitation);
-    return num_clamp(num_sub(o->commanded, o->excitation), num_sub(at, part), num_add(at, part));
-}
-#endif
 
 num_t mv_shortfall(const struct mv_state *o)
 {

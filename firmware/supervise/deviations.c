@@ -34,14 +34,15 @@ static void run_deviation(struct supervisor *s, uint8_t i)
     bool acts = loop_acts(s, i) && c->deviation_width > 0.0f && !has_own_deviation(s, i);
     if (acts && (!m->bound || !m->seen || m->alarm || loop_interlocked(s, i)))
         return; /* it cannot be seen, or an interlock is the reason and has its own alarm */
-    float width = l->deviation.active ? 0.8f * c->deviation_width : c->deviation_width;
+    float width = l->deviation.lasting.active ? 0.8f * c->deviation_width : c->deviation_width;
     num_t distance = num_abs(num_sub(m->value, l->setpoint));
     bool far = acts && num_lt(num_from_float(width), distance);
-    if (!lasting_changes(&l->deviation, far, c->deviation_delay_s, s->time_ms))
+    if (!lasting_changes(&l->deviation.lasting, far, c->deviation_delay_s, s->time_ms))
         return;
     const struct measurement_config *mc = &c->measurement[s->plan->loop[i].pv];
-    event_put(s->events, s->time_ms, l->deviation.active ? EVENT_DEVIATION : EVENT_DEVIATION_OVER,
-              c->loop[i].name, num_to_float(distance) * (mc->hi - mc->lo), 0);
+    event_put(s->events, s->time_ms,
+              l->deviation.lasting.active ? EVENT_DEVIATION : EVENT_DEVIATION_OVER, c->loop[i].name,
+              num_to_float(distance) * (mc->hi - mc->lo), 0);
 }
 
 /* What stands in for a lost reading is uncertain too, but the loss itself has its own alarm. */
@@ -50,9 +51,10 @@ static void run_doubt(struct supervisor *s, uint8_t i)
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     bool doubtful = loop_acts_on(s, i) && m->quality == QUALITY_UNCERTAIN && !m->alarm;
-    if (lasting_changes(&m->doubt, doubtful, c->sensor_hold_s, s->time_ms))
-        event_put(s->events, s->time_ms, m->doubt.active ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER,
-                  c->name, span_to_eu(m->value, c->lo, c->hi), 0);
+    if (lasting_changes(&m->doubt.lasting, doubtful, c->sensor_hold_s, s->time_ms))
+        event_put(s->events, s->time_ms,
+                  m->doubt.lasting.active ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER, c->name,
+                  span_to_eu(m->value, c->lo, c->hi), 0);
 }
 
 void deviations_run(struct supervisor *s)
@@ -67,7 +69,7 @@ void deviations_run(struct supervisor *s)
 void deviations_time_back(struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        s->loop[i].deviation.holds = false;
+        s->loop[i].deviation.lasting.holds = false;
     for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
-        s->measurement[i].doubt.holds = false;
+        s->measurement[i].doubt.lasting.holds = false;
 }

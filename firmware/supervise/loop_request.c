@@ -45,16 +45,14 @@ static bool request_mode(struct supervisor *s, const struct request *r)
     if (mode == LOOP_CASCADE) { /* the outer loop may be new, or this its first reading */
         s->loop[p->outer].v = setpoint_found(s, r->loop);
         s->loop[p->outer].transfer_pending = true;
-#if CONFIG_BLOCKS
-        setpoint_rest(l, s->loop[p->outer].v);
-#endif
+        if (CONFIG_BLOCKS)
+            setpoint_rest(l, s->loop[p->outer].v);
     }
     bool from_manual = l->mode == LOOP_MANUAL;
     if (l->mode == LOOP_CASCADE) {
         l->target = loop_own_setpoint(l); /* stay where the outer loop left it */
-#if CONFIG_BLOCKS
-        setpoint_rest(l, l->target);
-#endif
+        if (CONFIG_BLOCKS)
+            setpoint_rest(l, l->target);
     }
     l->mode = mode;
     if (from_manual) {

@@ -5,75 +5,16 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
+#include "supervise/restart_sequence.h"
 
-#ifdef REFLUX_FIXED_POINT
-#define MAGIC 0x52535134u
-#else
-#define MAGIC 0x52534634u
-#endif
+/* The format, and that of num_t. */
+#define MAGIC (NUM_IS_FIXED ? 0x52535134u : 0x52534634u)
 
 static uint32_t checksum(const struct restart_record *record)
 {
     size_t from = offsetof(struct restart_record, identity);
     return crc32_update(0, (const uint8_t *)record + from, sizeof *record - from);
 }
-
-/* ---- what only boards with sequences keep ---- */
-
-#if CONFIG_STEPS
-static bool in_sequence(const struct restart_record *record)
-{
-    return record->sequence_kind != SEQUENCE_NONE;
-}
-
-static bool with_offsets(const struct restart_record *record)
-{
-    return record->offsets != 0;
-}
-
-static void tell_interrupted(struct supervisor *s, const struct restart_record *record)
-{
-    if (in_sequence(record))
-        sequence_interrupted(s, record->sequence_kind, record->sequence_step);
-}
-
-/* With another configuration their names are not known any more. */
-static void offsets_gone(struct supervisor *s, const struct restart_record *record, bool same)
-{
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
-        if (record->offsets & 1u << i)
-            event_put(s->events, s->time_ms, EVENT_OFFSET,
-                      same ? s->plan->config.measurement[i].name : NULL, 0.0f, 0);
-}
-
-static void offsets_back(struct supervisor *s, const struct restart_record *record)
-{
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
-        if (record->offsets & 1u << i)
-            measurement_offset(s, i, true);
-}
-
-static void keep_sequence(struct restart_record *record, const struct supervisor *s)
-{
-    record->offsets = 0;
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
-        if (i < s->placed[PLACED_MEASUREMENTS] && s->measurement[i].offset_on)
-            record->offsets = (uint16_t)(record->offsets | 1u << i);
-    record->sequence_kind = sequence_active(&s->sequence) ? s->sequence.kind : SEQUENCE_NONE;
-    record->sequence_step = s->sequence.step;
-}
-#else
-static bool in_sequence(const struct restart_record *record)
-{
-    (void)record;
-    return false;
-}
-#define with_offsets(record)          false
-#define tell_interrupted(s, record)   ((void)0)
-#define offsets_gone(s, record, same) ((void)0)
-#define offsets_back(s, record)       ((void)0)
-#define keep_sequence(record, s)      ((void)0)
-#endif
 
 void restart_init(struct restart *r, void *memory, bool warm)
 {
@@ -82,8 +23,9 @@ void restart_init(struct restart *r, void *memory, bool warm)
     if (!memory)
         return;
     bool whole = r->record->magic == MAGIC && r->record->crc == checksum(r->record);
-    r->pending =
-        warm && whole && (r->record->acting || in_sequence(r->record) || with_offsets(r->record));
+    r->pending = warm && whole &&
+                 (r->record->acting || restart_in_sequence(&r->record->sequence) ||
+                  restart_with_offsets(&r->record->sequence));
     r->was_testing = warm && whole && r->record->testing;
     r->attempts = r->pending ? r->record->attempts : 0;
 }
@@ -104,7 +46,7 @@ static void outputs_back(struct supervisor *s, const struct restart_record *reco
         o->manual = o->commanded = o->constrained = o->applied = record->mv[j];
         o->beyond = true; /* where it was outside its limits, an interlock had left it there */
     }
-    offsets_back(s, record);
+    restart_offsets_back(s, &record->sequence);
     s->state = SUPERVISOR_RUN;
 }
 
@@ -146,7 +88,7 @@ void restart_try(struct restart *r, struct supervisor *s)
     if (!r->pending || r->ticks < 2) /* the first command is the safe one */
         return;
     if (r->ticks == 2)
-        tell_interrupted(s, record);
+        restart_tell_interrupted(s, &record->sequence);
     enum restart_policy policy = (enum restart_policy)s->plan->config.restart_policy;
     float limit_ms = s->plan->config.restart_limit_s * 1000.0f;
     bool in_time =
@@ -156,12 +98,12 @@ void restart_try(struct restart *r, struct supervisor *s)
         r->pending = false; /* somebody acts already, or nothing is to come back */
     else if (!in_time)
         refuse_restart(r, s, same ? "time" : "configuration");
-    else if (in_sequence(record))
+    else if (restart_in_sequence(&record->sequence))
         refuse_restart(r, s, "sequence");
     else if (same && r->attempts >= RESTART_ATTEMPTS)
         refuse_restart(r, s, "attempts");
     if (!r->pending)
-        offsets_gone(s, record, same);
+        restart_offsets_gone(s, &record->sequence, same);
     if (!r->pending || !same)
         return; /* the configuration may still be on its way from storage */
     r->pending = false;
@@ -201,7 +143,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
         /* A test signal does not come back. */
         record->mv[j] =
             num_eq(s->mv[j].excitation, num_zero()) ? s->mv[j].constrained : s->mv[j].manual;
-    keep_sequence(record, s);
+    restart_keep_sequence(&record->sequence, s);
     record->crc = checksum(record);
     record->magic = MAGIC;
 }

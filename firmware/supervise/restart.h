@@ -14,6 +14,7 @@
 #ifndef REFLUX_SUPERVISE_RESTART_H
 #define REFLUX_SUPERVISE_RESTART_H
 
+#include "supervise/restart_sequence.h"
 #include "supervise/supervisor.h"
 
 #define RESTART_ATTEMPTS 3  /* resets in a row, each soon after the one before */
@@ -33,11 +34,7 @@ struct restart_record {
     uint64_t time_ms;
     num_t target[CONFIG_LOOPS], setpoint[CONFIG_LOOPS], v[CONFIG_LOOPS];
     num_t mv[CHANNEL_MAX];
-#if CONFIG_STEPS
-    uint16_t offsets;      /* switched on, a bit for each measurement */
-    uint8_t sequence_kind; /* enum sequence_kind under way; SEQUENCE_NONE none */
-    uint8_t sequence_step;
-#endif
+    struct restart_sequence sequence;
 };
 
 struct restart {

@@ -7,9 +7,7 @@
 
 void supervisor_outputs_safe(struct supervisor *s, const char *reason)
 {
-#if CONFIG_STEPS
     sequence_safe(s, reason);
-#endif
     outputs_take_safe(s, reason);
 }
 

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#if CONFIG_ANALYSERS
-
 /* How long ago the sample came that is to be had now, ms. *turn: the base tick of that, since the plant began. */
 static uint64_t came_ago_ms(const struct supervisor *s, uint8_t i, uint32_t *turn)
 {
@@ -21,13 +19,13 @@ bool sampling_is_due(struct supervisor *s, uint8_t i)
     struct measurement_state *m = &s->measurement[i];
     uint32_t turn;
     uint64_t ago_ms = came_ago_ms(s, i, &turn);
-    bool news = !m->seen || turn != m->turn;
+    bool news = !m->seen || turn != m->analyser.turn;
     if (news) { /* also the first after lost ticks, or after a start: what stands there is of that turn */
-        m->turn = turn;
-        m->sample_ms = ago_ms < s->time_ms ? s->time_ms - ago_ms : 0;
+        m->analyser.turn = turn;
+        m->analyser.sample_ms = ago_ms < s->time_ms ? s->time_ms - ago_ms : 0;
     }
-    m->fresh = news || m->fault != MEASUREMENT_FINE;
-    return m->fresh;
+    m->analyser.fresh = news || m->fault != MEASUREMENT_FINE;
+    return m->analyser.fresh;
 }
 
 static uint16_t pv_every(const struct plan *plan, uint8_t loop)
@@ -55,5 +53,3 @@ void sampling_tell(struct supervisor *s, const struct plan *old)
                       (float)every, 0);
     }
 }
-
-#endif

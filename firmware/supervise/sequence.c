@@ -6,8 +6,6 @@
 #include "exchange/span.h"
 #include "supervise/outputs_safe.h"
 
-#if CONFIG_STEPS
-
 /* An output within this of where a row has put it is there, fraction of span. */
 #define THERE 0.001f
 
@@ -396,5 +394,3 @@ void sequence_request(struct supervisor *s, const struct request *r)
     if (!command(s, r))
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "seq", (float)r->mode, 0);
 }
-
-#endif

@@ -35,7 +35,11 @@ bool sequence_act(struct supervisor *s, uint8_t k);
 
 /* Switches the offset of measurement i; its value moves at once, loops on it make room. */
 void measurement_offset(struct supervisor *s, uint8_t i, bool on);
-
+#else
+#define sequence_run(s)          ((void)(s))
+#define sequence_request(s, r)   ((void)(s), (void)(r))
+#define sequence_place(s, old)   ((void)(old))
+#define sequence_safe(s, reason) ((void)(reason))
 #endif
 
 /* detail of the sequence's events: reason and kind in one byte. */

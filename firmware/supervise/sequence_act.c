@@ -49,9 +49,9 @@ void measurement_offset(struct supervisor *s, uint8_t i, bool on)
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
-    if (m->offset_on == on)
+    if (m->offset.on == on)
         return;
-    m->offset_on = on;
+    m->offset.on = on;
     /* What stands in for a reading is no reading: nothing to correct. */
     num_t step = num_from_float((on ? -c->offset : c->offset) / (c->hi - c->lo));
     if (m->seen && !m->alarm) {

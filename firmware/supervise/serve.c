@@ -351,7 +351,7 @@ void serve_back_calculate(struct supervisor *s)
             continue;
         for (uint8_t k = 0; k < r->members; k++)
             if (g.io.acting & (1u << k))
-                g.out[k] = s->loop[r->member[k]].told;
+                g.out[k] = s->loop[r->member[k]].served.applied;
         b->stepped = false;
         served_kind(s, slot)->back_calculate(supervisor_block(s, slot), &g.io);
         for (uint8_t k = 0; k < r->members; k++)

@@ -25,12 +25,14 @@ void serve_follow(struct supervisor *s);
 void serve_must_follow(struct supervisor *s, uint8_t slot);
 /* Loop i has had its turn; if it is the last of its block, that runs. */
 void serve_step(struct supervisor *s, uint8_t i);
-/* What became of the last steps, when it is known for all loops (loop_state.told). */
+/* What became of the last steps, when it is known for all loops (loop_state.served.applied). */
 void serve_back_calculate(struct supervisor *s);
 /* Switches a block off or on; false: there is none, or nothing is to be switched. */
 bool serve_switch(struct supervisor *s, uint8_t n, bool on);
 
 #else
+
+#define serve_switch(s, n, on) ((void)(s), (void)(n), (void)(on), false)
 
 #define serve_place(s, old)        ((void)(old))
 #define serve_forget(s)            ((void)(s))

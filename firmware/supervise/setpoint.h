@@ -16,6 +16,8 @@ void setpoint_idle(struct supervisor *s, uint8_t i);
 void setpoint_start(struct supervisor *s, uint8_t i);
 /* Ramp and filter are at rest there. */
 void setpoint_rest(struct loop_state *l, num_t at);
+/* In cascade, in the loop's turn: takes what the outer loop gives. */
+void setpoint_from_outer(struct supervisor *s, uint8_t i);
 #if CONFIG_BLOCKS
 /* What loop i makes of a setpoint that its outer loop gives: within its limits, and near the last good one while the outer loop
  * acts on an estimate that is not good. */
@@ -24,6 +26,7 @@ num_t setpoint_taken(const struct supervisor *s, uint8_t i, num_t given);
 void setpoint_return(struct supervisor *s, uint8_t outer);
 #else
 #define setpoint_taken(s, i, given) setpoint_clamp(s, i, given)
+#define setpoint_return(s, outer)   ((void)(s), (void)(outer))
 #endif
 
 #endif

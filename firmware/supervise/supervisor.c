@@ -75,16 +75,12 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
         return loop_request(s, r);
     if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
         alarms_request(s, r);
-#if CONFIG_STEPS
-    else if (r->kind == REQUEST_SEQUENCE)
+    else if (CONFIG_STEPS && r->kind == REQUEST_SEQUENCE)
         sequence_request(s, r);
-#endif
-#if CONFIG_BLOCKS
-    else if (r->kind == REQUEST_BLOCK && serve_switch(s, r->output, r->mode != 0))
+    else if (CONFIG_BLOCKS && r->kind == REQUEST_BLOCK && serve_switch(s, r->output, r->mode != 0))
         return true;
-    else if (r->kind == REQUEST_VERB && verb_exists(s, r))
+    else if (CONFIG_BLOCKS && r->kind == REQUEST_VERB && verb_exists(s, r))
         return verb_run(s, r);
-#endif
     else
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);
     return false;

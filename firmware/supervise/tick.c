@@ -9,6 +9,7 @@
 #include "supervise/compensate_blocks.h"
 #include "supervise/constrain.h"
 #include "supervise/element_blocks.h"
+#include "supervise/estimates.h"
 #include "supervise/histories.h"
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
@@ -27,7 +28,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
         for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
             s->interlock[k].pending = false;
     }
-    validate_keep_estimates(s);
+    estimates_keep(s);
     s->time_ms = input->time_ms;
     uint8_t rows = s->placed[PLACED_MEASUREMENTS];
     if (rows < s->placed[PLACED_MVS])
@@ -142,9 +143,7 @@ static void make_commands(struct supervisor *s)
 
 void supervisor_control(struct supervisor *s)
 {
-#if CONFIG_STEPS
     sequence_run(s);
-#endif
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         drop_unbound(s, i);
         loop_find_driving(s, i);

@@ -4,6 +4,7 @@
 #include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/calibration.h"
+#include "supervise/estimates.h"
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/setpoint.h"
@@ -77,12 +78,8 @@ static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
     uint8_t j = s->plan->infer[i];
     if (!s->plan->config.measurement[i].infer[0] || j == PLAN_NONE)
         return false;
-#if CONFIG_BLOCKS
-    if (j & INFER_IS_ESTIMATE) {
-        *value = s->measurement[j & ~INFER_IS_ESTIMATE].estimate;
-        return s->measurement[j & ~INFER_IS_ESTIMATE].stands_in;
-    }
-#endif
+    if (CONFIG_BLOCKS && (j & INFER_IS_ESTIMATE))
+        return estimate_stands_in(&s->measurement[j & ~INFER_IS_ESTIMATE], value);
     const struct mv_config *o = &s->plan->config.mv[j];
     *value = span_to_eu(s->mv[j].applied, o->lo, o->hi);
     return s->mv[j].bound;
@@ -121,9 +118,7 @@ static void loops_to_manual(struct supervisor *s, uint8_t measurement)
 {
     for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
         if (s->plan->loop[k].pv == measurement) {
-#if CONFIG_BLOCKS
             setpoint_return(s, k);
-#endif
             loop_to_manual(s, k);
         }
 }
@@ -155,7 +150,6 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         supervisor_outputs_safe(s, c->name);
 }
 
-#if CONFIG_BLOCKS
 /* No loop acts on an estimate that has been uncertain for longer than `hold`. */
 static void keep_from_loops(struct supervisor *s, uint8_t i)
 {
@@ -176,7 +170,7 @@ static bool take_uncertain_estimate(struct supervisor *s, uint8_t i, enum qualit
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     m->doubted = false;
-    if (!plan_is_estimate(s->plan, i) || quality == QUALITY_GOOD)
+    if (!CONFIG_BLOCKS || !plan_is_estimate(s->plan, i) || quality == QUALITY_GOOD)
         return false;
     bool doubted = sampling_without_s(s, i) > c->sensor_hold_s; /* since the last good one */
     if (doubted && infer(s, i))
@@ -191,9 +185,6 @@ static bool take_uncertain_estimate(struct supervisor *s, uint8_t i, enum qualit
         keep_from_loops(s, i);
     return true;
 }
-#else
-#define take_uncertain_estimate(s, i, quality) false
-#endif
 
 void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
 {
@@ -262,19 +253,3 @@ void validate_readback_sent(struct supervisor *s, uint8_t j, const struct readin
     }
     report_following(s, j, differs, r->value);
 }
-
-#if CONFIG_BLOCKS
-void validate_keep_estimates(struct supervisor *s)
-{
-    for (uint8_t i = 0; s->plan->records && i < s->placed[PLACED_MEASUREMENTS]; i++) {
-        struct measurement_state *m = &s->measurement[i];
-        const struct measurement_config *c = &s->plan->config.measurement[i];
-        if (!plan_is_estimate(s->plan, i))
-            continue;
-        /* Held or made up itself it stands in for nothing. */
-        m->stands_in =
-            m->bound && m->seen && m->fault == MEASUREMENT_FINE && quality_usable(m->quality);
-        m->estimate = span_to_eu(m->value, c->lo, c->hi);
-    }
-}
-#endif

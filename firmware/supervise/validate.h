@@ -14,11 +14,5 @@ static inline void validate_readback(struct supervisor *s, uint8_t j, const stru
     if (quality_usable(r->quality) || o->not_following || o->alarm)
         validate_readback_sent(s, j, r); /* most plants send none */
 }
-#if CONFIG_BLOCKS
-/* Before any is validated: what estimates are at the end of the last tick, for those that they stand in for. */
-void validate_keep_estimates(struct supervisor *s);
-#else
-#define validate_keep_estimates(s) ((void)(s))
-#endif
 
 #endif

@@ -4,11 +4,9 @@
 
 #include "exchange/state.h"
 
-#if CONFIG_BLOCKS
 /* The block of a REQUEST_VERB is there, and its kind has the verb. */
 bool verb_exists(const struct supervisor *s, const struct request *r);
 /* Has the block do it; events tell that it has, or why it has not. */
 bool verb_run(struct supervisor *s, const struct request *r);
-#endif
 
 #endif

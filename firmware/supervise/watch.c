@@ -4,8 +4,6 @@
 
 #include "exchange/sampling.h"
 
-#if CONFIG_CALIBRATION
-
 #define YOUNG        3u    /* readings after the first */
 #define FAR          0.1f  /* of the span */
 #define AGREE        0.25f /* of the distance from the first reading */
@@ -23,7 +21,7 @@ bool watch_first_is_wrong(struct supervisor *s, uint8_t i, float value, float be
     float jump = apart(value, m->last_valid);
     /* One that is too fast may be a spike; two that agree are not. */
     bool wrong = too_fast ? apart(value, before) < AGREE * jump : jump > FAR * (c->hi - c->lo);
-    if (!m->young || !wrong)
+    if (!m->watch.young || !wrong)
         return false;
     event_put(s->events, s->time_ms, EVENT_FIRST_READING, c->name, m->last_valid, 0);
     return true;
@@ -33,11 +31,11 @@ void watch_age(struct measurement_state *m, float value)
 {
     bool fine = m->fault == MEASUREMENT_FINE;
     if (fine && !m->valid)
-        m->young = YOUNG;
+        m->watch.young = YOUNG;
     else if (fine && value != m->last_valid)
-        m->young = 0;
-    else if (m->young)
-        m->young--;
+        m->watch.young = 0;
+    else if (m->watch.young)
+        m->watch.young--;
 }
 
 /* A number came for it in this tick, and another one than before. */
@@ -66,14 +64,13 @@ void watch_twins(struct supervisor *s)
         if (!changed(s, i))
             continue;
         uint8_t twin = twin_of(s, i);
-        if (twin == PLAN_NONE || twin != m->twin)
-            m->twin_changes = 0;
-        m->twin = twin;
-        if (twin == PLAN_NONE || m->twin_changes == TWIN_CHANGES)
+        if (twin == PLAN_NONE || twin != m->watch.twin)
+            m->watch.twin_changes = 0;
+        m->watch.twin = twin;
+        if (twin == PLAN_NONE || m->watch.twin_changes == TWIN_CHANGES)
             continue;
-        if (++m->twin_changes == TWIN_CHANGES)
+        if (++m->watch.twin_changes == TWIN_CHANGES)
             event_put(s->events, s->time_ms, EVENT_SAME_READING,
                       s->plan->config.measurement[i].name, (float)(twin + 1), twin);
     }
 }
-#endif

@@ -2,7 +2,8 @@
 reflux_test(line_editor LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_line_editor.c"
             "${PROJECT_SOURCE_DIR}/firmware/console/line_editor.c" LIBS reflux_base)
 reflux_test(event_log LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_event_log.c"
-            "${PROJECT_SOURCE_DIR}/firmware/service/event_log.c" LIBS reflux_base)
+            "${PROJECT_SOURCE_DIR}/firmware/service/event_log.c" "${PROJECT_SOURCE_DIR}/firmware/service/event_log_join.c"
+            LIBS reflux_base)
 reflux_test(flow LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_flow.c" LIBS reflux_hal)
 target_include_directories(test_line_editor PRIVATE "${REFLUX_LAYERS}/console")
 target_include_directories(test_event_log PRIVATE "${REFLUX_LAYERS}/service")

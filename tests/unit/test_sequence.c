@@ -21,7 +21,7 @@ static void a_start_goes_from_cold_to_control_row_by_row(void)
     TEST_ASSERT_TRUE(reaches(ROW_HEAT, 300));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(HEAT));
     TEST_ASSERT_TRUE(reaches(ROW_REFLUX, 600));
-    TEST_ASSERT_TRUE(bench.s.measurement[LEVEL].offset_on);
+    TEST_ASSERT_TRUE(bench.s.measurement[LEVEL].offset.on);
     TEST_ASSERT_TRUE(reaches(ROW_CONFIRM, 100));
     TEST_ASSERT_EQUAL(SEQUENCE_CONFIRM, seq_state()->state);
     seq(SEQUENCE_DO_CONFIRM);
@@ -403,11 +403,11 @@ static void an_offset_stays_through_the_safe_state_and_ends_with_its_measurement
     measurement_offset(&bench.s, LEVEL, true);
     supervisor_go_safe(&bench.s, "test");
     tank_tick();
-    TEST_ASSERT_TRUE(bench.s.measurement[LEVEL].offset_on);
+    TEST_ASSERT_TRUE(bench.s.measurement[LEVEL].offset.on);
     bench_config(); /* without rows, level or offset */
     apply();
     TEST_ASSERT_EQUAL(2, happened(EVENT_OFFSET, "level"));
-    TEST_ASSERT_FALSE(bench.s.measurement[LEVEL].offset_on);
+    TEST_ASSERT_FALSE(bench.s.measurement[LEVEL].offset.on);
 }
 
 int main(void)

@@ -2,12 +2,12 @@
  * kinds are of this test alone; what the tick does with them is what every family relies on. */
 #include "block/block.h"
 #include "exchange/block_settings.h"
+#include "exchange/block_work.h"
 #include "kinds/pid/pid.h"
 #include "plan/plan_build.h"
 #include "put_block.h"
 #include "served_kinds.h"
 #include "supervisor_bench.h"
-#include "exchange/block_work.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
 const uint8_t block_kind_count = 3;

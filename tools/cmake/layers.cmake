@@ -25,10 +25,10 @@ endfunction()
 
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
-set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS JOBS_MAX
+set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
   WORKSPACE_BYTES)
 set(probe "#include \"exchange/config.h\"\n")
-foreach(header base/job.h base/workspace.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
+foreach(header base/job.h base/workspace.h service/event_log.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
   if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
     string(APPEND probe "#include \"${header}\"\n")
   endif()
@@ -56,10 +56,13 @@ endforeach()
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${limits}" "${PROJECT_SOURCE_DIR}/firmware/exchange/config.h"
   "${PROJECT_SOURCE_DIR}/firmware/block/settings.h")
 
-# reflux_layer(NAME [SOURCES a.c ...] [CONFIG_BLOCKS b.c ...] ... [DEPENDS base num ...])
+# reflux_layer(NAME [SOURCES a.c ...] [CONFIG_BLOCKS b.c ...] ... [WITHOUT_BLOCKS c.c ...] [DEPENDS base num ...])
 # Target reflux_NAME; without sources it is header-only.
 function(reflux_layer name)
-  cmake_parse_arguments(arg "" "INCLUDED_AS" "SOURCES;DEPENDS;${REFLUX_PARTS}" ${ARGN})
+  cmake_parse_arguments(arg "" "INCLUDED_AS" "SOURCES;DEPENDS;WITHOUT_BLOCKS;${REFLUX_PARTS}" ${ARGN})
+  if(NOT REFLUX_HAS_CONFIG_BLOCKS)
+    list(APPEND arg_SOURCES ${arg_WITHOUT_BLOCKS})
+  endif()
   foreach(part ${REFLUX_PARTS})
     if(REFLUX_HAS_${part})
       list(APPEND arg_SOURCES ${arg_${part}})
