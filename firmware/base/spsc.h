@@ -11,6 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/assertion.h"
+
 struct spsc {
     _Atomic uint32_t written, read; /* counts since start; wrap harmlessly */
     uint32_t size;
@@ -18,6 +20,7 @@ struct spsc {
 
 static inline void spsc_init(struct spsc *q, uint32_t size)
 {
+    REFLUX_ASSERT(size != 0 && (size & (size - 1u)) == 0);
     atomic_store(&q->written, 0);
     atomic_store(&q->read, 0);
     q->size = size;
@@ -45,11 +48,13 @@ static inline uint32_t spsc_read_index(const struct spsc *q)
 }
 static inline void spsc_write_done(struct spsc *q)
 {
+    REFLUX_ASSERT(spsc_can_write(q));
     atomic_store_explicit(&q->written, atomic_load_explicit(&q->written, memory_order_relaxed) + 1u,
                           memory_order_release);
 }
 static inline void spsc_read_done(struct spsc *q)
 {
+    REFLUX_ASSERT(spsc_can_read(q));
     atomic_store_explicit(&q->read, atomic_load_explicit(&q->read, memory_order_relaxed) + 1u,
                           memory_order_release);
 }

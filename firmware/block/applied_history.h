@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "base/assertion.h"
 #include "num/num.h"
 
 struct applied_history {
@@ -34,6 +35,7 @@ static inline void applied_history_begin(struct applied_history *h, uint16_t dep
 
 static inline void applied_history_append(struct applied_history *h, num_t value)
 {
+    REFLUX_ASSERT(h->newest < h->depth);
     h->newest = (uint16_t)(h->newest + 1u < h->depth ? h->newest + 1u : 0);
     h->value[h->newest] = value;
 }

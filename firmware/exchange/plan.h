@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/error.h"
 #include "block/block.h"
 #include "exchange/config.h"
@@ -121,11 +122,13 @@ struct plan {
 
 static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_t slot)
 {
+    REFLUX_ASSERT(slot < PLAN_BLOCKS && plan->block[slot].kind < block_kind_count);
     return block_kinds[plan->block[slot].kind];
 }
 /* Number of the block that writes a measurement, from 0, or PLAN_NONE: the plant announces it. */
 static inline uint8_t plan_writer(const struct plan *plan, uint8_t measurement)
 {
+    REFLUX_ASSERT(measurement < CHANNEL_MAX);
     return CONFIG_BLOCKS ? plan->writer[measurement] : (uint8_t)PLAN_NONE;
 }
 /* The plant does not announce it: an estimator writes it. */

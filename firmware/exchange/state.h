@@ -362,6 +362,8 @@ struct supervisor {
 /* The state of the block in a slot of the plan in force. */
 static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
 {
+    REFLUX_ASSERT(slot < PLAN_BLOCKS && (uint32_t)s->block[slot].at + s->block[slot].grains <=
+                                            PLAN_ARENA_BYTES / ARENA_GRAIN);
     return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
 }
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/crc32.h"
 
 _Static_assert(CONFIG_TABLE_BYTES % 8 == 0, "places of tables");
@@ -22,6 +23,7 @@ void tables_watch(enum tables_watcher who, const struct config *config)
 
 void *table_at(const struct config *config, uint8_t n)
 {
+    REFLUX_ASSERT(config->table[n] >= 1 && config->table[n] <= CONFIG_TABLES);
     return place[config->table[n] - 1u];
 }
 

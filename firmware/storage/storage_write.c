@@ -1,6 +1,7 @@
 /* Storage, writing: a slot is made ready, a set is appended to it. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/crc32.h"
 #include "hal/nvm.h"
 #include "service/early_resets.h"
@@ -431,6 +432,7 @@ void storage_write(struct storage *st)
         write_tail(st);
         break;
     default:
+        REFLUX_ASSERT(false); /* a state in which nothing is written */
         break;
     }
 }

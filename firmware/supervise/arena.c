@@ -70,6 +70,7 @@ static void find_place(const struct supervisor *s, const struct plan *plan,
 
 static uint8_t *arena_at(const struct supervisor *s, uint32_t grains)
 {
+    REFLUX_ASSERT(grains <= PLAN_ARENA_BYTES / ARENA_GRAIN);
     return (uint8_t *)s->arena + (size_t)grains * ARENA_GRAIN;
 }
 
@@ -80,6 +81,8 @@ struct applied_history *arena_history(const struct supervisor *s, uint8_t j)
 
 static void move_place(struct supervisor *s, const struct place *p, bool down)
 {
+    REFLUX_ASSERT(p->kept <= PLAN_ARENA_BYTES &&
+                  p->to + p->grains <= PLAN_ARENA_BYTES / ARENA_GRAIN);
     if (p->to != p->from && down == (p->to < p->from))
         memmove(arena_at(s, p->to), arena_at(s, p->from), p->kept);
 }

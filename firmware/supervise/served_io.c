@@ -72,8 +72,11 @@ void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g
                           .member_applied = g->member_applied,
                           .input_applied = g->input_applied,
                           .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
+    REFLUX_ASSERT(r->members <= BLOCK_MEMBERS_MAX && r->inputs <= BLOCK_INPUTS_MAX &&
+                  r->points <= BLOCK_POINTS_MAX);
     for (uint8_t k = 0; k < r->members; k++) {
         uint8_t i = r->member[k];
+        REFLUX_ASSERT(i < s->placed[PLACED_LOOPS]);
         const struct loop_state *l = &s->loop[i];
         g->setpoint[k] = l->setpoint;
         g->in[k] = s->measurement[s->plan->loop[i].pv].value;

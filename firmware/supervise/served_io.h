@@ -22,11 +22,13 @@ struct served_io {
 
 static inline const struct block_kind *served_kind(const struct supervisor *s, uint8_t slot)
 {
+    REFLUX_ASSERT(slot < PLAN_BLOCKS && s->block[slot].kind < block_kind_count);
     return block_kinds[s->block[slot].kind];
 }
 
 static inline const struct record_plan *served_record(const struct supervisor *s, uint8_t slot)
 {
+    REFLUX_ASSERT(slot >= SLOT_RECORDS && slot < PLAN_BLOCKS);
     return &s->plan->record[slot - SLOT_RECORDS];
 }
 

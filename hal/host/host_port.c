@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "app/app.h"
+#include "base/assertion.h"
 #include "flash_model.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
@@ -101,8 +102,18 @@ static void watchdog_stop(void)
     watchdog_ms = 0;
 }
 
+#if REFLUX_ASSERTIONS
+static void print_assertion(const char *text, const char *file, unsigned line)
+{
+    (void)fprintf(stderr, "reflux-host: %s:%u: must hold, and does not: %s\n", file, line, text);
+}
+#endif
+
 void host_port_run(void)
 {
+#if REFLUX_ASSERTIONS
+    assertion_report = print_assertion;
+#endif
     int reason = sigsetjmp(reset_vector, 1);
     if (reason != 0) {
         boot_id++;

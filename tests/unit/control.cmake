@@ -1,4 +1,5 @@
 # The numeric heart: numbers, filters, tuning rules, PID, feedforward. Each in the number format of the preset.
+reflux_test(assertion LABEL unit SOURCES test_assertion.c LIBS reflux_base)
 reflux_test(base LABEL unit SOURCES test_base.c LIBS reflux_base)
 reflux_test(num LABEL unit SOURCES test_num.c LIBS reflux_num)
 reflux_test(ud LABEL unit SOURCES test_ud.c LIBS reflux_num)

@@ -26,7 +26,7 @@ endfunction()
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
 set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
-  WORKSPACE_BYTES)
+  REFLUX_ASSERTIONS WORKSPACE_BYTES)
 set(probe "#include \"exchange/config.h\"\n")
 foreach(header base/job.h base/workspace.h service/event_log.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
   if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
@@ -40,6 +40,9 @@ file(WRITE "${CMAKE_BINARY_DIR}/parts.c" "${probe}")
 set(before)
 if(EXISTS "${limits}") # tools/cmake/options.cmake
   set(before -include "${limits}")
+endif()
+if(REFLUX_ASSERTIONS)
+  list(APPEND before -DREFLUX_ASSERTIONS=1)
 endif()
 separate_arguments(flags UNIX_COMMAND "${CMAKE_C_FLAGS}")
 execute_process(COMMAND "${CMAKE_C_COMPILER}" ${flags} -E -P ${before} "-I${PROJECT_SOURCE_DIR}/firmware" "${CMAKE_BINARY_DIR}/parts.c"

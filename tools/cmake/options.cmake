@@ -18,6 +18,15 @@ target_compile_options(reflux_options INTERFACE
 if(REFLUX_FIXED_POINT)
   target_compile_definitions(reflux_options INTERFACE REFLUX_FIXED_POINT=1)
 endif()
+# Assertions (firmware/base/assertion.h): in every host build, and in an image of its own.
+set(assertions OFF)
+if(REFLUX_BOARD STREQUAL "host")
+  set(assertions ON)
+endif()
+option(REFLUX_ASSERTIONS "Check what must hold, and stop where it does not" ${assertions})
+if(REFLUX_ASSERTIONS)
+  target_compile_definitions(reflux_options INTERFACE REFLUX_ASSERTIONS=1)
+endif()
 # The base image: regulatory control alone, without sequences and automatic start-up.
 option(REFLUX_BASE "Leave sequences and automatic start-up out; the limits are those of limits_base.h" OFF)
 set(limits limits.h)

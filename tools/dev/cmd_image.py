@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> int:
     reports = []
     for preset in options.presets or image_check.presets():
         if not options.no_build:
-            build.build(preset, (f"reflux-{preset.removesuffix('-fixed').removesuffix('-base')}",))
+            build.build(preset, (f"reflux-{preset.partition('-')[0]}",))
         report = image_check.check(build_dir(preset))
         reports.append(report)
         show(preset, report, options)
@@ -53,9 +53,9 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     sums = [str(sum(getattr(s, what) for _, s in layers)) for what in ("text", "data", "bss")]
     print(table.columns(["layer", "text", "data", "bss"], [*rows, ["all", *sums]]))
     budget = report.budget
-    print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM owned for "
+    print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget.get('aim_flash', '-')}), RAM owned for "
           f"ever, without stack, {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
-          f"(aim {budget['aim_ram']})")
+          f"(aim {budget.get('aim_ram', '-')})")
     if promised := budget.get("families"):
         print(f"families to come, {preset}: "
               + ", ".join(f"{name} {size}" for name, size in promised.items())

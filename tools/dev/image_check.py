@@ -184,7 +184,7 @@ def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
     out = []
     limits: dict[str, list[int]] = budget.get("layers", {})  # type: ignore[assignment]
     for layer, sizes in report.layers.items():
-        if layer in ("fill", "script", "workspace"):
+        if layer in ("fill", "script", "workspace") or "layers" not in budget:
             continue
         if layer not in limits:
             out.append(f"budget: layer {layer} has none")

@@ -22,7 +22,8 @@ class Board:
 
 
 BOARDS = {
-    "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed")),
+    "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed"),
+                                         Image("stm32f405-assert", "host", "assert")),
                        ("stm32f405-base",)),
     "stm32f100": Board("stm32vldiscovery", (Image("stm32f100", "host-fixed", "small"),)),
 }
