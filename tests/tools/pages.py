@@ -1,4 +1,4 @@
-"""The commands that README and docs/ print, and the rows of commands.toml about them.
+"""The commands that README, CONTRIBUTING and docs/ print, and the rows of commands.toml about them.
 
 A command stands in an indented block: a shell command, or behind `> ` a line of the board's console. What stands below
 `$ command`, or below a console line, is what it must print.
@@ -70,7 +70,7 @@ class Page:
 
 def pages() -> list[Page]:
     """Every page that has a command."""
-    files = [ROOT / "README.md", *every(ROOT / "docs", "*.md")]
+    files = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *every(ROOT / "docs", "**/*.md")]
     return [page for page in (read(f) for f in files if f.name not in GENERATED) if page.commands]
 
 

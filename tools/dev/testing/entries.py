@@ -118,7 +118,7 @@ def script_tests(label: str) -> list[Test]:
 
 
 def page_tests() -> list[Test]:
-    """The commands of README and of each page of docs/."""
+    """The commands of README, CONTRIBUTING and of each page of docs/."""
     path = ROOT / "tests" / "tools" / "test_commands.py"
     answer = subprocess.run([sys.executable, str(path), "--list"], capture_output=True, text=True, check=False)
     pages = answer.stdout.split()
