@@ -9,7 +9,7 @@ from unittest import mock
 from support import FolderTest, call
 
 from reflux import session
-from reflux.commission import answers, board, figures, next_steps, progress, record, results
+from reflux.commission import answers, answers_board, answers_file, board, figures, next_steps, progress, record, results
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
 
@@ -41,7 +41,7 @@ LISTINGS = {
 def oven() -> answers.Answers:
     plant = board.plant_of(PLANT)
     assert plant is not None
-    return answers.defaults(plant, PARAMETERS, SAFE, {"h": 1.0, "c": 5.0}, ROOM)
+    return answers_board.defaults(plant, PARAMETERS, SAFE, {"h": 1.0, "c": 5.0}, ROOM)
 
 
 class Commands(FolderTest):
@@ -240,7 +240,7 @@ class Answers(FolderTest):
         a = oven()
         a.channel("x").change({"tested": False})
         a.change_test("rounds", "2")
-        lines = answers.set_lines(a, PARAMETERS, 16)
+        lines = answers_board.set_lines(a, PARAMETERS, 16)
         self.assertIn("set meas1.name T", lines)
         self.assertIn("set mv2.safe 5", lines)
         self.assertIn("set test.rounds 2", lines)
@@ -251,9 +251,9 @@ class Answers(FolderTest):
         for text in ('[known]\npairs = [["T", "h"]]\n', '[[known]]\nmeasurement = "T"\ninput = "h"\npair = true\n'):
             a = oven()
             a.channel("c").change({"at": 5})
-            answers.read(self.file("pairs.toml", text), a)
+            answers_file.read(self.file("pairs.toml", text), a)
             self.assertEqual(a.known_pairs(), [("T", "h")])
-            lines = answers.set_lines(a, PARAMETERS, 16)
+            lines = answers_board.set_lines(a, PARAMETERS, 16)
             self.assertIn("set pair1.meas T", lines)
             self.assertIn("set pair1.mv h", lines)
             self.assertIn("set test.pairs given", lines)
@@ -268,7 +268,7 @@ class Answers(FolderTest):
             with self.assertRaises(UserError) as caught:
                 a = oven()
                 a.channel("c").change({"at": 5})
-                answers.read(self.file("pairs.toml", text), a)
+                answers_file.read(self.file("pairs.toml", text), a)
             self.assertIn(told, str(caught.exception))
 
     def test_a_file_gives_the_same_answers_again(self) -> None:
@@ -278,8 +278,8 @@ class Answers(FolderTest):
         a.add_known("T", "c", 30.0, -2.0, True)
         a.change_test("guard", "line")
         a.edits["loop1.gain"] = "0.5"
-        answers.read(self.file("answers.toml", answers.text(a)), b)
-        self.assertEqual(answers.text(b), answers.text(a))
+        answers_file.read(self.file("answers.toml", answers_file.text(a)), b)
+        self.assertEqual(answers_file.text(b), answers_file.text(a))
 
 
 class Reports(FolderTest):

@@ -1,16 +1,12 @@
-"""What the operator is asked for before a start-up: values, defaults, what is allowed, and the file they may stand in."""
+"""What the operator is asked for before a start-up: the values and what is allowed."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-from reflux.commission.board import Channel, Plant, State
-from reflux.errors import UserError
-from reflux.paths import shown
-from reflux.schema import Table, load_toml
+from reflux.commission.board import Channel
 
 AUTO = "auto"
 PAIRS, GIVEN = "test.pairs", "given"
@@ -130,7 +126,7 @@ class Values:
     def _check_measurement(self) -> None:
         v, name, span = self.values, self.channel.name, self.values["hi"] - self.values["lo"]
         if v["limit"] is None:
-            v["limit"] = _round(LIMIT_SHARE * span)
+            v["limit"] = rounded(LIMIT_SHARE * span)
         if not 0 < v["limit"] <= span:
             raise Wrong(f"{name} limit is {v['limit']:g}; more than 0 and up to its span, {span:g} {self.channel.unit}, "
                         "is wanted")
@@ -297,223 +293,5 @@ def _within(value: float, low: float, high: float, where: str, unit: str, above:
     raise Wrong(f"{where} is {value:g}; {wanted} is wanted{why}")
 
 
-def _round(value: float) -> float:
+def rounded(value: float) -> float:
     return float(f"{value:.6g}")
-
-
-# ---- defaults ----
-
-def defaults(plant: Plant, parameters: dict[str, str], state: State, operating: dict[str, float],
-             room: Room) -> Answers:
-    """From what is announced, what the board has configured already, and (simulated plants) the operating point."""
-    answers = Answers(plant.name, plant.tick_s, [], [], known_room=room.known, ranges=room.ranges)
-    places = room.channels
-    for kind, group, channels in (("measurement", "meas", plant.measurements), ("input", "mv", plant.inputs)):
-        where = {parameters[f"{group}{i}.name"]: i for i in range(1, places + 1) if f"{group}{i}.name" in parameters}
-        new = [c for c in channels if c.name not in where]
-        if len(new) > places - len(where):
-            raise UserError(f"the plant has {len(new)} {kind}s that are not configured, the board room for "
-                            f"{places - len(where)} more; configure those that matter (docs/console.md)")
-        for channel in channels:
-            place = where.get(channel.name)
-            have = {} if place is None else {n.split(".")[1]: v for n, v in parameters.items()
-                                             if n.startswith(f"{group}{place}.")}
-            if place is not None and have["unit"].replace("-", "") != channel.unit.replace("-", ""):
-                raise UserError(f"{group}{place}.unit is {have['unit']}, the plant announces {channel.name} in "
-                                f"{channel.unit}; set it right first")
-            values = _measurement(channel, place, have) if kind == "measurement" else \
-                _input(channel, place, have, state, operating)
-            (answers.measurements if kind == "measurement" else answers.inputs).append(values)
-    for f in TEST:
-        value = parameters[f.parameter]
-        answers.test[f.name] = value if f.words else int(value) if f.whole else float(value)
-    _known(answers, parameters)
-    return answers
-
-
-def _span(channel: Channel, have: dict[str, str]) -> dict[str, float]:
-    return {end: float(have.get(end, getattr(channel, end))) for end in ("lo", "hi")}
-
-
-def _measurement(channel: Channel, place: int | None, have: dict[str, str]) -> Values:
-    span = _span(channel, have)
-    limit = float(have.get("test_limit", 0))
-    return Values(channel, MEASUREMENT, place, {
-        **span, "tested": have.get("test", "on") == "on", "critical": have.get("test_critical", "off") == "on",
-        "limit": limit if limit > 0 else _round(LIMIT_SHARE * (span["hi"] - span["lo"]))})
-
-
-def _input(channel: Channel, place: int | None, have: dict[str, str], state: State,
-           operating: dict[str, float]) -> Values:
-    """The operating point: where the output is, when it has been brought somewhere; else what the simulator says."""
-    span = _span(channel, have)
-    step, time_s = float(have.get("test_step", 0)), float(have.get("test_time", 0))
-    values = Values(channel, INPUT, place, {
-        **span, "safe": float(have.get("safe", channel.safe)), "min": float(have.get("min", span["lo"])),
-        "max": float(have.get("max", span["hi"])), "at": None, "tested": have.get("test", "on") == "on",
-        "step": step if step > 0 else AUTO, "time": time_s if time_s > 0 else AUTO,
-        "critical": have.get("test_critical", "off") == "on"})
-    at = state.values.get(channel.name) if place is not None and not state.safe else operating.get(channel.name)
-    if at is not None:
-        try:
-            values.change({"at": at})
-        except Wrong:
-            pass  # no default then
-    return values
-
-
-def _known(answers: Answers, parameters: dict[str, str]) -> None:
-    for i in range(1, answers.known_room + 1):
-        have = {n.split(".")[1]: v for n, v in parameters.items() if n.startswith(f"pair{i}.")}
-        try:
-            if have:
-                answers.add_known(have["meas"], have["mv"], have["time"], have["gain"], parameters.get(PAIRS) == GIVEN)
-        except Wrong:
-            continue  # of another plant
-
-
-# ---- as console lines ----
-
-def set_lines(answers: Answers, parameters: dict[str, str], places: int) -> list[str]:
-    """What changes the board's configuration into this one."""
-    lines = []
-    for group, all_values in (("meas", answers.measurements), ("mv", answers.inputs)):
-        taken = {v.place for v in all_values} | {i for i in range(1, places + 1) if f"{group}{i}.name" in parameters}
-        free = iter(i for i in range(1, places + 1) if i not in taken)
-        for v in all_values:
-            if v.place is None and not v.values["tested"]:
-                continue  # left alone
-            place = v.place or next(free)
-            wanted = {"name": v.channel.name, "unit": v.channel.unit} if v.place is None else {}
-            wanted |= {f.parameter: _word(v.values[f.name]) for f in v.asked() if f.parameter}
-            lines += _changes({f"{group}{place}.{n}": value for n, value in wanted.items()}, parameters)
-    lines += _changes({f.parameter: _word(answers.test[f.name]) for f in TEST}, parameters)
-    lines += _changes({PAIRS: GIVEN if answers.known_pairs() else "found"}, parameters)
-    for i in range(1, answers.known_room + 1):
-        k = answers.known[i - 1] if i <= len(answers.known) else None
-        if k is None and f"pair{i}.meas" not in parameters:
-            continue
-        lines += _changes({f"pair{i}.meas": k.measurement if k else "-", f"pair{i}.mv": k.input if k else "-",
-                           f"pair{i}.time": _word(k.time_s if k else 0.0),
-                           f"pair{i}.gain": _word(k.gain if k else 0.0)}, parameters)
-    return lines
-
-
-def _word(value: Any) -> str:
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    if value == AUTO:
-        return "0"
-    return value if isinstance(value, str) else f"{value:.9g}"
-
-
-def _changes(wanted: dict[str, str], parameters: dict[str, str]) -> list[str]:
-    return [f"set {name} {value}" for name, value in wanted.items() if not _same(value, parameters.get(name))]
-
-
-def _same(value: str, have: str | None) -> bool:
-    if have is None:
-        return False
-    try:
-        return math.isclose(float(value), float(have), rel_tol=1e-7, abs_tol=1e-30)
-    except ValueError:
-        return value == have
-
-
-# ---- files ----
-
-def read(path: Path, answers: Answers) -> None:
-    """Takes a file's answers over the defaults. What is wrong is told with the key."""
-    top = Table(load_toml(path), path)
-    if top.has("plant"):
-        table = top.table("plant")
-        name = table.text("name", answers.plant)
-        if name != answers.plant:
-            raise UserError(f'{table.path("name")} is "{name}"; the plant that is connected is {answers.plant}')
-        tick = table.number("tick_s", answers.tick_s, above=0)
-        if not math.isclose(tick, answers.tick_s, rel_tol=1e-6):
-            raise UserError(f'{table.path("tick_s")} is {tick:g}; the plant samples every {answers.tick_s:g} s, which is '
-                            "set there")
-        table.done()
-    for key, kind in (("measurement", answers.measurements), ("input", answers.inputs)):
-        if not top.has(key):
-            continue
-        tables = top.table(key)
-        for name in list(tables.data):
-            _channel(tables, name, kind)
-    _read_known(top, answers)
-    if top.has("test"):
-        table = top.table("test")
-        for name in list(table.data):
-            value = table.data.pop(name)
-            _guarded(table, name, lambda n=name, v=value: answers.change_test(n, v))
-    if top.has("proposal"):
-        table = top.table("proposal")
-        answers.proposal = table.text("answer", "accept", choices=("accept", "reject"))
-        if table.has("set"):
-            sets = table.table("set")
-            answers.edits = {n: str(v).lower() if isinstance(v, bool) else str(v) for n, v in sets.data.items()}
-        table.done()
-    top.done()
-    if missing := answers.missing():
-        raise UserError(f"{shown(path)}: {missing}")
-
-
-def _read_known(top: Table, answers: Answers) -> None:
-    """[[known]] elements, or [known] with nothing but pairs."""
-    if isinstance(top.data.get("known"), dict):
-        table = top.table("known")
-        pairs = table.data.pop("pairs", None)
-        for pair in pairs if isinstance(pairs, list) else [None]:
-            if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
-                raise UserError(f'{table.path("pairs")}: pairs are wanted, such as [["{answers.measurements[0].channel.name}", '
-                                f'"{answers.inputs[0].channel.name}"]]')
-            _guarded(table, "pairs", lambda p=pair: answers.add_known(*p, pair=True))
-        table.done()
-        return
-    for table in top.tables("known"):
-        time_s, gain, pair = table.number("time_s", 0.0), table.number("gain", 0.0), table.data.pop("pair", False)
-        _guarded(table, "", lambda t=table, a=time_s, b=gain, c=pair: answers.add_known(t.text("measurement"), t.text("input"),
-                                                                                        a, b, c))
-        table.done()
-
-
-def _channel(tables: Table, name: str, kind: list[Values]) -> None:
-    found = next((v for v in kind if v.channel.name == name), None)
-    if found is None:
-        raise UserError(f"{tables.path(name)}: there is no such {tables.where}; there are "
-                        f"{', '.join(v.channel.name for v in kind)}")
-    table = tables.table(name)
-    _guarded(table, "", lambda: found.change(table.data))
-
-
-def _guarded(table: Table, key: str, what: Any) -> None:
-    try:
-        what()
-    except Wrong as error:
-        where = table.path(key) if key else f"{shown(table.file)}: {table.where}"
-        raise UserError(f"{where}: {error}") from None
-
-
-def text(answers: Answers) -> str:
-    """As a file that gives the same answers."""
-    out = ["# Answers of a start-up; tools/commission ... --file runs it again. docs/commissioning.md", "",
-           "[plant]", f'name = "{answers.plant}"', f"tick_s = {answers.tick_s:.9g}"]
-    for key, all_values in (("measurement", answers.measurements), ("input", answers.inputs)):
-        for v in all_values:
-            out += ["", f"[{key}.{v.channel.name}]"]
-            out += [f"{f.name} = {_toml(v.values[f.name])}" for f in v.asked() if v.values[f.name] is not None]
-    for k in answers.known:
-        out += ["", "[[known]]", f'measurement = "{k.measurement}"', f'input = "{k.input}"',
-                f"time_s = {k.time_s:.9g}", f"gain = {k.gain:.9g}", f"pair = {_toml(k.pair)}"]
-    out += ["", "[test]", *(f"{f.name} = {_toml(answers.test[f.name])}" for f in TEST)]
-    out += ["", "[proposal]", f'answer = "{answers.proposal}"']
-    if answers.edits:
-        out += ["", "[proposal.set]", *(f'"{n}" = "{v}"' for n, v in answers.edits.items())]
-    return "\n".join(out) + "\n"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return f'"{value}"' if isinstance(value, str) else f"{value:.9g}"

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Callable, Iterator
 
 from reflux import session, table
-from reflux.commission import answers as asking
-from reflux.commission import dialogue, next_steps, results
+from reflux.commission import answers_board, answers_file, dialogue, next_steps, results
 from reflux.commission.answers import TEST, Answers, Room
 from reflux.commission.board import UNDER_WAY, Board, Event, Plant, Progress
 from reflux.commission.dialogue import heading, say
@@ -103,9 +102,9 @@ class Startup:
         parameters = board.parameters()
         room = Room(board.channels(), board.count("pair", "meas"),
                     {f.name: board.allowed(f.parameter) for f in TEST if not f.words})
-        answers = asking.defaults(plant, parameters, board.state(), self.operating, room)
+        answers = answers_board.defaults(plant, parameters, board.state(), self.operating, room)
         if self.options.file:
-            asking.read(self.options.file, answers)
+            answers_file.read(self.options.file, answers)
         elif self.options.yes and (missing := answers.missing()):
             raise UserError(f"{missing} (in a file, with --file)")
         while True:
@@ -121,7 +120,7 @@ class Startup:
             if self.keyboard and not self.options.unattended and not dialogue.may_begin(self.keyboard):
                 raise RunFailed("not begun: nothing has moved")
             try:
-                self.configure(asking.set_lines(answers, parameters, room.channels), answers)
+                self.configure(answers_board.set_lines(answers, parameters, room.channels), answers)
                 return answers
             except Refused as error:
                 if self.options.unattended:
@@ -129,7 +128,7 @@ class Startup:
                 say(f"\nThe board refuses: {error}. Once more:")
 
     def keep(self, answers: Answers) -> None:
-        text = asking.text(answers)
+        text = answers_file.text(answers)
         for path in (self.options.out / "answers.toml", self.options.write_file):
             try:
                 if path:
