@@ -202,7 +202,7 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
 {
     char what[SCRIPT_LINE_SIZE + 64];
     int shown = (int)secret_from(x->text);
-    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%.*s\",", x->at, shown,
+    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%.*s\",", x->line, shown,
                    x->text);
     console_watch(k->console);
     if (console_line(k, x->text) == STOPPED) {
@@ -231,7 +231,7 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
     }
     if (k->console->reply == REPLY_ERR && !x->may_fail) {
         (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%.*s\" was answered \"%s\"",
-                       k->script->file, x->at, shown, x->text, k->console->reply_text);
+                       k->script->file, x->line, shown, x->text, k->console->reply_text);
         return STOPPED;
     }
     if (k->console->reply == REPLY_OK && is_reboot(x->text)) {
@@ -263,7 +263,7 @@ static enum outcome until(struct lockstep *k, struct script_line *x, double time
     }
     (void)sim_fail(k->error, sizeof(k->error),
                    "at plant time %.3f s: %s:%u: no event %.120s within %g s", time_s,
-                   k->script->file, x->at, x->text, x->limit_s);
+                   k->script->file, x->line, x->text, x->limit_s);
     return STOPPED;
 }
 

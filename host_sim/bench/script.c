@@ -35,7 +35,7 @@ bool script_add(struct script *s, const char *line, unsigned at, char *err, size
     if (n == 0 || line[0] == '#') {
         return true;
     }
-    struct script_line x = {.at = at};
+    struct script_line x = {.line = at};
     char time[64];
     size_t time_n = strcspn(line, " \t\r\n");
     size_t gap = strspn(line + time_n, " \t");

@@ -26,7 +26,7 @@ struct script_line {
     double limit_s;   /* SCRIPT_UNTIL; negative: none */
     double waiting_s; /* since when it waits; negative: not yet */
     bool may_fail;
-    unsigned at; /* line of the file, for messages */
+    unsigned line; /* of the file, for messages */
     char text[SCRIPT_LINE_SIZE];
 };
 

@@ -61,9 +61,9 @@ void column_read_span(struct column_reader *r, const json_t *object, struct plan
 /* Fails at the present path when a value in a unit is none that the quantity may have. */
 static void check_value(struct column_reader *r, const struct column_driven *d, double value)
 {
-    const struct column_quantity *q = &drives[d->is];
+    const struct column_quantity *q = &drives[d->drive];
     const struct column_config *config = &r->file->config;
-    bool feed = d->is == DRIVE_FEED_TEMPERATURE;
+    bool feed = d->drive == DRIVE_FEED_TEMPERATURE;
     double si = (value + d->unit->offset) * d->unit->in;
     double lo = feed ? config->temperature_min : q->lo;
     double hi = feed ? config->temperature_max : q->hi;
@@ -78,11 +78,11 @@ static void check_value(struct column_reader *r, const struct column_driven *d, 
 /* What a quantity needs of the components whatever its unit. */
 static void check_needs(struct column_reader *r, const struct column_driven *d, double largest)
 {
-    if (d->is == DRIVE_HEAT) {
+    if (d->drive == DRIVE_HEAT) {
         column_need(r, NEED_HEATS, "heat");
-    } else if (d->is == DRIVE_FEED_TEMPERATURE) {
+    } else if (d->drive == DRIVE_FEED_TEMPERATURE) {
         column_need(r, NEED_CAPACITY, "feed_temperature");
-    } else if (d->is == DRIVE_REFLUX_SUBCOOLING && largest > 0.0) {
+    } else if (d->drive == DRIVE_REFLUX_SUBCOOLING && largest > 0.0) {
         column_need(r, NEED_CAPACITY, "reflux_subcooling");
     }
 }
@@ -91,7 +91,7 @@ static void check_needs(struct column_reader *r, const struct column_driven *d, 
 static void read_of(struct column_reader *r, const json_t *object, struct column_driven *d)
 {
     struct json_walk *w = r->walk;
-    if (d->is != DRIVE_FEED_FRACTION) {
+    if (d->drive != DRIVE_FEED_FRACTION) {
         if (json_object_get(object, "of") != NULL) {
             size_t mark = walk_key(w, "of");
             (void)walk_fail(w, "only a feed_fraction is of a component");
@@ -121,11 +121,11 @@ static struct column_driven *add(struct column_reader *r, struct column_driven d
 {
     struct column_terms *t = &r->file->terms;
     for (size_t k = 0; k < t->n_driven; k++) {
-        if (t->driven[k].is == d.is && t->driven[k].component == d.component) {
-            (void)walk_fail(r->walk, "%s%s%s is given twice", drives[d.is].name,
-                            d.is == DRIVE_FEED_FRACTION ? " of " : "",
-                            d.is == DRIVE_FEED_FRACTION ? r->file->component[d.component].name
-                                                        : "");
+        if (t->driven[k].drive == d.drive && t->driven[k].component == d.component) {
+            (void)walk_fail(r->walk, "%s%s%s is given twice", drives[d.drive].name,
+                            d.drive == DRIVE_FEED_FRACTION ? " of " : "",
+                            d.drive == DRIVE_FEED_FRACTION ? r->file->component[d.component].name
+                                                           : "");
         }
     }
     if (r->walk->failed || t->n_driven == COLUMN_DRIVES_MAX) {
@@ -173,12 +173,12 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
-    struct column_driven d = {.is = read_drive(r, object)};
+    struct column_driven d = {.drive = read_drive(r, object)};
     read_of(r, object, &d);
     if (w->failed) {
         return;
     }
-    d.unit = column_read_unit(r, object, drives[d.is].measures, drives[d.is].name);
+    d.unit = column_read_unit(r, object, drives[d.drive].measures, drives[d.drive].name);
     c->unit = d.unit->name;
     column_read_span(r, object, c);
     for (int end = 0; end < 2 && !w->failed; end++) {
@@ -187,7 +187,7 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
         walk_up(w, mark);
     }
     check_needs(r, &d, c->hi);
-    read_nominal(r, object, c, d.is);
+    read_nominal(r, object, c, d.drive);
     if (kind == PLANT_MV) {
         c->safe = c->nominal; /* a product's comes later */
         if (json_object_get(object, "safe") != NULL) {
@@ -227,7 +227,7 @@ static void read_constant(struct column_reader *r, const json_t *object, enum co
     if (!walk_object(w, object, is == DRIVE_FEED_FRACTION ? fraction : plain)) {
         return;
     }
-    struct column_driven d = {.is = is};
+    struct column_driven d = {.drive = is};
     read_of(r, object, &d);
     d.unit = column_read_unit(r, object, drives[is].measures, drives[is].name);
     d.value = walk_number(w, object, "value", -COLUMN_BIG, COLUMN_BIG, NAN);

@@ -6,7 +6,7 @@ static const struct column_driven *driven(const struct column_reader *r, enum co
 {
     const struct column_terms *t = &r->file->terms;
     for (size_t k = 0; k < t->n_driven; k++) {
-        if (t->driven[k].is == is) {
+        if (t->driven[k].drive == is) {
             return &t->driven[k];
         }
     }
@@ -25,7 +25,7 @@ static void check_fractions(struct column_reader *r)
     bool has[COLUMN_COMPONENTS_MAX] = {false};
     const struct column_driven *first = driven(r, DRIVE_FEED_FRACTION);
     for (size_t k = 0; k < t->n_driven; k++) {
-        if (t->driven[k].is == DRIVE_FEED_FRACTION) {
+        if (t->driven[k].drive == DRIVE_FEED_FRACTION) {
             has[t->driven[k].component] = true;
             given++;
             if (t->driven[k].unit->measure != first->unit->measure) {

@@ -71,7 +71,7 @@ bool column_linearise(const struct plant_class *class, const struct column *colu
     double *slope = calloc(rows, sizeof *slope);
     struct along k = {.of_input = false};
     struct derivative_task task = {
-        .n = rows, .first = l->n, .at = look, .context = &k, .rounding = LDBL_EPSILON};
+        .n = rows, .first = l->n, .values = look, .context = &k, .rounding = LDBL_EPSILON};
 
     bool good = column_carry_out(column->config, &column->reference, number);
     if (!good)

@@ -59,8 +59,8 @@ struct column_precise *column_precise_create(const double *number, const struct 
     }
     for (size_t k = 0; k < terms->n_seen; k++) {
         p->seen[k] = terms->seen[k];
-        if (p->seen[k].is == SIGHT_LOG_FRACTION)
-            p->seen[k].is = SIGHT_FRACTION;
+        if (p->seen[k].sight == SIGHT_LOG_FRACTION)
+            p->seen[k].sight = SIGHT_FRACTION;
     }
     p->terms.seen = p->seen;
     return p;
@@ -113,7 +113,7 @@ double column_precise_scale(const struct column_precise *p, size_t k)
 {
     const real_t one = REAL_C(1.0), margin = (real_t)COLUMN_LOG_MARGIN;
 
-    if (p->given->seen[k].is != SIGHT_LOG_FRACTION)
+    if (p->given->seen[k].sight != SIGHT_LOG_FRACTION)
         return 1.0;
     real_t x = column_terms_value(&p->terms, &p->column, p->x, k);
     return x < margin || x > one - margin ? 0.0 : (double)(one / (x * (one - x)));

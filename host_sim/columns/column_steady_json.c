@@ -18,7 +18,7 @@ static size_t find_seen(struct column_reader *r, const char *name)
     if (found == t->n_seen) {
         found = 0;
         (void)walk_fail(r->walk, "\"%s\" is no output and no truth", name);
-    } else if (t->seen[found].is == SIGHT_LOG_FRACTION) {
+    } else if (t->seen[found].sight == SIGHT_LOG_FRACTION) {
         (void)walk_fail(r->walk, "%s is a logarithm; must be met by the fraction itself", name);
     }
     walk_up(r->walk, mark);
@@ -37,7 +37,7 @@ static size_t find_driven(struct column_reader *r, const char *name)
         }
     }
     for (size_t k = t->n_inputs; k < t->n_driven && found == t->n_driven; k++) {
-        enum column_drive is = t->driven[k].is;
+        enum column_drive is = t->driven[k].drive;
         if ((is == DRIVE_REFLUX || is == DRIVE_HEAT || is == DRIVE_BOILUP) &&
             strcmp(column_drive_name(is), name) == 0) {
             found = k;
@@ -49,7 +49,8 @@ static size_t find_driven(struct column_reader *r, const char *name)
                         "\"%s\" is no input, and no constant reflux, heat or boilup that could be "
                         "trimmed",
                         name);
-    } else if (t->driven[found].is == DRIVE_DISTILLATE || t->driven[found].is == DRIVE_BOTTOMS) {
+    } else if (t->driven[found].drive == DRIVE_DISTILLATE ||
+               t->driven[found].drive == DRIVE_BOTTOMS) {
         (void)walk_fail(r->walk, "%s follows from the nominal state and cannot be trimmed", name);
     }
     walk_up(r->walk, mark);
@@ -72,7 +73,7 @@ static void read_trim(struct column_reader *r, const json_t *object)
     const struct plant_channel *c = &r->channels[t->n_inputs + trim.seen];
     const struct column_seen *seen = &t->seen[trim.seen];
     trim.value = walk_number(w, object, "value", c->lo, c->hi, NAN);
-    bool fraction = seen->is == SIGHT_FRACTION || seen->is == SIGHT_VAPOUR_FRACTION;
+    bool fraction = seen->sight == SIGHT_FRACTION || seen->sight == SIGHT_VAPOUR_FRACTION;
     if (fraction && !(trim.value > 0.0 && trim.value < seen->unit->times)) {
         size_t mark = walk_key(w, "value");
         (void)walk_fail(w, "%g %s must be more than nothing and less than all, %g", trim.value,
@@ -116,9 +117,9 @@ static void take_product(struct column_reader *r, size_t k, const struct column 
 {
     struct column_terms *t = &r->file->terms;
     struct plant_channel *c = &r->channels[k];
-    const struct column_seen seen = {.is = t->driven[k].is == DRIVE_DISTILLATE ? SIGHT_DISTILLATE
-                                                                               : SIGHT_BOTTOMS,
-                                     .unit = t->driven[k].unit};
+    const struct column_seen seen = {
+        .sight = t->driven[k].drive == DRIVE_DISTILLATE ? SIGHT_DISTILLATE : SIGHT_BOTTOMS,
+        .unit = t->driven[k].unit};
     const struct column_terms one = {.seen = &seen, .n_seen = 1};
     c->nominal = column_terms_value(&one, column, x, 0);
     c->safe = isnan(c->safe) ? c->nominal : c->safe;

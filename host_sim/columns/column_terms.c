@@ -27,7 +27,7 @@ static const char *feed_fractions(const struct column_terms *t, const struct col
 
     for (size_t k = 0; k < t->n_driven; k++) {
         const struct column_driven *d = &t->driven[k];
-        if (d->is != DRIVE_FEED_FRACTION)
+        if (d->drive != DRIVE_FEED_FRACTION)
             continue;
         if (whole == REAL_C(0.0))
             whole = (real_t)d->unit->times;
@@ -63,7 +63,7 @@ const char *column_terms_inputs(const struct column_terms *t, const struct colum
         real_t value = value_of(t, u, k);
         real_t si = (value + (real_t)unit->offset) * (real_t)unit->in;
 
-        switch (t->driven[k].is) {
+        switch (t->driven[k].drive) {
         case DRIVE_REFLUX:
             in->reflux_basis = basis(unit);
             in->reflux_flow = si;
@@ -125,9 +125,10 @@ static real_t fraction(const struct column_seen *c, const struct column *column,
         real_t full[COLUMN_COMPONENTS_MAX];
         for (size_t j = 0; j < config->components; j++)
             full[j] = column_fraction(column, x, c->stage[s], j);
-        for (size_t j = 0; j < c->n_of; j++)
-            sum += mass ? mass_fraction_of(config->component, config->components, full, c->of[j])
-                        : full[c->of[j]];
+        for (size_t j = 0; j < c->n_components; j++)
+            sum += mass ? mass_fraction_of(config->component, config->components, full,
+                                           c->component[j])
+                        : full[c->component[j]];
     }
     return sum / (real_t)c->n_stages;
 }
@@ -142,8 +143,8 @@ static real_t log_ratio(real_t x)
 static real_t vapour_fraction(const struct column_seen *c, const struct column *column)
 {
     real_t sum = REAL_C(0.0);
-    for (size_t j = 0; j < c->n_of; j++)
-        sum += column->vapour[c->stage[0] * column->config->components + c->of[j]];
+    for (size_t j = 0; j < c->n_components; j++)
+        sum += column->vapour[c->stage[0] * column->config->components + c->component[j]];
     return sum;
 }
 
@@ -214,7 +215,7 @@ real_t column_terms_value(const struct column_terms *t, const struct column *col
     real_t value = REAL_C(0.0), size = REAL_C(1.0);
     real_t cooled = column->temperature[top] - column->inputs.reflux_subcooling;
 
-    switch (c->is) {
+    switch (c->sight) {
     case SIGHT_TEMPERATURE:
         value = temperature(c, column);
         break;

@@ -58,19 +58,19 @@ enum column_sight {
 #endif
 
 struct column_driven {
-    enum column_drive is;
+    enum column_drive drive;
     size_t component; /* index, of a fraction of the feed */
     const struct column_unit *unit;
     double value; /* of a constant */
 };
 
 struct column_seen {
-    enum column_sight is;
+    enum column_sight sight;
     const struct column_unit *unit;
     const size_t *stage; /* [n_stages] indices, 0 = reboiler */
     size_t n_stages;
-    const size_t *of; /* [n_of] indices of components */
-    size_t n_of;
+    const size_t *component; /* [n_components] indices */
+    size_t n_components;
 };
 
 struct column_terms {

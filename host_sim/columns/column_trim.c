@@ -31,7 +31,7 @@ struct search {
     size_t n;
     struct column_solver *solver;
     double size[TRIMS_MAX]; /* of the inputs: what a step is measured by */
-    double now[TRIMS_MAX], miss[TRIMS_MAX], reached[TRIMS_MAX]; /* where the search has come to */
+    double point[TRIMS_MAX], miss[TRIMS_MAX], reached[TRIMS_MAX]; /* where the search has come to */
     double seen[TRIMS_MAX]; /* values of the state that was settled last */
     bool stuck; /* the inputs do not move the values apart where the search has come to */
     char *err;
@@ -60,7 +60,7 @@ static double miss_of(const struct search *s, size_t i, double value)
 {
     const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
     const struct plant_channel *channel = channel_of(s, s->trim[i].seen);
-    if (c->is == SIGHT_FRACTION || c->is == SIGHT_VAPOUR_FRACTION)
+    if (c->sight == SIGHT_FRACTION || c->sight == SIGHT_VAPOUR_FRACTION)
         return logit(value / c->unit->times) - logit(s->trim[i].value / c->unit->times);
     /* A span far wider than the value must not make the search content with less. */
     return (value - s->trim[i].value) /
@@ -108,9 +108,9 @@ static double largest(const double *x, size_t n)
 static bool beside(struct search *s, size_t j, double step, double *moved, double *miss)
 {
     double v[TRIMS_MAX];
-    memcpy(v, s->now, sizeof v);
+    memcpy(v, s->point, sizeof v);
     v[j] = fmin(fmax(v[j] + step, s->trim[j].lo), s->trim[j].hi);
-    *moved = v[j] - s->now[j];
+    *moved = v[j] - s->point[j];
     return settle_at(s, v, miss);
 }
 
@@ -185,9 +185,9 @@ static bool improve(struct search *s, const double *step)
     for (int k = 0; k < HALVINGS_MAX; k++, part *= 0.5) {
         for (size_t i = 0; i < s->n; i++)
             v[i] =
-                fmin(fmax(s->now[i] + part * step[i] * s->size[i], s->trim[i].lo), s->trim[i].hi);
+                fmin(fmax(s->point[i] + part * step[i] * s->size[i], s->trim[i].lo), s->trim[i].hi);
         if (settle_at(s, v, miss) && largest(miss, s->n) < largest(s->miss, s->n)) {
-            memcpy(s->now, v, sizeof v);
+            memcpy(s->point, v, sizeof v);
             memcpy(s->miss, miss, sizeof miss);
             memcpy(s->reached, s->seen, sizeof s->reached);
             return true;
@@ -212,10 +212,10 @@ static void say_inputs(const struct search *s, char *at, size_t size)
         const char *name =
             t->driven < s->terms->n_inputs ? s->channels[t->driven].name : "the constant";
         int n = snprintf(at + used, size - used, "%s%s = %.6g %s%s", i > 0 ? ", " : " with ", name,
-                         s->now[i], s->terms->driven[t->driven].unit->name,
-                         s->now[i] <= t->lo   ? ", its lowest"
-                         : s->now[i] >= t->hi ? ", its highest"
-                                              : "");
+                         s->point[i], s->terms->driven[t->driven].unit->name,
+                         s->point[i] <= t->lo   ? ", its lowest"
+                         : s->point[i] >= t->hi ? ", its highest"
+                                                : "");
         used += n > 0 ? (size_t)n : 0;
     }
     if (s->stuck && used < size)
@@ -230,8 +230,8 @@ static double mole_fraction(const struct column_config *config, const struct col
 {
     if (c->unit->measure != MEASURE_MASS_FRACTION)
         return fraction;
-    const struct component *own = &config->component[c->of[0]],
-                           *other = &config->component[1 - c->of[0]];
+    const struct component *own = &config->component[c->component[0]],
+                           *other = &config->component[1 - c->component[0]];
     return fraction / own->molar_mass /
            (fraction / own->molar_mass + (1.0 - fraction) / other->molar_mass);
 }
@@ -248,19 +248,20 @@ static double enrichment(const struct search *s, const struct column_seen *c, do
                       .temperature_min = config->temperature_min,
                       .temperature_max = config->temperature_max};
     double x[2], y[2], k[2], dk[2], temperature = column->temperature[c->stage[0]];
-    x[c->of[0]] = mole_fraction(config, c, fraction);
-    x[1 - c->of[0]] = 1.0 - x[c->of[0]];
+    x[c->component[0]] = mole_fraction(config, c, fraction);
+    x[1 - c->component[0]] = 1.0 - x[c->component[0]];
     if (vle_bubble_point(&vle, x, column->pressure[c->stage[0]], &temperature, y, k, dk, false) !=
         ERR_OK)
         return NAN;
-    return y[c->of[0]] - x[c->of[0]];
+    return y[c->component[0]] - x[c->component[0]];
 }
 
 /* Of two components: a composition between what was reached and what was wanted that no stage gets past. */
 static bool azeotrope(const struct search *s, size_t i, double *value)
 {
     const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
-    if (c->is != SIGHT_FRACTION || c->n_of != 1 || c->n_stages != 1 || s->config->components != 2)
+    if (c->sight != SIGHT_FRACTION || c->n_components != 1 || c->n_stages != 1 ||
+        s->config->components != 2)
         return false;
     double reached = s->reached[i] / c->unit->times, wanted = s->trim[i].value / c->unit->times;
     double at_reached = enrichment(s, c, reached);
@@ -315,8 +316,8 @@ static bool seek(struct search *s)
     double slope[TRIMS_MAX][TRIMS_MAX], step[TRIMS_MAX] = {0};
 
     for (size_t i = 0; i < s->n; i++)
-        s->now[i] = *input_of(s, s->trim[i].driven);
-    if (!settle_at(s, s->now, s->miss))
+        s->point[i] = *input_of(s, s->trim[i].driven);
+    if (!settle_at(s, s->point, s->miss))
         return no_start(s);
     memcpy(s->reached, s->seen, sizeof s->reached);
     for (int round = 0; round < ROUNDS_MAX && largest(s->miss, s->n) > NEAR_ENOUGH; round++)
@@ -325,8 +326,8 @@ static bool seek(struct search *s)
     if (!(largest(s->miss, s->n) <= MET))
         return not_met(s);
     for (size_t i = 0; i < s->n; i++)
-        s->now[i] = fmin(fmax(rounded(s->now[i]), s->trim[i].lo), s->trim[i].hi);
-    return settle_at(s, s->now, s->miss);
+        s->point[i] = fmin(fmax(rounded(s->point[i]), s->trim[i].lo), s->trim[i].hi);
+    return settle_at(s, s->point, s->miss);
 }
 
 bool column_trim_find(const struct column_config *config, struct column_terms *terms,

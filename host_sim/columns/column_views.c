@@ -72,13 +72,13 @@ static void check_stages(struct column_reader *r, const struct column_seen *seen
 static void read_stages(struct column_reader *r, const json_t *object, struct column_seen *seen)
 {
     struct json_walk *w = r->walk;
-    unsigned keys = sights[seen->is].keys;
+    unsigned keys = sights[seen->sight].keys;
     const json_t *one = json_object_get(object, "stage");
     const json_t *list = json_object_get(object, "stages");
     bool wrong_one = one != NULL && (keys & KEY_STAGE) == 0;
     if (wrong_one || (list != NULL && (keys & KEY_STAGES) == 0)) {
         size_t mark = walk_key(w, wrong_one ? "stage" : "stages");
-        (void)walk_fail(w, "%s has %s", sights[seen->is].name,
+        (void)walk_fail(w, "%s has %s", sights[seen->sight].name,
                         (keys & KEY_STAGES) != 0  ? "no stage, but stages, a list"
                         : (keys & KEY_STAGE) != 0 ? "no stages, but one stage"
                                                   : "no stage");
@@ -92,7 +92,7 @@ static void read_stages(struct column_reader *r, const json_t *object, struct co
         (void)walk_fail(w, "has both stage and stages; must have one");
         return;
     }
-    bool difference = seen->is == SIGHT_TEMPERATURE_DIFFERENCE;
+    bool difference = seen->sight == SIGHT_TEMPERATURE_DIFFERENCE;
     const char *key = list != NULL || (keys & KEY_STAGE) == 0 ? "stages" : "stage";
     const json_t *value = walk_get(w, object, key, true);
     size_t mark = walk_key(w, key);
@@ -117,14 +117,14 @@ static void read_stages(struct column_reader *r, const json_t *object, struct co
 static void read_of(struct column_reader *r, const json_t *object, struct column_seen *seen)
 {
     struct json_walk *w = r->walk;
-    bool has = (sights[seen->is].keys & KEY_OF) != 0;
+    bool has = (sights[seen->sight].keys & KEY_OF) != 0;
     const json_t *of = walk_get(w, object, "of", has);
     if (of == NULL) {
         return;
     }
     size_t mark = walk_key(w, "of");
     if (!has) {
-        (void)walk_fail(w, "%s is of no component", sights[seen->is].name);
+        (void)walk_fail(w, "%s is of no component", sights[seen->sight].name);
     }
     bool list = json_is_array(of);
     size_t n = list ? walk_array(w, of, 1, r->file->config.components, "components") : 1;
@@ -139,8 +139,8 @@ static void read_of(struct column_reader *r, const json_t *object, struct column
         }
         walk_up(w, inner);
     }
-    seen->of = component;
-    seen->n_of = n;
+    seen->component = component;
+    seen->n_components = n;
     walk_up(w, mark);
 }
 
@@ -151,11 +151,11 @@ static void check_ends(struct column_reader *r, const struct column_seen *seen)
     struct json_walk *w = r->walk;
     size_t s = seen->n_stages > 0 ? seen->stage[0] : 0;
     size_t mark = walk_key(w, "stage");
-    if ((seen->is == SIGHT_VAPOUR_FRACTION || seen->is == SIGHT_VAPOUR_FLOW) &&
+    if ((seen->sight == SIGHT_VAPOUR_FRACTION || seen->sight == SIGHT_VAPOUR_FLOW) &&
         s == c->stages - 1) {
         (void)walk_fail(w, "no vapour leaves the condenser; must be 1 to %zu", c->stages - 1);
     }
-    if (seen->is == SIGHT_LEVEL && seen->unit->measure == MEASURE_CAPACITY &&
+    if (seen->sight == SIGHT_LEVEL && seen->unit->measure == MEASURE_CAPACITY &&
         (c->levels == COLUMN_LEVELS_PERFECT || (s != 0 && s != c->stages - 1))) {
         (void)walk_fail(w,
                         "only the reboiler, 1, and the condenser, %zu, have a level in %%, and "
@@ -168,19 +168,19 @@ static void check_ends(struct column_reader *r, const struct column_seen *seen)
 /* What is seen of the feed is what drives it, in its own kind of unit. */
 static void check_feed(struct column_reader *r, const struct column_seen *seen)
 {
-    enum column_drive drive = seen->is == SIGHT_FEED ? DRIVE_FEED : DRIVE_FEED_TEMPERATURE;
+    enum column_drive drive = seen->sight == SIGHT_FEED ? DRIVE_FEED : DRIVE_FEED_TEMPERATURE;
     const struct column_terms *t = &r->file->terms;
-    if (seen->is != SIGHT_FEED && seen->is != SIGHT_FEED_TEMPERATURE) {
+    if (seen->sight != SIGHT_FEED && seen->sight != SIGHT_FEED_TEMPERATURE) {
         return;
     }
     for (size_t k = 0; k < t->n_driven; k++) {
-        if (t->driven[k].is == drive && t->driven[k].unit->measure == seen->unit->measure) {
+        if (t->driven[k].drive == drive && t->driven[k].unit->measure == seen->unit->measure) {
             return;
         }
     }
     size_t mark = walk_key(r->walk, "unit");
     (void)walk_fail(r->walk, "%s is seen in the kind of unit in which it is driven, and only then",
-                    sights[seen->is].name);
+                    sights[seen->sight].name);
     walk_up(r->walk, mark);
 }
 
@@ -211,7 +211,7 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
-    seen->is = read_sight(r, object);
+    seen->sight = read_sight(r, object);
     if (w->failed) {
         return;
     }
@@ -220,8 +220,9 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
     if (w->failed) {
         return;
     }
-    seen->unit = column_read_unit(r, object, sights[seen->is].measures, sights[seen->is].name);
-    if (seen->is == SIGHT_HEAT) {
+    seen->unit =
+        column_read_unit(r, object, sights[seen->sight].measures, sights[seen->sight].name);
+    if (seen->sight == SIGHT_HEAT) {
         column_need(r, NEED_HEATS, "heat");
     }
     c->unit = seen->unit->name;

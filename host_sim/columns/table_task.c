@@ -55,7 +55,7 @@ static double heat_loss_of(const struct plant_class *class, const struct plant *
 {
     const struct column_terms *terms = class->column->terms;
     for (size_t k = 0; k < terms->n_driven; k++) {
-        if (terms->driven[k].is == DRIVE_HEAT_LOSS) {
+        if (terms->driven[k].drive == DRIVE_HEAT_LOSS) {
             return (k < terms->n_inputs ? class->value(p, k) : terms->driven[k].value) *
                    terms->driven[k].unit->in;
         }

@@ -30,7 +30,7 @@ struct taking {
 
 static bool ask(const struct taking *k, long double distance, long double *f)
 {
-    return k->task->at(k->task->context, distance, f, k->err, k->err_size);
+    return k->task->values(k->task->context, distance, f, k->err, k->err_size);
 }
 
 /* Differences at one distance; k->gap as well on both sides, at the first and the last. */
@@ -131,7 +131,7 @@ static bool on_side(struct taking *k, enum derivative_side side, struct derivati
         if (two_slopes(k, i, largest) && gap <= KINK_STEADY * before &&
             before <= KINK_STEADY * gap) {
             found->kink = true;
-            found->at = i;
+            found->kinked = i;
             return true;
         }
     }
@@ -158,7 +158,7 @@ bool derivative_take(const struct derivative_task *task, long double *work, doub
         struct derivative_found kink = *found;
         good = on_side(&k, DERIVATIVE_ABOVE, found);
         found->kink = true;
-        found->at = kink.at;
+        found->kinked = kink.kinked;
     }
     bool up = task->above > 0.0L && task->above >= task->below;
     good = good || (up && on_side(&k, DERIVATIVE_ABOVE, found)) ||

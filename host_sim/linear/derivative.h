@@ -17,7 +17,7 @@ struct derivative_task {
     size_t
         first; /* the first so many are of one kind and compared with one another, the rest likewise */
     /* f[n] at a distance from the point; false, with the reason, where there is none. */
-    bool (*at)(void *context, long double distance, long double *f, char *err, size_t err_size);
+    bool (*values)(void *context, long double distance, long double *f, char *err, size_t err_size);
     void *context;
     long double step;     /* the first h, above 0 */
     long double rounding; /* of the functions, relative to themselves and to 1 */
@@ -28,7 +28,7 @@ struct derivative_task {
 struct derivative_found {
     enum derivative_side side; /* on which the slopes were taken */
     bool kink;                 /* the slopes of the two sides differ; those above are given */
-    size_t at;                 /* the function with the kink */
+    size_t kinked;             /* index of the function with the kink */
 };
 
 #define DERIVATIVE_WORK 10 /* numbers of workspace for each function */

@@ -35,7 +35,7 @@ struct block_state {
 
 struct plant {
     const struct linear_model *model;
-    int64_t now;
+    int64_t time_ns;
     double *input; /* inputs and parameters, engineering units */
     double *output;
     struct history *history;
@@ -85,7 +85,7 @@ static int64_t delayed_inputs(struct plant *p, const struct linear_block *b, int
 static void add_outputs(struct plant *p, const struct linear_block *b, const double *x)
 {
     const struct linear_variant *v = linear_variant_of(p, b);
-    (void)delayed_inputs(p, b, v->dead_ns, p->now, p->now);
+    (void)delayed_inputs(p, b, v->dead_ns, p->time_ns, p->time_ns);
     for (size_t i = 0; i < b->p; i++) {
         double sum = 0.0;
         for (size_t j = 0; j < b->n; j++) {
@@ -253,14 +253,14 @@ static void prune(struct history *h, int64_t now)
 static bool remember(struct plant *p, size_t j, double value, char *err, size_t err_size)
 {
     struct history *h = &p->history[j];
-    prune(h, p->now);
-    if (h->time[h->n - 1] < p->now) {
+    prune(h, p->time_ns);
+    if (h->time[h->n - 1] < p->time_ns) {
         if (!reserve(h)) {
             return sim_fail(err, err_size, "%s: out of memory", p->model->name);
         }
         h->n++;
     }
-    h->time[h->n - 1] = p->now;
+    h->time[h->n - 1] = p->time_ns;
     h->value[h->n - 1] = value;
     return true;
 }
@@ -337,7 +337,7 @@ static bool advance_continuous(struct plant *p, size_t k, int64_t end)
 {
     const struct linear_block *b = &p->model->block[k];
     const struct linear_variant *v = linear_variant_of(p, b);
-    int64_t t = p->now;
+    int64_t t = p->time_ns;
     while (b->n > 0 && t < end) {
         int64_t until = delayed_inputs(p, b, v->dead_ns, t, end);
         const struct step *step = step_of(p, k, v, until - t);
@@ -354,7 +354,7 @@ static void advance_discrete(struct plant *p, size_t k, int64_t end)
 {
     const struct linear_block *b = &p->model->block[k];
     const struct linear_variant *v = linear_variant_of(p, b);
-    for (int64_t t = p->now; t < end; t += p->model->period_ns) {
+    for (int64_t t = p->time_ns; t < end; t += p->model->period_ns) {
         (void)delayed_inputs(p, b, v->dead_ns, t, end);
         apply(p, k, v->a, v->b);
     }
@@ -363,17 +363,17 @@ static void advance_discrete(struct plant *p, size_t k, int64_t end)
 bool linear_advance(struct plant *p, double t_s, char *err, size_t err_size)
 {
     const struct linear_model *m = p->model;
-    if (!(t_s >= 0.0 && t_s <= TIME_MAX_S) || llround(t_s * NANO) < p->now) {
+    if (!(t_s >= 0.0 && t_s <= TIME_MAX_S) || llround(t_s * NANO) < p->time_ns) {
         return sim_fail(err, err_size, "%s: time %.9g s must be from %.9g s to %g s", m->name, t_s,
-                        (double)p->now / NANO, TIME_MAX_S);
+                        (double)p->time_ns / NANO, TIME_MAX_S);
     }
     int64_t end = llround(t_s * NANO);
-    if (m->period_ns != 0 && (end - p->now) % m->period_ns != 0) {
+    if (m->period_ns != 0 && (end - p->time_ns) % m->period_ns != 0) {
         return sim_fail(
             err, err_size,
             "%s: a discrete plant of period %g s cannot advance by %.9g s; the tick must "
             "be a multiple of the period",
-            m->name, (double)m->period_ns / NANO, (double)(end - p->now) / NANO);
+            m->name, (double)m->period_ns / NANO, (double)(end - p->time_ns) / NANO);
     }
     for (size_t k = 0; k < m->n_blocks; k++) {
         if (m->period_ns != 0) {
@@ -383,7 +383,7 @@ bool linear_advance(struct plant *p, double t_s, char *err, size_t err_size)
                             m->name);
         }
     }
-    p->now = end;
+    p->time_ns = end;
     find_outputs(p);
     return true;
 }

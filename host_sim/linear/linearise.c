@@ -162,7 +162,7 @@ static bool differentiate(const struct plant_class *class, struct plant *p, stru
     size_t rows = l->n + l->p;
     struct differences k = {.class = class, .plant = p, .l = l};
     struct derivative_task task = {
-        .n = rows, .first = l->n, .at = look, .context = &k, .rounding = DBL_EPSILON};
+        .n = rows, .first = l->n, .values = look, .context = &k, .rounding = DBL_EPSILON};
     long double *work = calloc(DERIVATIVE_WORK * rows + 1, sizeof(*work));
     double *slope = numbers(rows);
 

@@ -64,10 +64,10 @@ void linearised_note(struct linearised *l, const struct plant_class *class, bool
 
     name_of(l, class, of_input, number, moved, sizeof moved);
     if (found->kink) {
-        if (found->at < l->n)
-            snprintf(row, sizeof row, "the rate of state %zu", found->at + 1);
+        if (found->kinked < l->n)
+            snprintf(row, sizeof row, "the rate of state %zu", found->kinked + 1);
         else
-            snprintf(row, sizeof row, "%s", class->channels[l->output[found->at - l->n]].name);
+            snprintf(row, sizeof row, "%s", class->channels[l->output[found->kinked - l->n]].name);
         add_line(l, "%s: %s has a kink here, so there is no derivative; slopes are those %s\n",
                  moved, row, side);
     } else if (found->side != DERIVATIVE_BOTH) {

@@ -23,9 +23,9 @@ struct start_up {
     const char *name, *plant, *command; /* plant NULL: wood-berry with its two old loops */
     const char *settings[SETTINGS];
     double noise;
-    const char *event;            /* of the plant, `at` ticks after the command */
+    const char *event;            /* of the plant, `tick` ticks after the command */
     const char *typed;            /* by a hand, then */
-    unsigned at, lost;            /* lost: samples from then on */
+    unsigned tick, lost;          /* lost: samples from then on */
     const char *in_acceptance[2]; /* events of the plant once it is on trial */
     bool accepted;                /* and the proposal tried */
 };
@@ -67,11 +67,11 @@ static bool is_over(void)
 static void goes_on(const struct start_up *s, unsigned most)
 {
     for (unsigned tick = 0; tick < most; tick++) {
-        if (tick == s->at && s->event)
+        if (tick == s->tick && s->event)
             plant_event(s->event);
-        if (tick == s->at && s->typed)
+        if (tick == s->tick && s->typed)
             says_answer(s->typed);
-        if (s->lost > 0 && tick == s->at) {
+        if (s->lost > 0 && tick == s->tick) {
             board.time_ms += (uint64_t)s->lost * board.tick_ms;
             board.number += s->lost;
         }
@@ -105,7 +105,7 @@ static void runs(const struct start_up *s)
         says_answer(listings[i]);
     if (!s->accepted)
         return;
-    static const struct start_up nothing = {.at = 1000000};
+    static const struct start_up nothing = {.tick = 1000000};
     says_answer("commission accept");
     for (unsigned i = 0; i < 2 && s->in_acceptance[i]; i++) {
         plant_steps(2);
@@ -145,22 +145,22 @@ static const struct start_up cases[] = {
      .settings = {"set test.longest 5400", "set test.rounds 1"}},
     {"halves that are much too short", .command = "commission begin",
      .settings = {"set test.longest 3660", "set test.rounds 3"}},
-    {"an abort", .command = "commission begin", .typed = "commission abort", .at = 120},
-    {"a hand", .command = "commission begin", .typed = "out old_R 2.1", .at = 120},
-    {"a pause", .command = "commission begin", .typed = "commission pause", .at = 120},
-    {"an input skipped", .command = "commission begin", .typed = "commission skip", .at = 120},
-    {"an input again", .command = "commission begin", .typed = "commission repeat", .at = 420},
+    {"an abort", .command = "commission begin", .typed = "commission abort", .tick = 120},
+    {"a hand", .command = "commission begin", .typed = "out old_R 2.1", .tick = 120},
+    {"a pause", .command = "commission begin", .typed = "commission pause", .tick = 120},
+    {"an input skipped", .command = "commission begin", .typed = "commission skip", .tick = 120},
+    {"an input again", .command = "commission begin", .typed = "commission repeat", .tick = 420},
     {"another configuration", .command = "commission begin", .typed = "set loop1.gain 0.7",
-     .at = 120},
-    {"a measurement lost", .command = "commission begin", .event = "xD.quality=3", .at = 120},
-    {"a measurement offset", .command = "commission begin", .event = "xB.bias=9", .at = 120},
-    {"three samples lost", .command = "commission begin", .lost = 3, .at = 120},
+     .tick = 120},
+    {"a measurement lost", .command = "commission begin", .event = "xD.quality=3", .tick = 120},
+    {"a measurement offset", .command = "commission begin", .event = "xB.bias=9", .tick = 120},
+    {"three samples lost", .command = "commission begin", .lost = 3, .tick = 120},
     {"eight samples lost", .command = "commission begin", .settings = {"set tick.miss_limit 1000"},
-     .lost = 8, .at = 120},
+     .lost = 8, .tick = 120},
     {"nine samples lost", .command = "commission begin", .settings = {"set tick.miss_limit 1000"},
-     .lost = 9, .at = 120},
+     .lost = 9, .tick = 120},
     {"twenty samples lost", .command = "commission begin", .settings = {"set tick.miss_limit 1000"},
-     .lost = 20, .at = 120},
+     .lost = 20, .tick = 120},
     {"a relay on the first loop", .command = "commission relay old_R", .accepted = true},
     {"a relay on the second loop", .command = "commission relay old_S", .accepted = true},
     {"a relay's loop on a valve that hangs", .command = "commission relay old_R",
@@ -173,12 +173,13 @@ static const struct start_up cases[] = {
      .settings = {"set mv1.test_step 0.0001", "set test.longest 9000"}},
     {"a relay of the wrong action", .command = "commission relay old_R",
      .settings = {"set loop1.action direct", "set test.longest 12000"}},
-    {"a relay and lost samples", .command = "commission relay old_R", .lost = 5, .at = 60},
+    {"a relay and lost samples", .command = "commission relay old_R", .lost = 5, .tick = 60},
     {"a relay and many lost samples", .command = "commission relay old_R",
-     .settings = {"set tick.miss_limit 1000"}, .lost = 12, .at = 60},
-    {"a relay and a hand", .command = "commission relay old_R", .typed = "out old_R 2.1", .at = 60},
+     .settings = {"set tick.miss_limit 1000"}, .lost = 12, .tick = 60},
+    {"a relay and a hand", .command = "commission relay old_R", .typed = "out old_R 2.1",
+     .tick = 60},
     {"a relay and nine lost samples", .command = "commission relay old_R",
-     .settings = {"set tick.miss_limit 1000"}, .lost = 9, .at = 60},
+     .settings = {"set tick.miss_limit 1000"}, .lost = 9, .tick = 60},
     {"Siddha's rig", .plant = "siddha-rig", .command = "commission begin",
      .settings = {"set test.rounds 1"}},
     {"a furnace", .plant = "furnace", .command = "commission begin",

@@ -25,7 +25,7 @@ static const double spans[INPUTS] = {128, 128, 16, 200, 64, 1024};
 
 static struct random_source source;
 static struct {
-    int at[INPUTS]; /* on the grid */
+    int steps[INPUTS]; /* of the grid */
     uint8_t quality[INPUTS];
     unsigned still[INPUTS]; /* ticks for which it is not moved */
     int off[OUTPUTS];       /* read-back, off the command, in hundredths of its span */
@@ -120,7 +120,7 @@ static void gives_sample(void)
                             .n_readback = day.readbacks ? OUTPUTS : 0};
     struct frame f;
     for (unsigned i = 0; i < INPUTS; i++) {
-        m.measurement[i].value = (float)(lowest[i] + spans[i] / GRID * day.at[i]);
+        m.measurement[i].value = (float)(lowest[i] + spans[i] / GRID * day.steps[i]);
         m.measurement[i].quality = day.quality[i];
     }
     for (unsigned j = 0; j < OUTPUTS; j++)
@@ -159,10 +159,10 @@ static void plant_goes_on(void)
         if (once_in(40))
             day.still[i] = (unsigned)from_to(3, 14);
         if (once_in(60))
-            day.at[i] = from_to(-8, GRID + 8);
+            day.steps[i] = from_to(-8, GRID + 8);
         else
-            day.at[i] += from_to(-2, 2);
-        day.at[i] = day.at[i] < -6 ? 3 : day.at[i] > GRID + 6 ? GRID - 3 : day.at[i];
+            day.steps[i] += from_to(-2, 2);
+        day.steps[i] = day.steps[i] < -6 ? 3 : day.steps[i] > GRID + 6 ? GRID - 3 : day.steps[i];
         if (day.quality[i] ? once_in(4) : once_in(50))
             day.quality[i] = day.quality[i] ? 0 : (uint8_t)from_to(1, 3);
     }
@@ -274,7 +274,7 @@ static void begins(const struct a_day *d, bool briefly)
     board.n_outputs = OUTPUTS;
     board.tick_ms = TICK_MS;
     for (unsigned i = 0; i < INPUTS; i++)
-        day.at[i] = GRID / 2;
+        day.steps[i] = GRID / 2;
     kept_line("# %s%s", d->name, briefly ? ", briefly" : "");
     ask_ok("begin");
     for (const char *const *s = channels; *s; s++)

@@ -93,8 +93,8 @@ enum end {
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void);
-    const char *by;   /* where there is no `begin` */
-    const char *told; /* event, and entry in the list of alarms */
+    const char *by;    /* where there is no `begin` */
+    const char *event; /* event, and entry in the list of alarms */
     enum end state;
     bool listed;
     bool needs_float; /* in fixed point there is no such thing */
@@ -272,15 +272,15 @@ static void check_told(const struct fault *fault, const struct mode *mode, const
 {
     bool gave_up = fault->state == OWN;
     char text[80];
-    if (!fault->told)
+    if (!fault->event)
         return;
-    snprintf(text, sizeof text, "%s", fault->told);
+    snprintf(text, sizeof text, "%s", fault->event);
     char *block = strstr(text, "block2 ");
     if (gave_up) /* the event names the reason, and the block as its value */
         memmove(block, block + 7, strlen(block + 7) + 1);
     ask_ok("events");
     TEST_ASSERT_EQUAL_MESSAGE(!(gave_up && mode->off), said(text), where);
-    TEST_ASSERT_EQUAL_MESSAGE(fault->listed && !(gave_up && mode->off), alarm_says(fault->told),
+    TEST_ASSERT_EQUAL_MESSAGE(fault->listed && !(gave_up && mode->off), alarm_says(fault->event),
                               where);
 }
 
@@ -362,7 +362,7 @@ static void row(unsigned f, char *line, size_t size)
     };
     snprintf(line, size, "| %s | %s%s%s | %s | %s%s%s |\n", fault->name, fault->begin ? "`" : "",
              fault->begin ? fault->begin : fault->by, fault->begin ? "`" : "", ends[fault->state],
-             fault->told ? fault->told : "nobody", fault->listed ? ", listed" : "",
+             fault->event ? fault->event : "nobody", fault->listed ? ", listed" : "",
              fault->needs_float ? " (float)" : "");
 }
 

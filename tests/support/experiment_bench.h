@@ -18,7 +18,7 @@ struct experiment_bench {
     uint32_t k;                    /* samples taken */
     uint32_t look_takes, look_age; /* samples */
     unsigned edges;
-    double level, at[BENCH_EDGES], change[BENCH_EDGES];
+    double level, edge[BENCH_EDGES], change[BENCH_EDGES];
     real_t last[CHANNEL_MAX];
 };
 
@@ -50,7 +50,7 @@ static inline double bench_output(unsigned j)
     if (bench.other)
         return y + bench.other(j, bench.k);
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.at[i]);
+        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.edge[i]);
     return y;
 }
 
@@ -82,7 +82,7 @@ static inline enum err bench_sample(bool lost)
     if ((double)experiment.level != bench.level) {
         TEST_ASSERT_FALSE_MESSAGE(lost, "the output was moved where it could not be");
         TEST_ASSERT_TRUE(bench.edges < BENCH_EDGES);
-        bench.at[bench.edges] = bench.k;
+        bench.edge[bench.edges] = bench.k;
         bench.change[bench.edges++] = (double)experiment.level - bench.level;
         bench.level = (double)experiment.level;
     }

@@ -14,7 +14,7 @@
 /* A real_t at `at` of what is tried. ABOVE: lo itself is not taken. */
 struct range {
     const char *name;
-    size_t at;
+    size_t offset;
     double lo, hi;
     enum { FROM, ABOVE } kind;
 };
@@ -33,7 +33,7 @@ static inline void expect(void *with, const struct range *r, double value, bool 
                           enum err (*begin)(void))
 {
     char message[80];
-    real_t *x = (real_t *)((char *)with + r->at), before = *x;
+    real_t *x = (real_t *)((char *)with + r->offset), before = *x;
     *x = (real_t)value;
     enum err err = begin();
     *x = before;

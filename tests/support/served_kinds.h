@@ -129,7 +129,7 @@ struct both_settings {
 struct both {
     num_t rate, cross, u[2];
     unsigned steps, backs, follows;
-    num_t told[2];
+    num_t applied[2];
 };
 
 static bool both_gives_up;
@@ -206,7 +206,7 @@ static void both_back_calculate(void *state, struct block_io *io)
 {
     struct both *b = state;
     for (int k = 0; k < 2; k++)
-        b->told[k] = b->u[k] = io->out[k];
+        b->applied[k] = b->u[k] = io->out[k];
     b->backs++;
 }
 

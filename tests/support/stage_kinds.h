@@ -379,7 +379,7 @@ struct duet_settings {
 };
 
 struct duet {
-    num_t rate, u[2], told[2];
+    num_t rate, u[2], applied[2];
 };
 
 static const struct block_parameter duet_parameters[] = {
@@ -420,7 +420,7 @@ static void duet_back_calculate(void *state, struct block_io *io)
 {
     struct duet *d = state;
     for (int k = 0; k < 2; k++)
-        d->told[k] = d->u[k] = io->out[k];
+        d->applied[k] = d->u[k] = io->out[k];
 }
 
 static const struct block_kind duet_kind = {

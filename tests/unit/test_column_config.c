@@ -117,7 +117,7 @@ static void wrong_component_data_is_named(void)
 static void a_property_that_is_not_given_is_named_where_something_needs_it(void)
 {
     static const struct {
-        size_t at;
+        size_t offset;
         const char *name, *mass, *volume, *holdup, *heat, *boilup, *temperature, *subcooling;
     } properties[] = {
 #define HEATS    "heat, the feed's temperature or the reflux's subcooling needs it"
@@ -162,7 +162,7 @@ static void a_property_that_is_not_given_is_named_where_something_needs_it(void)
         const char *wanted[6] = {properties[i].mass,        properties[i].volume,
                                  properties[i].heat,        properties[i].boilup,
                                  properties[i].temperature, properties[i].subcooling};
-        *(real_t *)((char *)&components[1] + properties[i].at) = 0;
+        *(real_t *)((char *)&components[1] + properties[i].offset) = 0;
         if (i == 1)
             components[1].density[1] = 0;
         enum err code = column_validate(&config, &fault);

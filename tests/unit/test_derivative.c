@@ -23,7 +23,7 @@ static bool take(bool (*at)(void *, long double, long double *, char *, size_t),
     static long double work[DERIVATIVE_WORK * N];
     const struct derivative_task task = {.n = N,
                                          .first = 1,
-                                         .at = at,
+                                         .values = at,
                                          .step = 0x1p-10L,
                                          .rounding = DBL_EPSILON,
                                          .below = below,
@@ -75,7 +75,7 @@ static void test_a_kink_is_found_and_gives_the_slope_above(void)
     kink_at = 0.0L;
     TEST_ASSERT_TRUE(take(bent, 1.0, 1.0));
     TEST_ASSERT_TRUE(found.kink);
-    TEST_ASSERT_EQUAL_size_t(1, found.at);
+    TEST_ASSERT_EQUAL_size_t(1, found.kinked);
     TEST_ASSERT_EQUAL(DERIVATIVE_ABOVE, found.side);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 5.0, slope[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, slope[0]);

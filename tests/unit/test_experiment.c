@@ -296,7 +296,7 @@ static double wrong_way(unsigned j, uint32_t k)
     (void)j;
     for (unsigned i = 0; i < bench.edges; i++)
         y += 3.0 * bench.change[i] *
-             (step_response(&slow, k - bench.at[i]) + step_response(&fast, k - bench.at[i]));
+             (step_response(&slow, k - bench.edge[i]) + step_response(&fast, k - bench.edge[i]));
     return y;
 }
 
@@ -311,7 +311,7 @@ static void what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_ha
         /* Of the limit, what the first step takes the wrong way; the reversal takes twice that, on top of the rest. */
         double dip = 0.0;
         bench.edges = 1;
-        bench.at[0] = 0;
+        bench.edge[0] = 0;
         bench.change[0] = 0.05;
         for (uint32_t k = 0; k < 100; k++)
             dip = fmin(dip, wrong_way(0, k));
@@ -474,7 +474,7 @@ static double bent_drift(unsigned j, uint32_t k)
 {
     double y = 0.0, bend = 2e-8 * (double)k * (double)k;
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.at[i]);
+        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.edge[i]);
     return y + bend;
 }
 
@@ -500,7 +500,7 @@ static double curved(unsigned j, uint32_t k)
     double y = 0.0;
     (void)k;
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.at[i]);
+        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.edge[i]);
     return y + 2.0 * y * y;
 }
 
@@ -733,7 +733,7 @@ static double carried_away(unsigned j, uint32_t k)
     double y = k > 350 ? 1e-3 * (k - 350) : 0.0;
     y = y > 0.215 ? 0.215 : y;
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+        y += bench.change[i] * step_response(&e, k - bench.edge[i]);
     (void)j;
     return y;
 }

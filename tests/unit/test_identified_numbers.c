@@ -46,7 +46,7 @@ static double stepped(const struct test_element *e, uint32_t k)
 {
     double y = 0.0;
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(e, k - bench.at[i]);
+        y += bench.change[i] * step_response(e, k - bench.edge[i]);
     return y;
 }
 
@@ -90,7 +90,7 @@ static double swinging(unsigned j, uint32_t k)
 {
     double y = 0.0;
     for (unsigned i = 0; i < bench.edges; i++) {
-        double t = k - bench.at[i] - 3.0;
+        double t = k - bench.edge[i] - 3.0;
         if (t > 0)
             y += bench.change[i] * (1.0 - exp(-t / 60.0) * cos(t / 12.0));
     }

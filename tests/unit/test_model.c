@@ -184,8 +184,8 @@ static double washed_out(unsigned j, uint32_t k)
 {
     double y = 0.0;
     for (unsigned i = 0; i < bench.edges; i++)
-        if (k > bench.at[i])
-            y += 2.0 * bench.change[i] * exp(-(k - bench.at[i] - 1.0) / 12.0);
+        if (k > bench.edge[i])
+            y += 2.0 * bench.change[i] * exp(-(k - bench.edge[i] - 1.0) / 12.0);
     (void)j;
     return y;
 }
@@ -210,7 +210,7 @@ static double under_a_drift_that_turns(unsigned j, uint32_t k)
     const struct test_element e = {0.8, 40, 10};
     double y = 2e-4 * k - (k > turns_at ? 4e-4 * (k - turns_at) : 0.0);
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+        y += bench.change[i] * step_response(&e, k - bench.edge[i]);
     (void)j;
     return y;
 }
@@ -243,7 +243,7 @@ static double fast_and_slow(unsigned j, uint32_t k)
     double y = 0.0;
     for (unsigned i = 0; i < bench.edges; i++)
         y += bench.change[i] *
-             (step_response(&fast, k - bench.at[i]) + step_response(&slow, k - bench.at[i]));
+             (step_response(&fast, k - bench.edge[i]) + step_response(&slow, k - bench.edge[i]));
     (void)j;
     return y;
 }
@@ -406,7 +406,7 @@ static double curved(unsigned j, uint32_t k)
     const struct test_element e = {1.0, 30, 5};
     double y = 0.0;
     for (unsigned i = 0; i < bench.edges; i++)
-        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+        y += bench.change[i] * step_response(&e, k - bench.edge[i]);
     (void)j;
     return y + more_up / 0.1 * y * y;
 }

@@ -304,7 +304,7 @@ static void defaults_are_those_the_headers_state(void)
     detune_config_default(&d);
     static_decoupler_config_default(&x);
     const struct {
-        real_t is;
+        real_t value;
         double stated;
     } all[] = {
         {p.smallest_lambda, 0.02}, {p.floor, 0.005},    {p.confidence, 0.95},
@@ -318,7 +318,7 @@ static void defaults_are_those_the_headers_state(void)
         {x.left_hi, 0.3},
     };
     for (unsigned k = 0; k < sizeof all / sizeof all[0]; k++)
-        TEST_ASSERT_EQUAL_FLOAT((float)all[k].stated, (float)all[k].is);
+        TEST_ASSERT_EQUAL_FLOAT((float)all[k].stated, (float)all[k].value);
     TEST_ASSERT_TRUE(d.noise_sd == NULL && d.begins == 0 && p.outputs_out == 0 &&
                      p.inputs_out == 0);
 }

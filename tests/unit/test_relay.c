@@ -31,7 +31,7 @@ struct process {
     int lags, whole;
     double rest_part; /* of a sample: dead time beyond the whole ones */
     double past[DELAYS];
-    int at;
+    int newest;
     double load, drift; /* at the input, once it has come; of the output, a sample */
     long load_at;       /* sample */
     long samples;
@@ -61,10 +61,10 @@ static void process_init(struct process *p, const double *lags, double dead, dou
 static double process_step(struct process *p, double u)
 {
     double y = REST + p->drift * (double)++p->samples;
-    p->past[p->at] = p->samples > p->load_at ? u + p->load : u;
-    double newer = p->past[(p->at + DELAYS - p->whole) % DELAYS];
-    double older = p->past[(p->at + DELAYS - p->whole - 1) % DELAYS];
-    p->at = (p->at + 1) % DELAYS;
+    p->past[p->newest] = p->samples > p->load_at ? u + p->load : u;
+    double newer = p->past[(p->newest + DELAYS - p->whole) % DELAYS];
+    double older = p->past[(p->newest + DELAYS - p->whole - 1) % DELAYS];
+    p->newest = (p->newest + 1) % DELAYS;
     for (int i = 0; i < p->lags; i++) {
         double first = exp(-p->rest_part * p->h / p->lag[i]);
         double second = exp(-(1.0 - p->rest_part) * p->h / p->lag[i]);

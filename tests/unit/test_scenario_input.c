@@ -186,7 +186,7 @@ static void script_lines_are_read(void)
     TEST_ASSERT_TRUE(script.list[2].may_fail);
     TEST_ASSERT_EQUAL_STRING("set nonsense 1", script.list[2].text);
     TEST_ASSERT_EQUAL_STRING("status", script.list[3].text);
-    TEST_ASSERT_EQUAL_UINT(7, script.list[0].at);
+    TEST_ASSERT_EQUAL_UINT(7, script.list[0].line);
 }
 
 static void wrong_script_lines_are_refused_with_file_and_line(void)

@@ -328,7 +328,7 @@ static void what_took_effect_is_told_to_it(void)
     setpoint(TOP, 130);
     ticks(20);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, sent(REFLUX));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, D(both_state->told[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, D(both_state->applied[0]));
     setpoint(TOP, 80); /* it has not wound up */
     tick();
     TEST_ASSERT_TRUE(sent(REFLUX) < 0.52);
@@ -480,13 +480,13 @@ static void what_an_interlock_makes_of_an_output_is_told_in_the_same_tick(void)
         (const char *const[]){"lock1.meas", "T1", "lock1.mv", "heat", "lock1.limit", "110", NULL});
     apply();
     ticks(3);
-    TEST_ASSERT_TRUE(D(both_state->told[1]) > 0.1);
+    TEST_ASSERT_TRUE(D(both_state->applied[1]) > 0.1);
     unsigned backs = both_state->backs;
     reading(T1, 112);
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sent(HEAT));
     TEST_ASSERT_EQUAL_UINT(backs + 1, both_state->backs);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(both_state->told[1]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(both_state->applied[1]));
 }
 
 static void another_divisor_of_its_loops_is_another_interval(void)
@@ -524,7 +524,7 @@ static void what_took_effect_is_told_to_it_before_its_next_turn(void)
     tick();
     TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
     TEST_ASSERT_EQUAL_UINT(backs + 1, both_state->backs);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(both_state->told[1]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(both_state->applied[1]));
 }
 
 /* Its turns come sooner from now on, before it was told of the last. */

@@ -378,7 +378,7 @@ static void a_block_that_serves_its_loops_drives_through_it(void)
     ticks(50);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.55, sent(HEAT));
     struct duet *d = supervisor_block(&bench.s, SLOT_RECORDS + 1);
-    TEST_ASSERT_TRUE(D(d->told[1]) < 0.6); /* of its own output, not of the MV */
+    TEST_ASSERT_TRUE(D(d->applied[1]) < 0.6); /* of its own output, not of the MV */
     setpoint(BOTTOM, 110);
     tick();
     TEST_ASSERT_TRUE(sent(HEAT) < 0.55);

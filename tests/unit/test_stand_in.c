@@ -13,7 +13,7 @@ struct coast_settings {
 };
 
 struct coast {
-    num_t at, drift;
+    num_t value, drift;
     uint16_t which;
 };
 
@@ -73,8 +73,8 @@ static void coast_step(void *state, struct block_io *io)
     told[c->which].quality = io->quality[0];
     told[c->which].age_s = io->age_s[0];
     told[c->which].input = io->input[0];
-    c->at = measured ? io->input[0] : num_add(c->at, c->drift);
-    io->point[0] = c->at;
+    c->value = measured ? io->input[0] : num_add(c->value, c->drift);
+    io->point[0] = c->value;
     io->point_quality[0] = told[c->which].ignorant ? QUALITY_BAD
                            : measured              ? QUALITY_GOOD
                                                    : QUALITY_UNCERTAIN;

@@ -51,7 +51,7 @@ struct verdict run_rule(enum course course, unsigned rule, uint64_t samples, uin
         course == COURSE_REST ? 1e-8f : 1e-4f; /* a hundred or more noise variances */
     gmv_init(l.gmv, &l.config);
     unsigned n = gmv_parameters(&l.config.shape, 0);
-    for (uint64_t t = 0; t < samples && !v.at; t++) {
+    for (uint64_t t = 0; t < samples && !v.sample; t++) {
         float least, most;
         loop_take(&l);
         (void)gmv_learn(l.gmv, &l.sample, 1);
@@ -151,7 +151,7 @@ struct verdict run_covariance(enum course course, bool in_double, bool bounded, 
         c.p[i][i] = store((double)l.config.p0, in_double);
         c.theta[i] = (double)l.config.theta[0][i];
     }
-    for (uint64_t t = 0; t < samples && !v.at; t++) {
+    for (uint64_t t = 0; t < samples && !v.sample; t++) {
         double phi[COURSE_PARAMETERS];
         loop_take(&l);
         memmove(&s.y[1], &s.y[0], 3 * sizeof s.y[0]);

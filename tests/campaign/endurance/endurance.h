@@ -35,7 +35,7 @@ struct gmv_config course_config(enum course course);
 
 /* What went wrong first, and when. */
 struct verdict {
-    uint64_t at; /* sample; 0: nothing */
+    uint64_t sample; /* 0: nothing went wrong */
     const char *what;
     double size,
         rest; /* mean squares of the moves: over 50 samples, and as they were at the end of tune-in */

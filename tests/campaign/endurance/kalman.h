@@ -31,10 +31,10 @@ struct kalman_course {
     struct random_source random;
     uint64_t t;
     /* of the step that comes now */
-    const struct kalman_variant *now;
+    const struct kalman_variant *actual;
     struct covariance_step step;
     struct covariance_measurement taken[KALMAN_MOST];
-    real_t of[KALMAN_MOST][2];
+    real_t slopes[KALMAN_MOST][2];
     size_t measurements;
 };
 

@@ -102,17 +102,17 @@ bool kalman_begin(struct kalman_course *c, enum kalman_kind kind, size_t stages,
 static struct covariance_measurement *add_measurement(struct kalman_course *c)
 {
     size_t k = c->measurements++;
-    c->taken[k] = (struct covariance_measurement){.slope = c->of[k], .extra = KALMAN_EXTRAS};
+    c->taken[k] = (struct covariance_measurement){.slope = c->slopes[k], .extra = KALMAN_EXTRAS};
     return &c->taken[k];
 }
 
 /* One of the working points; each thermometer is there three times out of four, and its slope moves by 5 %. */
 void kalman_next(struct kalman_course *c)
 {
-    c->now = &c->variant[random_below(&c->random, KALMAN_VARIANTS)];
-    c->step = (struct covariance_step){.transition = &c->now->transition,
+    c->actual = &c->variant[random_below(&c->random, KALMAN_VARIANTS)];
+    c->step = (struct covariance_step){.transition = &c->actual->transition,
                                        .extras = KALMAN_EXTRAS,
-                                       .push = c->now->push,
+                                       .push = c->actual->push,
                                        .keep = c->keep,
                                        .grown = c->grown,
                                        .noise = c->noise,
@@ -126,14 +126,14 @@ void kalman_next(struct kalman_course *c)
         z->at = 2 * (sensor_stage(c, k) - 1);
         z->count = 2;
         for (size_t j = 0; j < 2; j++)
-            c->of[z - c->taken][j] = c->now->slope[k][j] * (real_t)(0.95 + 0.1 * uniform(c));
+            c->slopes[z - c->taken][j] = c->actual->slope[k][j] * (real_t)(0.95 + 0.1 * uniform(c));
         z->variance = kinds[c->kind].sensor_sd * kinds[c->kind].sensor_sd;
     }
     if (c->t++ % ANALYSIS_EVERY == 0) {
         struct covariance_measurement *z = add_measurement(c);
         z->at = c->n - 1;
         z->count = 1;
-        c->of[z - c->taken][0] = 1;
+        c->slopes[z - c->taken][0] = 1;
         z->extra = KALMAN_EXTRAS - 1;
         z->extra_slope = 1;
         z->variance = 1e-6f;

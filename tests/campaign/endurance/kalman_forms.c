@@ -28,7 +28,7 @@ void dense_carry(struct dense_float *d, enum kalman_form form, const struct kalm
     memset(ap, 0, sizeof ap);
     for (size_t l = 0; l < all; l++)
         for (size_t i = 0; i < all; i++) {
-            float part = c->now->a[l][i];
+            float part = c->actual->a[l][i];
             for (size_t j = 0; j < all && part != 0; j++)
                 ap[i][j] += part * d->p[l][j];
         }
@@ -37,7 +37,7 @@ void dense_carry(struct dense_float *d, enum kalman_form form, const struct kalm
         for (size_t l = 0; l < all; l++) {
             float part = ap[i][l];
             for (size_t j = 0; j < all; j++)
-                d->p[i][j] += part * c->now->a[l][j];
+                d->p[i][j] += part * c->actual->a[l][j];
         }
     for (size_t e = 0; e < KALMAN_EXTRAS; e++)
         d->p[c->n + e][c->n + e] += c->step.grown[e];
@@ -97,7 +97,7 @@ float dense_take(struct dense_float *d, enum kalman_form form, const struct kalm
 /* Phi by its factors, and what extras push, for a vector of all states. */
 static void reference_apply(const struct kalman_course *c, double *v)
 {
-    const struct column_transition *t = &c->now->transition;
+    const struct column_transition *t = &c->actual->transition;
     double w[2] = {0}, a, b;
     for (size_t e = 0; e < KALMAN_EXTRAS; e++) {
         for (size_t i = 0; i < c->n; i++)

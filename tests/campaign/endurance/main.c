@@ -17,7 +17,8 @@ static const char *const course_name[COURSES] = {"rest", "stiff", "drift", "nois
 static void say(enum course course, const char *estimator, uint64_t samples, struct verdict v)
 {
     printf("%s,%s,%s,%llu,%llu,%s,%.6g\n", course_name[course], estimator, NUM_FORMAT,
-           (unsigned long long)samples, (unsigned long long)v.at, v.at ? v.what : "held", v.error);
+           (unsigned long long)samples, (unsigned long long)v.sample, v.sample ? v.what : "held",
+           v.error);
 }
 
 int main(int n, char **word)
@@ -43,7 +44,7 @@ int main(int n, char **word)
             run_covariance(course, true, true, samples, seed));
         struct verdict v = run_supervised(course, samples, seed);
         say(course, "supervised", samples, v);
-        failed += v.at != 0;
+        failed += v.sample != 0;
     }
     return failed != 0;
 }

@@ -99,9 +99,9 @@ struct gmv_config course_config(enum course course)
 
 void verdict_of(struct verdict *v, const struct course_plant *p, bool wrong, const char *what)
 {
-    if (!wrong || v->at)
+    if (!wrong || v->sample)
         return;
-    v->at = p->t ? p->t : 1;
+    v->sample = p->t ? p->t : 1;
     v->what = what;
 }
 

@@ -61,7 +61,7 @@ struct verdict run_supervised(enum course course, uint64_t samples, uint64_t see
     float gain = 0;
     course_begin(&plant, course, samples, seed);
     verdict_of(&v, &plant, !bench_begin(course), "settings");
-    for (uint64_t t = 0; t < samples && !v.at; t++) {
+    for (uint64_t t = 0; t < samples && !v.sample; t++) {
         course_prepare(&plant);
         gmv_block_signals(&bench, 0, plant.w, course_reading(&plant));
         bench.input[1] = num_from_float((float)plant.load);

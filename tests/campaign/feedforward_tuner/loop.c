@@ -36,10 +36,10 @@ static void move_disturbance(struct loop *l)
     if (random_next(&l->random) % 200u == 0)
         l->telegraph = -l->telegraph;
     l->coloured += (normal(&l->random) * sqrt(2.0 / 100) - l->coloured / 100) * SIZE / 0.05;
-    if (l->of.disturbance == SQUARE)
+    if (l->given.disturbance == SQUARE)
         l->d = l->t / 150u % 2u ? -SIZE : SIZE;
     else
-        l->d = SIZE * (l->of.disturbance == TELEGRAPH ? l->telegraph : l->coloured);
+        l->d = SIZE * (l->given.disturbance == TELEGRAPH ? l->telegraph : l->coloured);
 }
 
 /* ---- the block ---- */
@@ -52,7 +52,7 @@ const struct tune *loop_block(const struct loop *l)
 /* The PI that SIMC gives: with a closed loop as fast as the dead time, three ticks at least. */
 static void tune_pi(struct loop *l)
 {
-    const struct path *p = &l->of.process;
+    const struct path *p = &l->given.process;
     double second = p->integrates ? 0 : p->lag2 / 2;
     double dead = (double)p->dead + second > 3 ? (double)p->dead + second : 3;
     double slope = p->integrates ? p->gain : p->gain / (p->lag + second);
@@ -64,7 +64,7 @@ bool loop_begin(struct loop *l, const struct loop_case *of, uint64_t seed)
 {
     struct block_fault fault;
     memset(l, 0, sizeof *l);
-    l->of = *of;
+    l->given = *of;
     l->random.state = seed;
     l->telegraph = 1;
     l->moves = true;
@@ -176,7 +176,7 @@ static double element_tick(struct loop *l, double d)
     unsigned whole = (unsigned)s->dead_s;
     double part = (double)s->dead_s - whole;
     memmove(l->delayed + 1, l->delayed, (PATH_DEAD_MOST - 1u) * sizeof l->delayed[0]);
-    l->counted = fmin(fmax(l->counted, d - l->of.dead_band), d + l->of.dead_band);
+    l->counted = fmin(fmax(l->counted, d - l->given.dead_band), d + l->given.dead_band);
     l->delayed[0] = l->counted;
     double late = l->delayed[whole] + part * (l->delayed[whole + 1u] - l->delayed[whole]);
     l->lead_lag +=
@@ -187,8 +187,8 @@ static double element_tick(struct loop *l, double d)
 
 void loop_tick(struct loop *l)
 {
-    double noise = l->of.noise * normal(&l->random);
-    double seen = l->d + l->of.disturbance_noise * normal(&l->random);
+    double noise = l->given.noise * normal(&l->random);
+    double seen = l->d + l->given.disturbance_noise * normal(&l->random);
     double y = l->tuned.y + noise;
     double given = pi_tick(&l->tuned, l, l->excited, y);
     l->in = l->out = num_from_float((float)given);
@@ -201,9 +201,9 @@ void loop_tick(struct loop *l)
                            num_from_float((float)applied));
     double alone = pi_tick(&l->alone, l, 0, l->alone.y + noise);
     move_disturbance(l);
-    l->tuned.y = path_tick(&l->tuned.process, &l->of.process, applied) +
-                 path_tick(&l->tuned.path, &l->of.path, l->d);
-    l->alone.y = path_tick(&l->alone.process, &l->of.process, alone) +
-                 path_tick(&l->alone.path, &l->of.path, l->d);
+    l->tuned.y = path_tick(&l->tuned.process, &l->given.process, applied) +
+                 path_tick(&l->tuned.path, &l->given.path, l->d);
+    l->alone.y = path_tick(&l->alone.process, &l->given.process, alone) +
+                 path_tick(&l->alone.path, &l->given.path, l->d);
     l->t++;
 }

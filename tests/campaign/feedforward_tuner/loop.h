@@ -43,7 +43,7 @@ struct half {
 };
 
 struct loop {
-    struct loop_case of;
+    struct loop_case given;
     struct random_source random;
     uint64_t t;
     double d, telegraph, coloured; /* the disturbance */

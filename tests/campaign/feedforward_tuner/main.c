@@ -198,9 +198,9 @@ static void changed(const struct loop_case *c, uint64_t seed, const struct chang
         loop_tick(&loop);
     if (!acts())
         return;
-    loop.of.process.gain *= by->process;
-    loop.of.path.gain *= by->path;
-    loop.of.path.dead = (unsigned)(loop.of.path.dead * by->dead);
+    loop.given.process.gain *= by->process;
+    loop.given.path.gain *= by->path;
+    loop.given.path.dead = (unsigned)(loop.given.path.dead * by->dead);
     bool acted = true;
     for (unsigned n = 1; n <= 12u * HOUR; n++) {
         loop_tick(&loop);

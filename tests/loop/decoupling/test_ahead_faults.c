@@ -92,7 +92,7 @@ enum end { GOES_ON, ONE_LOST, SAFE };
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void), (*undo)(void);
-    const char *told;
+    const char *event;
     enum end state;
 } faults[] = {
     {"a thermometer of the estimator lost", "T7.quality=3", "T7.quality=0", NULL, NULL,
@@ -198,8 +198,8 @@ static void every_fault_in_every_mode_ends_as_it_must(void)
                 pass(5000);
             else
                 bounded_steps(40, where);
-            if (fault->told)
-                TEST_ASSERT_TRUE_MESSAGE(events_say(fault->told), where);
+            if (fault->event)
+                TEST_ASSERT_TRUE_MESSAGE(events_say(fault->event), where);
             bool lost = fault->state == ONE_LOST || fault->state == SAFE,
                  safe = fault->state == SAFE;
             bool top_acts = modes[m].top_acts && !lost;

@@ -112,7 +112,7 @@ enum end { GOES_ON, ONE_LOST, TWO_LOST, SAFE };
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void), (*undo)(void);
-    const char *told;
+    const char *event;
     enum end state;
     bool needs_two; /* that loop acts */
 } faults[] = {
@@ -173,8 +173,8 @@ static void check_loops(const struct fault *fault, const struct mode *mode, cons
     const char *two = fault->state == TWO_LOST || fault->state == SAFE ? "manual" : mode->two;
     TEST_ASSERT_TRUE_MESSAGE(loop_is("one", one), where);
     TEST_ASSERT_TRUE_MESSAGE(loop_is("two", two), where);
-    if (fault->told)
-        TEST_ASSERT_TRUE_MESSAGE(events_say(fault->told), where);
+    if (fault->event)
+        TEST_ASSERT_TRUE_MESSAGE(events_say(fault->event), where);
 }
 
 /* A loop that comes back moves nothing in its first step by more than noise does: 5 % of an MV's span. */

@@ -29,7 +29,7 @@ static void begin(void)
 static const struct stage {
     const char *name;
     unsigned steps;
-    int is;
+    int number;
 } stages[] = {{"settles", 8, SETTLES}, {"excites", 120, EXCITES}, {"computes", 1039, COMPUTES}};
 enum { AT_REST, MOVING, COMPUTING };
 
@@ -238,7 +238,7 @@ static void one_combination(unsigned s, const struct fault *fault)
     snprintf(where, sizeof where, "%s, %s", stages[s].name, fault->name);
     begin();
     plant_steps(stages[s].steps);
-    TEST_ASSERT_EQUAL_MESSAGE(stages[s].is, stage_of(BLOCK), where);
+    TEST_ASSERT_EQUAL_MESSAGE(stages[s].number, stage_of(BLOCK), where);
     strike(fault, where);
     if (fault->act == silent_link) { /* nobody makes steps meanwhile */
         plant_connect();
@@ -248,7 +248,7 @@ static void one_combination(unsigned s, const struct fault *fault)
     if (!fault->moves && (fault->reason[s] != GOES_ON || s == COMPUTING))
         rests(where);
     if (fault->reason[s] == GOES_ON)
-        TEST_ASSERT_TRUE_MESSAGE(stage_of(BLOCK) >= stages[s].is && stage_of(BLOCK) < ABORTED,
+        TEST_ASSERT_TRUE_MESSAGE(stage_of(BLOCK) >= stages[s].number && stage_of(BLOCK) < ABORTED,
                                  where);
     else
         again(fault, where);

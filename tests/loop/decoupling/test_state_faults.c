@@ -60,7 +60,7 @@ enum end { GOES_ON, GIVES_UP, ONE_LOST, SAFE };
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void), (*undo)(void);
-    const char *told;
+    const char *event;
     enum end state;
 } faults[] = {
     {"a state flagged bad", "y3.quality=2", "y3.quality=0", NULL, NULL, "BLOCK_GAVE_UP", GIVES_UP},
@@ -167,8 +167,8 @@ static void every_fault_in_every_mode_ends_as_it_must(void)
             if (fault->act)
                 fault->act();
             bounded_steps(fault->state == SAFE ? 5 : 40, where);
-            if (fault->told)
-                TEST_ASSERT_TRUE_MESSAGE(events_say(fault->told), where);
+            if (fault->event)
+                TEST_ASSERT_TRUE_MESSAGE(events_say(fault->event), where);
             TEST_ASSERT_TRUE_MESSAGE(loop_is("one", fault->state == ONE_LOST || fault->state == SAFE
                                                         ? "manual"
                                                         : "auto"),

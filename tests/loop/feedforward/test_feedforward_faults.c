@@ -230,7 +230,7 @@ static const struct fault {
 
 static const struct {
     const char *name;
-    int is;
+    int number;
 } stages[] = {{"loop", LOOP}, {"disturbance", DISTURBANCE}, {"tests", TESTS}, {"runs", RUNS}};
 #define STAGES (sizeof stages / sizeof stages[0])
 
@@ -239,8 +239,8 @@ static const struct {
 static void one_fault(unsigned m, unsigned s, const struct fault *f)
 {
     begin_method(m, 3);
-    tune_to(m, stages[s].is);
-    TEST_ASSERT_EQUAL(stages[s].is, tune_value("stage"));
+    tune_to(m, stages[s].number);
+    TEST_ASSERT_EQUAL(stages[s].number, tune_value("stage"));
     tune_seconds(60);
     int before = tune_value("stage");
     ask_ok("get ff1.gain");
@@ -254,7 +254,7 @@ static void one_fault(unsigned m, unsigned s, const struct fault *f)
         f->undo();
     tune_seconds(60);
     int after = tune_value("stage");
-    bool learnt = stages[s].is == LOOP || stages[s].is == DISTURBANCE;
+    bool learnt = stages[s].number == LOOP || stages[s].number == DISTURBANCE;
     if (f->goes_on && !(learnt && f->begin && f->begin[0] == 'y'))
         TEST_ASSERT_EQUAL_MESSAGE(before, after, f->name);
     TEST_ASSERT_TRUE_MESSAGE(after == before || after == IDLE || after == RUNS, f->name);
@@ -277,9 +277,9 @@ static void every_fault_in_every_stage_of_every_method_leaves_the_loop_controlle
     for (unsigned m = 0; m < METHODS; m++)
         for (unsigned s = 0; s < STAGES; s++)
             for (unsigned k = 0; k < FAULTS; k++) {
-                if (m == 0 && stages[s].is == LOOP)
+                if (m == 0 && stages[s].number == LOOP)
                     continue; /* has no such stage */
-                if (faults[k].act == stopped && stages[s].is == RUNS)
+                if (faults[k].act == stopped && stages[s].number == RUNS)
                     continue; /* refused, there is nothing to stop */
                 if (!sample_has(m + s + k, STAGES))
                     continue;

@@ -137,7 +137,7 @@ enum end {
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void), (*undo)(void);
-    const char *told; /* an event */
+    const char *event; /* an event */
     enum end end_state;
     bool unlearnt;      /* nothing may be learnt from it */
     const char *listed; /* an entry of the list of alarms, while the law had acted */
@@ -195,8 +195,8 @@ static void bounded_steps(unsigned n, const char *where)
 static void check_end(const struct fault *f, const struct stage *stage, const char *where)
 {
     bool law = stage->state == SELF_TUNING_STATE;
-    if (f->told)
-        TEST_ASSERT_TRUE_MESSAGE(events_say(f->told), where);
+    if (f->event)
+        TEST_ASSERT_TRUE_MESSAGE(events_say(f->event), where);
     if (f->listed && (law || f->end_state != PI_ACTS))
         TEST_ASSERT_TRUE_MESSAGE(alarm_says(f->listed), where);
     TEST_ASSERT_EQUAL_MESSAGE(f->end_state != MANUAL, loop_is("bottom", "auto"), where);
@@ -248,7 +248,7 @@ static void one_combination(const struct fault *f, const struct stage *stage)
         f->act();
     if (f->end_state == SAFE) {
         plant_steps(20);
-        TEST_ASSERT_TRUE_MESSAGE(events_say(f->told), where);
+        TEST_ASSERT_TRUE_MESSAGE(events_say(f->event), where);
     } else {
         bounded_steps(1, where);
         double learnt = inside("est1_1");
