@@ -21,7 +21,7 @@ AHEAD = "ahead, estimated states, tau 33, miss 85"
 class Ahead(unittest.TestCase):
     done: dict = {}
 
-    def told(self, part: str, name: str, firmware: str = "memory") -> dict:
+    def result(self, part: str, name: str, firmware: str = "memory") -> dict:
         key = (part, name, firmware)
         if key not in self.done:
             variant = next(v for v in CAMPAIGN.variants if (v.part, v.name) == (part, name))
@@ -30,10 +30,10 @@ class Ahead(unittest.TestCase):
 
     def cost(self, part: str, name: str, kind: str, firmware: str = "memory") -> float:
         """Integral of the absolute error of both loops, K min."""
-        return sum(self.told(part, name, firmware)[kind])
+        return sum(self.result(part, name, firmware)[kind])
 
     def acted_to_the_end(self, part: str, name: str, firmware: str = "memory") -> None:
-        self.assertEqual(self.told(part, name, firmware)["gave_up"], [], (part, name, firmware))
+        self.assertEqual(self.result(part, name, firmware)["gave_up"], [], (part, name, firmware))
 
     def test_setpoints_cost_less_than_half_of_the_pis_and_less_than_the_best_self_tuner_without_noise_and_with_it(self) -> None:
         for part in ("pilot", "pilot-noise"):
@@ -77,7 +77,7 @@ class Ahead(unittest.TestCase):
 
     def test_where_it_oscillates_it_gives_up_and_the_pis_take_over(self) -> None:
         name = "ahead, estimated states, tau 60, miss 0"
-        self.assertEqual([reason for _, reason in self.told("methanol", name)["gave_up"]], ["model"])
+        self.assertEqual([reason for _, reason in self.result("methanol", name)["gave_up"]], ["model"])
         for kind in ("feed flow", "feed composition", "colder feed"):  # after that
             self.assertAlmostEqual(self.cost("methanol", name, kind), self.cost("methanol", "PI", kind), delta=0.02 * self.cost("methanol", "PI", kind))
 

@@ -142,7 +142,7 @@ class Run(unittest.TestCase):
             result = runner.run(run, runner.Options(Path(folder) / "out", quiet=True))
             cls.log, cls.events = result.log, runner.events_in(Path(folder) / "out" / "transcript.txt")
 
-    def at(self, name: str, hours: float) -> float:
+    def reading(self, name: str, hours: float) -> float:
         return self.log.numbers(name)[int(hours * HOUR / 10)]
 
     def test_the_board_finds_every_channel_and_raises_no_alarm(self) -> None:
@@ -151,18 +151,18 @@ class Run(unittest.TestCase):
     def test_both_temperatures_are_held_through_changes_of_the_feed(self) -> None:
         for name, setpoint in (("TI19.true", 78.997), ("TI8.true", 99.294)):
             for hours in (1.9, 4.4, 6.4):
-                self.assertAlmostEqual(self.at(name, hours), setpoint, delta=PERCENT)
+                self.assertAlmostEqual(self.reading(name, hours), setpoint, delta=PERCENT)
 
     def test_a_setpoint_is_reached_while_the_other_loop_stays(self) -> None:
-        self.assertAlmostEqual(self.at("TI19.true", 7.9), 82, delta=PERCENT)
-        self.assertAlmostEqual(self.at("TI8.true", 7.9), 99.294, delta=PERCENT)
+        self.assertAlmostEqual(self.reading("TI19.true", 7.9), 82, delta=PERCENT)
+        self.assertAlmostEqual(self.reading("TI8.true", 7.9), 99.294, delta=PERCENT)
 
     def test_both_products_are_estimated_within_a_tenth_and_called_good(self) -> None:
         for name in ("xD", "xB"):
             quality = self.log.text(f"fw.{name}_est.q")
             for hours in (1.9, 3.0, 4.4, 5.5, 6.4, 7.9):
-                true = self.at(name, hours)
-                self.assertAlmostEqual(self.at(f"fw.{name}_est", hours), true, delta=0.1 * true)
+                true = self.reading(name, hours)
+                self.assertAlmostEqual(self.reading(f"fw.{name}_est", hours), true, delta=0.1 * true)
                 self.assertEqual(quality[int(hours * HOUR / 10)], GOOD)
 
 

@@ -160,12 +160,12 @@ class PaperMachine(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.of = plant("paper-machine")
+        cls.plant = plant("paper-machine")
         settings = ["set test.guard line", "set test.rounds 1"]
         for i in range(1, 6):
             settings += [f"set mv{i}.test_step 2", f"set mv{i}.test_time 400",
                          f"set meas{i}.test_limit {2 if i == 2 else 20}"]
-        cls.run_ = Run(cls.of, whole(cls.of, settings=settings, accept=False), events=cls.of.perfect_sensors())
+        cls.run_ = Run(cls.plant, whole(cls.plant, settings=settings, accept=False), events=cls.plant.perfect_sensors())
         cls.found = cls.run_.elements()
 
     def test_it_takes_as_long_as_the_source_says(self):
@@ -173,7 +173,7 @@ class PaperMachine(unittest.TestCase):
         minutes = (ended.time_s - began.time_s) / 60.0
         self.assertTrue(60.0 <= minutes <= 100.0, minutes)
         self.assertLessEqual(self.run_.worst(), 1.0)
-        say("paper-machine, the source's settings", self.of, ended.time_s, self.run_, f", {minutes:.0f} minutes")
+        say("paper-machine, the source's settings", self.plant, ended.time_s, self.run_, f", {minutes:.0f} minutes")
 
     def test_the_third_step_is_the_only_one_cut_short(self):
         cuts = self.run_.all("TEST_CUT")

@@ -35,10 +35,10 @@ def settings(run: Run) -> dict[str, str]:
 class Cascade(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.of = Plant(DATA / "cascade.json")
+        cls.plant = Plant(DATA / "cascade.json")
 
     def test_a_flow_and_the_temperature_it_makes_become_a_cascade_that_is_kept(self):
-        run = Run(self.of, whole(self.of, after=[STRUCTURE, "loop", "dump"]), events=self.of.perfect_sensors())
+        run = Run(self.plant, whole(self.plant, after=[STRUCTURE, "loop", "dump"]), events=self.plant.perfect_sensors())
         self.assertIsNotNone(run.first("TRIAL_KEPT"), run.events[-3:])
         found = facts(next(line for line in run.reply(STRUCTURE) if line.startswith("cascade ")))
         self.assertEqual((found["inner"], found["outer"], found["used"]), ("steam", "heated", "yes"))
@@ -65,18 +65,18 @@ class Cascade(unittest.TestCase):
 
     def test_it_is_found_and_kept_under_noise(self):
         for seed in range(1, 6):
-            run = Run(self.of, whole(self.of, after=[STRUCTURE]), noise=2.5, seed=seed)
+            run = Run(self.plant, whole(self.plant, after=[STRUCTURE]), noise=2.5, seed=seed)
             self.assertIsNotNone(run.first("TRIAL_KEPT"), (seed, run.events[-3:]))
             self.assertTrue(any(line.startswith("cascade inner steam outer heated ") and line.endswith(" used yes")
                                 for line in run.reply(STRUCTURE)), seed)
 
     def ended_on_trial(self, line: str) -> Run:
         """The set is accepted, and this said while the outer loop is stepped."""
-        script = whole(self.of, accept=False, extra_s=1.0)
+        script = whole(self.plant, accept=False, extra_s=1.0)
         begin = script[-1][0]
         script += [(begin, "commission accept"), (begin, "~until SETPOINT"), (begin, line), (begin, "~until CONFIG_APPLIED"),
                    (begin, "dump"), (6000.0, "~end")]
-        run = Run(self.of, script, events=self.of.perfect_sensors(), log=True)
+        run = Run(self.plant, script, events=self.plant.perfect_sensors(), log=True)
         self.assertIsNone(run.first("TRIAL_KEPT"))
         self.assertIsNotNone(run.first("TRIAL_FAILED"))
         self.assertFalse([k for k in settings(run) if k.startswith("loop")])
@@ -87,7 +87,7 @@ class Cascade(unittest.TestCase):
         run = self.ended_on_trial("commission abort")
         at = run.first("TRIAL_FAILED").time_s
         moved = max(abs(r["valve.cmd"] - 50.0) for r in run.rows if at - 100.0 < r["time"] < at)
-        after = [r["valve.cmd"] for r in run.rows if r["time"] > at + self.of.tick_s]
+        after = [r["valve.cmd"] for r in run.rows if r["time"] > at + self.plant.tick_s]
         self.assertGreater(moved, 1.0)
         self.assertLess(max(abs(x - 50.0) for x in after), 0.01)
 
@@ -95,17 +95,17 @@ class Cascade(unittest.TestCase):
         run = self.ended_on_trial("mode steam manual")
         self.assertEqual(run.first("TRIAL_FAILED").subject, "steam")
         at = run.first("TRIAL_FAILED").time_s
-        after = {r["valve.cmd"] for r in run.rows if r["time"] > at + self.of.tick_s}
+        after = {r["valve.cmd"] for r in run.rows if r["time"] > at + self.plant.tick_s}
         self.assertEqual(len(after), 1)
         self.assertGreater(abs(after.pop() - 50.0), 0.1)
 
     def test_a_sensor_of_either_loop_that_is_lost_ends_the_trial(self):
         for sensor in ("steam", "heated"):
-            script = whole(self.of, accept=False, extra_s=1.0)
+            script = whole(self.plant, accept=False, extra_s=1.0)
             begin = script[-1][0]
             script += [(begin, "commission accept"), (begin, "~until TRIAL_KEPT|TRIAL_FAILED"), (6000.0, "~end")]
             # the trial lasts from 3422 to 3794 s
-            run = Run(self.of, script, events=[*self.of.perfect_sensors(), f"3480:{sensor}.nan=1"], log=True)
+            run = Run(self.plant, script, events=[*self.plant.perfect_sensors(), f"3480:{sensor}.nan=1"], log=True)
             end = run.first("TRIAL_KEPT", "TRIAL_FAILED")
             self.assertEqual((end.code, end.subject), ("TRIAL_FAILED", sensor))
             self.assertIn("not valid", end.text)
@@ -128,11 +128,11 @@ class Triangular(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.of = Plant(DATA / "triangular.json")
+        cls.plant = Plant(DATA / "triangular.json")
 
     def stepped(self, *, fed: bool, noise: float = 0.0, seed: int = 1, of: Plant | None = None) -> tuple[Run, float]:
         """The loops as they were kept, and IAE of y2 (% s) after a step of y1's setpoint."""
-        of = of or self.of
+        of = of or self.plant
         after = [STRUCTURE, "dump", *([] if fed else ["set ff1.gain 0"])]
         script = whole(of, after=after, extra_s=1.0)
         script += [(self.STEP_S, "sp y1 58"), (self.END_S, "~end")]
@@ -155,7 +155,7 @@ class Triangular(unittest.TestCase):
         self.assertEqual((have["ff1.from"], have["ff1.to"]), ("u1", "u2"))
         # -0.8/-1.0; the plant's lags and the difference of its dead times, less the tick by which the element is late
         for name, value, within in (("gain", 0.8, 0.005), ("lead", 70.0, 1.0), ("lag", 100.0, 1.0),
-                                    ("dead", 24.0 - 14.0 - self.of.tick_s, 0.5), ("reference", 50.0, 1e-3)):
+                                    ("dead", 24.0 - 14.0 - self.plant.tick_s, 0.5), ("reference", 50.0, 1e-3)):
             self.assertAlmostEqual(float(have[f"ff1.{name}"]), value, delta=within, msg=name)
 
     def test_with_it_the_second_loop_hardly_notices_a_step_of_the_first(self):
@@ -166,7 +166,7 @@ class Triangular(unittest.TestCase):
               f"{alone:.1f} without")
 
     def with_dead_times(self, folder: str, cross: float, own: float) -> Plant:
-        data = json.loads(json.dumps(self.of.data))
+        data = json.loads(json.dumps(self.plant.data))
         data["elements"][1][0]["dead_time"], data["elements"][1][1]["dead_time"] = cross, own
         path = Path(folder) / "late.json"
         path.write_text(json.dumps(data))

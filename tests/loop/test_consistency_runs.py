@@ -68,7 +68,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(len(played.time_s), 541)
         self.assertGreater(len(said), 10)
         for name in ("states", "distillate", "bottoms", "e_1", "e_2", "e_3", "slope_1", "slope_3"):
-            self.assertEqual(played.of(name)[-2], said[name], name)  # asked before the last sample
+            self.assertEqual(played.values_of(name)[-2], said[name], name)  # asked before the last sample
 
     def test_the_noise_of_the_thermometers_is_found(self) -> None:
         """Also where the model is off and its feed is not what it was. Resolution 0.01 K."""

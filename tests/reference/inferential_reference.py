@@ -214,26 +214,26 @@ class Course:
             else Loop(s["law"], form, h, (s["a1"], s["a2"]), s["kc"], s["kc2"], s["ko"], self.width)
         )
         self.t, self.applied, self.out = [s["t1"], s["t2"]], s["u"], s["u"]
-        self.now = {"setpoint": s["t1"], "load1": 0.0, "load2": 0.0}
+        self.given = {"setpoint": s["t1"], "load1": 0.0, "load2": 0.0}
 
     def begin(self, other):
         """Rest: the loads make up for both MVs."""
         for i in (0, 1):
-            self.now[f"load{i + 1}"] -= self.s[f"a{i + 1}"] * self.applied + self.s[f"cross{i + 1}"] * other
+            self.given[f"load{i + 1}"] -= self.s[f"a{i + 1}"] * self.applied + self.s[f"cross{i + 1}"] * other
         if self.law:
             self.law.rest(*self.t, self.applied)
 
     def step(self):
         s = self.s
         if self.law:
-            self.out = self.law.step(*self.t, self.now["setpoint"])
+            self.out = self.law.step(*self.t, self.given["setpoint"])
         most = s["rate"] * self.width * self.h if s["rate"] else np.inf
         us = min(max(self.out, s["lim_lo"] - s["mv_lo"]), s["lim_hi"] - s["mv_lo"])
         self.before, self.applied = self.applied, min(max(us, self.applied - most), self.applied + most)
 
     def row(self):
         inner = [self.law.b1, self.law.b2, self.law.e2, self.law.ut] if self.law else [0.0] * 4
-        return [*self.now.values(), *self.t, self.out, self.applied, *inner]
+        return [*self.given.values(), *self.t, self.out, self.applied, *inner]
 
     def go_on(self, other):
         if self.law:
@@ -241,7 +241,7 @@ class Course:
         for i in (0, 1):
             s = self.s
             self.t[i] += self.h * (
-                s[f"a{i + 1}"] * self.applied + s[f"cross{i + 1}"] * other + self.now[f"load{i + 1}"]
+                s[f"a{i + 1}"] * self.applied + s[f"cross{i + 1}"] * other + self.given[f"load{i + 1}"]
             )
 
 
@@ -252,7 +252,7 @@ def course(case, form, ts, every, rows, loops, events):
     for k in range(every * rows):
         if k % every == 0:
             for what, much in events.get(k // every, {}).items():
-                loops[int(what[-1])].now[what[:-2]] += much
+                loops[int(what[-1])].given[what[:-2]] += much
         for c in loops:
             c.step()
         if k % every == 0:

@@ -50,7 +50,7 @@ class Filter:
         self.p = np.diag(np.concatenate([self.noise(self.x0, HOUR), self.sd**2]))
         self.frozen = self.look(self.x0, dict(table.nominal), self.known)
         self.fixed = self.phi(self.frozen[1]), self.over(self.frozen[1])
-        self.told, self.drive = None, None
+        self.given, self.drive = None, None
 
     @property
     def x(self):
@@ -67,10 +67,10 @@ class Filter:
     def driven(self, values, z):
         """By how much the rates at the profile are other than at the nominal inputs."""
         told = (tuple(sorted(values.items())), z)
-        if self.told != told:
+        if self.given != told:
             self.tell_feed(z)
             rates = self.model.column.evaluate(self.x0 + 0j, self.table.nominal | values).rates.real
-            self.told, self.drive = told, rates - self.frozen[0]
+            self.given, self.drive = told, rates - self.frozen[0]
         return self.chosen.gains * self.drive
 
     def look(self, x, values, z):

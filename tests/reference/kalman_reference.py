@@ -149,7 +149,7 @@ class Filter:
         self.p = np.diag(np.concatenate([np.full(self.n, s.start**2), self.sd**2]))
         self.profile = self.x.copy()
         self.frozen = self.look(dict(table.nominal))
-        self.now = self.next = None  # gains
+        self.gains = self.next = None  # gains
         self.ticks = 0
         self.past = []  # mole fractions after each step
         self.innovations = np.full(len(sensors), np.nan)
@@ -230,7 +230,7 @@ class Filter:
         """The gain that stands, at the profile."""
         for _ in range(steps):
             before = np.diag(self.p)
-            self.now = self.work(self.frozen, np.ones(len(self.stages), bool))
+            self.gains = self.work(self.frozen, np.ones(len(self.stages), bool))
             if np.max(np.abs(np.diag(self.p) / before - 1)) < part:
                 return
         raise ArithmeticError("the covariance does not come to rest")
@@ -256,9 +256,9 @@ class Filter:
             seen = s.t + (at.bubbles * xi.reshape(self.x.shape)).sum(-1)
         if not self.settings.steady:
             if self.settings.cycle == 1:
-                self.now = self.work(at, good)
+                self.gains = self.work(at, good)
             elif self.ticks % self.settings.cycle == 0:
-                self.now, self.next = self.next, self.work(at, good)
+                self.gains, self.next = self.next, self.work(at, good)
         self.ticks += 1
         moved = np.zeros(n + self.q)
         moved[:n] = change
@@ -266,9 +266,9 @@ class Filter:
         for i in np.flatnonzero(good):
             e = temperatures[i] - seen[self.stages[i]] - at.slopes[i] @ moved
             self.innovations[i] = e
-            if self.now is not None:
-                moved += self.now.gain[:, i] * e
-        self.expected = self.now.expected.copy() if self.now else np.full(len(good), np.nan)
+            if self.gains is not None:
+                moved += self.gains.gain[:, i] * e
+        self.expected = self.gains.expected.copy() if self.gains else np.full(len(good), np.nan)
         self.move(moved)
         self.past.append(self.x.copy())
 

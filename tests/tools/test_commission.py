@@ -87,7 +87,7 @@ class Lines(unittest.TestCase):
         p = board.progress_of(["phase testing, outputs 2, inputs 2, plant time s 1140.000",
                                "input h (1 of 2), round 1: back, waits for rest, amplitude 0.2 kW, worst T at 0.25 of "
                                "its limit"])
-        self.assertEqual((p.phase, p.plant_s, p.input, p.at, p.of, p.round), ("testing", 1140.0, "h", 1, 2, 1))
+        self.assertEqual((p.phase, p.plant_s, p.input, p.number, p.total, p.round), ("testing", 1140.0, "h", 1, 2, 1))
         self.assertEqual((p.stage, p.amplitude, p.worst), ("back, waits for rest", "0.2 kW", ("T", 0.25)))
         self.assertEqual(board.progress_of(["phase idle"]).phase, "idle")
         with self.assertRaises(RunFailed):

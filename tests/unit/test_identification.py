@@ -157,10 +157,10 @@ class OddLogs(FolderTest):
 
     @classmethod
     def setUpClass(cls):
-        cls.of = record(300, 0.01)
+        cls.recorded = record(300, 0.01)
 
     def rows(self, change=None):
-        rows = [[120.0 * k, *map(float, self.of.u[k]), *map(float, self.of.y[k])] for k in range(self.of.samples)]
+        rows = [[120.0 * k, *map(float, self.recorded.u[k]), *map(float, self.recorded.y[k])] for k in range(self.recorded.samples)]
         return (change(rows) or rows) if change else rows
 
     def cell(self, row, column, value):
@@ -255,7 +255,7 @@ class OddLogs(FolderTest):
 
     def test_an_input_that_moves_within_a_control_interval_is_told(self):
         self.assertIn("note: u1, u2 move within control intervals of 2 rows", self.identify(self.text(self.rows()), "--every", "2")[1])
-        held = [[row[0], *self.of.u[k // 2 * 2], *row[3:]] for k, row in enumerate(self.rows())]
+        held = [[row[0], *self.recorded.u[k // 2 * 2], *row[3:]] for k, row in enumerate(self.rows())]
         self.assertNotIn("note: u1", self.identify(self.text(held), "--every", "2", "--orders", "1,2")[1])
 
 

@@ -66,13 +66,13 @@ class Numbers(unittest.TestCase):
             except UserError:
                 continue
             f, g = plant.response(omega), np.eye(plant.n) + 0.1
-            np.testing.assert_allclose(arrays.array(f, g, inverse=False).at, f @ g, rtol=0, atol=1e-13 * np.abs(f).max())
+            np.testing.assert_allclose(arrays.array(f, g, inverse=False).values, f @ g, rtol=0, atol=1e-13 * np.abs(f).max())
             want = np.sort_complex(np.linalg.eigvals(f @ g))
             np.testing.assert_allclose(np.sort_complex(arrays.loci(f, g)), want, rtol=0, atol=1e-9 * np.abs(want).max())
             if np.linalg.cond(f @ g).max() < 1e9:
                 inverse = np.linalg.inv(f @ g)
                 size = np.abs(inverse).max(axis=(1, 2)) * np.linalg.cond(f @ g)
-                self.assertLess((np.abs(arrays.array(f, g).at - inverse).max(axis=(1, 2)) / size).max(), 1e-13)
+                self.assertLess((np.abs(arrays.array(f, g).values - inverse).max(axis=(1, 2)) / size).max(), 1e-13)
                 seen += 1
         self.assertGreaterEqual(seen, 8)
 

@@ -50,7 +50,7 @@ def watched(folder: Path, name: str) -> Watched:
     """From the symbols and the map of the image NAME in a build tree."""
     image = elf_image.Image(folder / f"{name}.elf")
     parts, _ = memory_map.placed(folder / f"{name}.map")
-    file_at = {p.at: match[1] for p in parts if p.kind == "text" and (match := re.search(r"(\w+\.c)\.obj\)?$", p.owner))}
+    file_at = {p.address: match[1] for p in parts if p.kind == "text" and (match := re.search(r"(\w+\.c)\.obj\)?$", p.owner))}
     out = Watched()
     for f in image.functions.values():
         column = file_at.get(f.start, "")
@@ -80,7 +80,7 @@ class Ticks:
         self.what = what
         self.answered: list[Counter[str]] = []
         self.running: list[int] = []  # interrupts, the innermost last
-        self.now: Counter[str] = Counter()  # since the tick's context was entered
+        self.current: Counter[str] = Counter()  # since the tick's context was entered
         self.sample: Counter[str] = Counter()  # since the last answer
         self.last = 0  # address counted last in the tick's context
         self.last_column: str | None = None
@@ -99,30 +99,30 @@ class Ticks:
                 self._tick_context_ends()
 
     def _tick_context_ends(self) -> None:
-        if self.now[FRAMES]:
-            self.sample.update(self.now)
-        if self.now[ANSWERS]:
+        if self.current[FRAMES]:
+            self.sample.update(self.current)
+        if self.current[ANSWERS]:
             self.answered.append(self.sample)
             self.sample = Counter()
-        self.now = Counter()
+        self.current = Counter()
 
     def _instruction(self, at: int) -> None:
         column = self.what.column.get(at)
         if at in self.what.entry:
             self.in_helper = self.last in self.what.call
         if at == self.what.answer:
-            self.now[ANSWERS] += 1
+            self.current[ANSWERS] += 1
         helper = column not in FILES
         if helper and not self.in_helper:
             column = None
         self.last, self.last_column = at, column
         if column:
-            self.now[column] += 1
+            self.current[column] += 1
 
     def _take_back(self, line: str) -> None:
         match = ADDRESS.search(line.rsplit(None, 1)[1])
         if match and int(match[1], 16) == self.last and self.last_column:
-            self.now[self.last_column] -= 1
+            self.current[self.last_column] -= 1
             self.last_column = None
 
 

@@ -29,7 +29,7 @@ class _Sampled(ctypes.Structure):
 class Array:
     """At each frequency: the array, points x n x n; of its diagonal elements radius and ratio by rows and by columns, points x n."""
 
-    at: np.ndarray
+    values: np.ndarray
     radius: dict[str, np.ndarray]
     ratio: dict[str, np.ndarray]
 

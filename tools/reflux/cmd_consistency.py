@@ -144,7 +144,7 @@ def draw(one: Look, run: Run, place: Path) -> None:
 
     title = f"block {run.block.number}, {one.setting.method}, noise {one.setting.noise:.3g} K, model {one.setting.model:.3g}"
     try:
-        place.write_bytes(consistency_picture.draw(title, one.series, one.statistics, run.of.time_s))
+        place.write_bytes(consistency_picture.draw(title, one.series, one.statistics, run.recorded.time_s))
     except OSError as error:
         raise UserError(f"{shown(place)} cannot be written: {error.strerror}") from None
 
@@ -155,9 +155,9 @@ HEADER = ["thermometer", "stage", "innovations", "independent", "NIS", "expected
 
 
 def print_head(run: Run, one: Look) -> None:
-    print(f"{run.of.source}: block {run.block.number}, {len(run.block.sensors)} thermometers, ticks of {run.of.tick_s:g} s, from {one.first_s / 3600:.2f} h to "
+    print(f"{run.recorded.source}: block {run.block.number}, {len(run.block.sensors)} thermometers, ticks of {run.recorded.tick_s:g} s, from {one.first_s / 3600:.2f} h to "
           f"{one.last_s / 3600:.2f} h")
-    for text in run.of.not_played:
+    for text in run.recorded.not_played:
         print(f"note: {text} is not replayed; the run is judged with the settings of its beginning")
 
 
@@ -234,7 +234,7 @@ def as_dict(found: Search, run: Run) -> dict[str, Any]:
                 "verdicts": [asdict(v) for v in one.judgement.each], "notes": one.judgement.notes, "odd": one.judgement.odd, "proposed": one.judgement.changes}
 
     offset = {"thermometer": found.offset[0], "K": found.offset[1]} if found.offset else None
-    return {"run": run.of.source, "block": run.block.number, "from_h": found.best.first_s / 3600, "to_h": found.best.last_s / 3600, "consistent": found.consistent,
+    return {"run": run.recorded.source, "block": run.block.number, "from_h": found.best.first_s / 3600, "to_h": found.best.last_s / 3600, "consistent": found.consistent,
             "offset": offset, "reasons": found.reasons, "replays": [of(one) for one in found.looks]}
 
 

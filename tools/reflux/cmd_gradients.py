@@ -109,8 +109,8 @@ def _two(text: str) -> tuple[str, str]:
 class Found:
     """A diagram and what belongs to it."""
 
-    def __init__(self, name: str, title: str, of: Diagram, feed: int, profile: gradients.Profile, heavier: list[float]):
-        self.name, self.title, self.of, self.feed, self.profile, self.heavier = name, title, of, feed, profile, heavier
+    def __init__(self, name: str, title: str, diagram: Diagram, feed: int, profile: gradients.Profile, heavier: list[float]):
+        self.name, self.title, self.diagram, self.feed, self.profile, self.heavier = name, title, diagram, feed, profile, heavier
         self.steady: column_slopes.Steady | None = None
         self.plant: dict[str, Any] = {}
         self.inputs: dict[str, float] = {}  # manipulated variables at the steady state
@@ -165,7 +165,7 @@ def from_csv(options: argparse.Namespace) -> Found:
 
 
 def judge(found: Found, options: argparse.Namespace, t: Thresholds) -> dict[str, Any]:
-    of, x = found.of, found.profile.x
+    of, x = found.diagram, found.profile.x
     for name in options.keys or ():
         if name not in of.names:
             raise UserError(f"--keys: {name} is no component; there are {', '.join(of.names)}")
@@ -268,7 +268,7 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
     if found.steady is None:
         raise UserError("--loop needs a column, whose flows and holdups the slopes come from; not a profile alone")
     kinds = {c["name"]: c["is"] for c in found.plant["inputs"]}
-    out = ["set block1.kind inferential", f"set block1.parts {len(found.of.names)}"]
+    out = ["set block1.kind inferential", f"set block1.parts {len(found.diagram.names)}"]
     for k, text in enumerate(loops, 1):
         match = re.fullmatch(r"(\w+):(\d+)(?:,(\d+))?", text)
         if not match:
@@ -297,7 +297,7 @@ def estimate_of(options: argparse.Namespace, found: Found, t: Thresholds) -> lis
     if found.steady is None:
         raise UserError("--estimate needs a column, whose inputs drive the model; not a profile alone")
     seen = (*found.plant.get("outputs", []), *found.plant.get("truths", []))
-    column = estimate_lines.Column(options.column, tuple(options.set), found.plant, found.of, t, seen)
+    column = estimate_lines.Column(options.column, tuple(options.set), found.plant, found.diagram, t, seen)
     return estimate_lines.lines(column, options.estimate)
 
 
@@ -307,7 +307,7 @@ def estimate_of(options: argparse.Namespace, found: Found, t: Thresholds) -> lis
 def draw(found: Found, report: dict[str, Any], place: Path) -> None:
     from reflux import gradients_picture  # matplotlib takes a second to load
 
-    picture = gradients_picture.draw(found.name, found.title, found.of, found.feed, report)
+    picture = gradients_picture.draw(found.name, found.title, found.diagram, found.feed, report)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(picture)
@@ -316,7 +316,7 @@ def draw(found: Found, report: dict[str, Any], place: Path) -> None:
 
 
 def print_report(found: Found, report: dict[str, Any]) -> None:
-    of = found.of
+    of = found.diagram
     header = [
         "stage",
         "T, K",

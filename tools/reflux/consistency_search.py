@@ -42,7 +42,7 @@ class Look:
 
 @dataclass
 class Run:
-    of: Recorded
+    recorded: Recorded
     block: Block
     given: dict[str, str]  # from the command line
     first_h: float | None = None
@@ -54,27 +54,27 @@ def look(run: Run, changes: dict[str, float] | None = None, shift: dict[str, flo
     changes, shift = changes or {}, shift or {}
     in_channel = {s.name: shift[s.name] / s.factor for s in run.block.sensors if s.name in shift}
     candidates = {**run.given, **{name: f"{x:.6g}" for name, x in changes.items()}}
-    played = replay.play(run.of, run.block, candidates, in_channel, run.show)
+    played = replay.play(run.recorded, run.block, candidates, in_channel, run.show)
     method = played.settings.get("method", "")
     if method == "geometric":
         raise UserError(f"block {run.block.number} estimates by method geometric, which has no covariances; --set method=rekf (or ekf, kalman) replays the run by "
                         "a filter")
-    if method in consistency.WITH_FEED and max((x for x in played.of("cycles") if math.isfinite(x)), default=0.0) == 0:
-        raise RunFailed(f"{run.of.source}: block {run.block.number} estimates by {method}, and its covariance was never carried on in the replay (`cycles` stays 0): "
+    if method in consistency.WITH_FEED and max((x for x in played.values_of("cycles") if math.isfinite(x)), default=0.0) == 0:
+        raise RunFailed(f"{run.recorded.source}: block {run.block.number} estimates by {method}, and its covariance was never carried on in the replay (`cycles` stays 0): "
                         "`block N` says whether it has its workspace")
-    begins = innovations.begins_s(run.of, run.block, played)
+    begins = innovations.begins_s(run.recorded, run.block, played)
     if math.isinf(begins):
-        raise RunFailed(f"{run.of.source}: the estimate never settled in this run: its thermometers were never all good for 3/lambda, or there was no vapour")
+        raise RunFailed(f"{run.recorded.source}: the estimate never settled in this run: its thermometers were never all good for 3/lambda, or there was no vapour")
     first = begins + SETTLES_S if run.first_h is None else run.first_h * 3600
-    last = run.of.time_s[-1] if run.last_h is None else run.last_h * 3600
+    last = run.recorded.time_s[-1] if run.last_h is None else run.last_h * 3600
     if first >= last:
-        raise UserError(f"{run.of.source}: nothing is left between {first / 3600:.2f} h and {last / 3600:.2f} h; the run lasts {run.of.time_s[-1] / 3600:.2f} h. "
+        raise UserError(f"{run.recorded.source}: nothing is left between {first / 3600:.2f} h and {last / 3600:.2f} h; the run lasts {run.recorded.time_s[-1] / 3600:.2f} h. "
                         "--from and --to choose")
-    series = innovations.series(run.of, run.block, played, max(first, begins), last, in_channel)
+    series = innovations.series(run.recorded, run.block, played, max(first, begins), last, in_channel)
     setting = setting_of(played, first, last)
     found = [innovations.statistics(s, setting.noise) for s in series]
     missing = [s.sensor.name for s, numbers in zip(series, found) if numbers is None]
-    judgement = consistency.judge([s for s in found if s], missing, setting, run.of.tick_s)
+    judgement = consistency.judge([s for s in found if s], missing, setting, run.recorded.tick_s)
     return Look(changes, shift, series, found, setting, judgement, max(first, begins), last)
 
 
@@ -91,7 +91,7 @@ def setting_of(played: replay.Replay, first: float, last: float) -> Setting:
         """Of the largest of them."""
         most = 0.0
         for name in names:
-            values = [x for x, t in zip(played.of(name), played.time_s) if first <= t <= last and math.isfinite(x)]
+            values = [x for x, t in zip(played.values_of(name), played.time_s) if first <= t <= last and math.isfinite(x)]
             most = max(most, math.sqrt(sum(x * x for x in values) / len(values)) if values else 0.0)
         return most
 

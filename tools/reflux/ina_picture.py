@@ -51,7 +51,7 @@ def _array(axes, plant: SquarePlant, found: arrays.Array, by: str, view: str) ->
     n = plant.n
     for i in range(n):
         for k in range(n):
-            ax, z = axes[i][k], found.at[:, i, k]
+            ax, z = axes[i][k], found.values[:, i, k]
             ax.axhline(0, color=GREY, linewidth=0.6)
             ax.axvline(0, color=GREY, linewidth=0.6)
             if i == k:

@@ -58,7 +58,7 @@ def series(of: Recorded, block: Block, replay: Replay, first_s: float, last_s: f
     place = {c.name: i for i, c in enumerate(of.measured)}
     out = []
     for sensor in block.sensors:
-        e, nis = np.array(replay.of(f"e_{sensor.number}")), np.array(replay.of(f"nis_{sensor.number}"))
+        e, nis = np.array(replay.values_of(f"e_{sensor.number}")), np.array(replay.values_of(f"nis_{sensor.number}"))
         column = [row[place[sensor.name]] for row in of.readings]
         good = np.array([quality == GOOD for _, quality in column])
         reading = sensor.factor * (np.array([x for x, _ in column]) + shift.get(sensor.name, 0.0))
@@ -76,7 +76,7 @@ def series(of: Recorded, block: Block, replay: Replay, first_s: float, last_s: f
 
 def begins_s(of: Recorded, block: Block, replay: Replay) -> float:
     """When the monitor counts for the first time; infinite: never."""
-    nis = np.array([replay.of(f"nis_{s.number}") for s in block.sensors])
+    nis = np.array([replay.values_of(f"nis_{s.number}") for s in block.sensors])
     counted = np.flatnonzero((nis > 0).any(0))
     return of.time_s[counted[0]] if len(counted) else math.inf
 

@@ -53,7 +53,7 @@ class Placed:
 
     kind: str  # of KINDS' values
     name: str
-    at: int
+    address: int
     size: int
     owner: str
 
@@ -105,8 +105,8 @@ def read(path: Path) -> dict[str, Sizes]:
     for k, part in enumerate(found):
         size = part.size
         # Strings that were merged away are still listed, at the place of what follows them.
-        if k + 1 < len(found) and found[k + 1].kind == part.kind and part.at <= found[k + 1].at:
-            size = min(size, found[k + 1].at - part.at)
+        if k + 1 < len(found) and found[k + 1].kind == part.kind and part.address <= found[k + 1].address:
+            size = min(size, found[k + 1].address - part.address)
         layer = {"*fill*": "fill", WORKSPACE: "workspace"}.get(part.name) or layer_of(part.owner)
         out.setdefault(layer, Sizes()).add(part.kind, size)
     for kind, total in whole.items():  # room the script makes without an input section

@@ -48,8 +48,8 @@ def unstuff(piece: bytes) -> bytes:
 class Plant:
     """Keeps the line alive on a thread of its own, whatever the console does meanwhile."""
 
-    def __init__(self, line: socket.socket, of: Recorded):
-        self.line, self.of, self.session = line, of, 1
+    def __init__(self, line: socket.socket, recorded: Recorded):
+        self.line, self.recorded, self.session = line, recorded, 1
         self.sequence, self.rest, self.frames = 0, b"", list[tuple[int, bytes]]()
         self.sampling, self.lost, self.greeted = False, False, -math.inf
         self.lock, self.over = threading.Lock(), threading.Event()
@@ -84,22 +84,22 @@ class Plant:
 
     def greet(self) -> None:
         self.greeted = time.monotonic()
-        self.send(HELLO, struct.pack("<BBIBBI24s", VERSION, PLANT, self.session, len(self.of.measured), len(self.of.driven),
-                                     round(self.of.tick_s * 1000), b"replay"))
+        self.send(HELLO, struct.pack("<BBIBBI24s", VERSION, PLANT, self.session, len(self.recorded.measured), len(self.recorded.driven),
+                                     round(self.recorded.tick_s * 1000), b"replay"))
 
     def page(self, index: int) -> None:
-        both = [*self.of.measured, *self.of.driven]
+        both = [*self.recorded.measured, *self.recorded.driven]
         if index < len(both):
             c = both[index]
-            self.send(PAGE, struct.pack("<BBfff16s12s", index, index >= len(self.of.measured), c.lo, c.hi, c.lo, c.name.encode(), c.unit.encode()))
+            self.send(PAGE, struct.pack("<BBfff16s12s", index, index >= len(self.recorded.measured), c.lo, c.hi, c.lo, c.name.encode(), c.unit.encode()))
 
     def sample(self, row: int, died: Callable[[], str | None]) -> None:
         """Sends a sample, again where no answer comes, until it is answered. The firmware's estimators have in a tick what the tick
         before has taken for applied, its read-back: so a sample carries what applies from it on."""
-        values = [*self.of.readings[row], *((x, 0) for x in self.of.applied[row])]
-        data = struct.pack("<IQBB", row, round(self.of.time_s[row] * 1000), len(self.of.measured), len(self.of.driven))
+        values = [*self.recorded.readings[row], *((x, 0) for x in self.recorded.applied[row])]
+        data = struct.pack("<IQBB", row, round(self.recorded.time_s[row] * 1000), len(self.recorded.measured), len(self.recorded.driven))
         data += b"".join(struct.pack("<fB", x, quality) for x, quality in values)
-        self._until(f"the sample at {self.of.time_s[row]:g} s", died, data)
+        self._until(f"the sample at {self.recorded.time_s[row]:g} s", died, data)
 
     def connect(self, died: Callable[[], str | None]) -> None:
         self._until("the greeting", died, b"")
@@ -161,7 +161,7 @@ class Replay:
                     column.append(math.nan)
         self.time_s.append(time_s)
 
-    def of(self, name: str) -> list[float]:
+    def values_of(self, name: str) -> list[float]:
         column = self.values.get(name, [])
         return [*column, *[math.nan] * (len(self.time_s) - len(column))]
 

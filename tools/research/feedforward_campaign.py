@@ -33,7 +33,7 @@ class Line:
     wanted: bool  # has to reach what is asked for
     by_case: bool
 
-    def of(self, method: str) -> Case:
+    def case_of(self, method: str) -> Case:
         every = RETUNED_S if method == "A" and self.case.carry else 0.0
         return replace(self.case, method=method, every_s=every)
 
@@ -55,7 +55,7 @@ class Feedforward:
         once on the pilot column."""
         lines = {(c.core, c.search, c.carry, c.disturbance): line for line in reversed(self.lines) for c in [line.case]}
         played = [line for line in self.lines if whole or line in lines.values()]
-        wanted: list[Any] = [line.of(m) for i, line in enumerate(played) for j, m in enumerate(si.METHODS) if whole or i == 0 or i % 4 == j]
+        wanted: list[Any] = [line.case_of(m) for i, line in enumerate(played) for j, m in enumerate(si.METHODS) if whole or i == 0 or i % 4 == j]
         seen: set[str] = set()
         for case, _ in self.elsewhere:
             if whole or isinstance(case, Rig) or case.method not in seen:
@@ -73,7 +73,7 @@ def load(top: Table, name: str) -> Feedforward:
         words = one.text("with", "")
         line = Line(changed_in(Case(), words), one.text("name"), words, one.boolean("wanted", False), one.boolean("by_case", False))
         for method in si.METHODS:
-            feedforward_study.check(line.of(method))
+            feedforward_study.check(line.case_of(method))
         lines.append(line)
         one.done()
     for key, kind in (("rig", Rig), ("pilot", Pilot)):
@@ -171,7 +171,7 @@ def sums_table(campaign: Feedforward, state: Any) -> tuple[list[str], list[list[
     for line in campaign.lines:
         cells = []
         for m in si.METHODS:
-            result = state.get(job_of(line.of(m), campaign.seeds))
+            result = state.get(job_of(line.case_of(m), campaign.seeds))
             if result is None or "failed" in result:
                 cells.append("not run" if result is None else f"failed: {result['failed'][:40]}")
                 continue
@@ -188,7 +188,7 @@ def fixed_words(campaign: Feedforward, state: Any) -> str:
     for line in campaign.lines:
         if line.case.core == "fixed":
             for m in si.METHODS:
-                ours, same = (state.get(job_of(c, campaign.seeds)) for c in (line.of(m), replace(line.of(m), core="firmware")))
+                ours, same = (state.get(job_of(c, campaign.seeds)) for c in (line.case_of(m), replace(line.case_of(m), core="firmware")))
                 if ours and same and "failed" not in ours and "failed" not in same:
                     most = max(most, float(np.max(np.abs(j_of(ours) - j_of(same)) / known()[1][:, None])))
     return f"Between fixed point and float32 J of no run differs by more than {most:.4f} J0." if most else ""
@@ -201,7 +201,7 @@ def cases_table(campaign: Feedforward, state: Any, line: Line) -> str:
     for i, regime in enumerate(sim.REGIMES):
         row = [regime.name, f"{none[i]:.1f}", f"{least[i]:.2f}"]
         for m in si.METHODS:
-            j = j_of(state.get(job_of(line.of(m), campaign.seeds)))[i]
+            j = j_of(state.get(job_of(line.case_of(m), campaign.seeds)))[i]
             row.append(f"{published(m)[i]:.2f}, {np.median(j):.2f}, {j.max():.2f}")
         rows.append(row)
     return table.markdown(header, rows)
@@ -217,7 +217,7 @@ def errors_table(campaign: Feedforward, state: Any, line: Line) -> str:
     for i, regime in enumerate(sim.REGIMES):
         row = [regime.name, pairs(*sim.controller_error(sim.PUBLISHED["Shinskey"][i], regime))]
         for m in si.METHODS:
-            tunings = np.array(state.get(job_of(line.of(m), campaign.seeds))["tunings"])[i]
+            tunings = np.array(state.get(job_of(line.case_of(m), campaign.seeds))["tunings"])[i]
             db, degrees = sim.controller_error(tunings, regime)
             row += [pairs(*sim.controller_error(sim.PUBLISHED[m][i], regime)), pairs(np.median(db, axis=0), np.median(degrees, axis=0))]
         rows.append(row)
@@ -238,7 +238,7 @@ def published_misses(who: str) -> np.ndarray:
 
 
 def misses_table(campaign: Feedforward, state: Any, line: Line) -> str:
-    found = {m: misses_of(state.get(job_of(line.of(m), campaign.seeds))) for m in si.METHODS}
+    found = {m: misses_of(state.get(job_of(line.case_of(m), campaign.seeds))) for m in si.METHODS}
     rows = []
     for i, regime in enumerate(sim.REGIMES):
         row = [regime.name, largest_and_h2(published_misses("Shinskey")[i])]
@@ -259,14 +259,14 @@ def h2_table(campaign: Feedforward, state: Any) -> str:
             row("published parameters", "", [published_misses(m) for m in si.METHODS]),
             row("optimum of J without dead time", "", [np.array([sim.misses(t, r) for t, r in zip(known()[2], sim.REGIMES)])] * len(si.METHODS))]
     for line in campaign.lines:
-        rows.append(row(line.name, line.note, [misses_of(state.get(job_of(line.of(m), campaign.seeds))) for m in si.METHODS]))
+        rows.append(row(line.name, line.note, [misses_of(state.get(job_of(line.case_of(m), campaign.seeds))) for m in si.METHODS]))
     return table.markdown(["line", "with", *si.METHODS], rows)
 
 
 def estimates_table(campaign: Feedforward, state: Any, line: Line) -> str:
     rows = []
     for i, regime in enumerate(sim.REGIMES):
-        found = [state.get(job_of(line.of(m), campaign.seeds)) for m in si.METHODS]
+        found = [state.get(job_of(line.case_of(m), campaign.seeds)) for m in si.METHODS]
         rows.append([regime.name, *(pairs(np.array(r["dB"][i]), np.array(r["degrees"][i])) + " / " + largest_and_h2(np.array(r["misses"][i])) for r in found)])
     return table.markdown(["case", *si.METHODS], rows)
 
@@ -275,7 +275,7 @@ def tunings_table(campaign: Feedforward, state: Any, line: Line) -> str:
     best = known()[2]
     rows = []
     for i, regime in enumerate(sim.REGIMES):
-        found = [np.median(np.array(state.get(job_of(line.of(m), campaign.seeds))["tunings"])[i], axis=0) for m in si.METHODS]
+        found = [np.median(np.array(state.get(job_of(line.case_of(m), campaign.seeds))["tunings"])[i], axis=0) for m in si.METHODS]
         rows.append([regime.name, "{:.3f} {:.3f} {:.3f}".format(*best[i]), *("{:.3f} {:.3f} {:.3f} {:.3f}".format(*t) for t in found)])
     return table.markdown(["case", "J*", *si.METHODS], rows)
 
@@ -289,7 +289,7 @@ def iae_table(campaign: Feedforward, state: Any) -> str:
         row = [float(sim.step_iae(t, regime)[0]) for t in (None, *(sim.PUBLISHED[w][i] for w in ("Shinskey", *si.METHODS)))]
         for line in lines:
             for m in si.METHODS:
-                row.append(float(np.median(sim.step_iae(np.array(state.get(job_of(line.of(m), campaign.seeds))["tunings"])[i], regime))))
+                row.append(float(np.median(sim.step_iae(np.array(state.get(job_of(line.case_of(m), campaign.seeds))["tunings"])[i], regime))))
         row += [float(sim.step_iae(t, regime)[0]) for t in (known()[2][i], sim.ideal(regime))]
         rows.append([regime.name, *(f"{x:.3f}" for x in row)])
     return table.markdown(header, rows)
@@ -409,7 +409,7 @@ def execute(campaign: Feedforward, options: argparse.Namespace, state: Any) -> i
         print(f"FAILED  {text}")
     for line in campaign.lines:
         for m in si.METHODS:
-            result = state.get(job_of(line.of(m), campaign.seeds))
+            result = state.get(job_of(line.case_of(m), campaign.seeds))
             if line.wanted and result and "failed" not in result:
                 missed = verdict(m, result).misses
                 bad += missed

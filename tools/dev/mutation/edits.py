@@ -48,12 +48,12 @@ TYPES = {"void", "char", "short", "int", "long", "float", "double", "signed", "u
 class Token:
     kind: str
     text: str
-    at: int
+    start: int
     macro: bool = False
 
     @property
     def end(self) -> int:
-        return self.at + len(self.text)
+        return self.start + len(self.text)
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class _Reader:
             return
         start = self._after_head(tokens, first, end)
         if start < end - 1 and self._droppable(tokens[start:end]):
-            self._add("dropped", tokens[start].at, tokens[end - 1].end, ";", tokens[start], tokens[end - 1])
+            self._add("dropped", tokens[start].start, tokens[end - 1].end, ";", tokens[start], tokens[end - 1])
 
     def _after_head(self, tokens: list[Token], first: int, end: int) -> int:
         """Past if (...), else, for (...), while (...), do: to the statement that hangs on them."""
@@ -216,7 +216,7 @@ class _Reader:
     def _add(self, kind: str, start: int, end: int, new: str, first: Token, last: Token) -> None:
         lines = self.text.count("\n", start, end)  # the lines below keep their numbers
         line = self._line(start)
-        self.out.append(Edit(kind, self.function, line, self._line(first.at), self._line(last.at), start, end, new + "\n" * lines))
+        self.out.append(Edit(kind, self.function, line, self._line(first.start), self._line(last.start), start, end, new + "\n" * lines))
 
     def _single(self, tokens: list[Token], i: int, first: Token, last: Token, dims: bool) -> None:
         token = tokens[i]
@@ -224,7 +224,7 @@ class _Reader:
         after = tokens[i + 1] if i + 1 < len(tokens) else None
 
         def add(kind: str, new: str) -> None:
-            self._add(kind, token.at, token.end, new, first, last)
+            self._add(kind, token.start, token.end, new, first, last)
 
         if token.kind == "number":
             size = dims and before is not None and before.text == "[" and after is not None and after.text == "]"

@@ -159,7 +159,7 @@ class Round:
                     continue
                 state.results.append(result)
                 state.save()
-                progress.show(f"{len(state.results)} of {count}, {state.told()}, {result.file}")
+                progress.show(f"{len(state.results)} of {count}, {state.summary()}, {result.file}")
         progress.end(f"{len(state.results)} tried")
         return report(state)
 
@@ -251,7 +251,7 @@ class State:
         written.write_text(json.dumps(data, indent=1), encoding="utf-8")
         written.replace(self.path)
 
-    def told(self) -> str:
+    def summary(self) -> str:
         counts = Counter(r.status for r in self.results)
         return f"{counts[CAUGHT]} caught, {counts[SURVIVED]} not"
 

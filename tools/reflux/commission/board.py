@@ -70,8 +70,8 @@ class Progress:
     plant_s: float = 0.0
     text: str = ""
     input: str = ""
-    at: int = 0
-    of: int = 0
+    number: int = 0
+    total: int = 0
     round: int = 0
     stage: str = ""
     amplitude: str = ""

@@ -66,7 +66,7 @@ def reason(event: Event) -> str:
 def status_words(p: Progress) -> str:
     out = p.phase
     if p.input:
-        out = f"input {p.input} ({p.at} of {p.of}), round {p.round}: {p.stage}, amplitude {p.amplitude}"
+        out = f"input {p.input} ({p.number} of {p.total}), round {p.round}: {p.stage}, amplitude {p.amplitude}"
         if p.worst:
             out += f"; nearest its limit: {p.worst[0]} at {100 * p.worst[1]:.0f} %"
     elif p.text and p.phase in UNDER_WAY:
