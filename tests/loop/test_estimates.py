@@ -13,10 +13,10 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
 from reflux import build, runner, scenario  # noqa: E402
-from research import estimates, estimates_elsewhere  # noqa: E402
+from research import estimates, estimates_other_plants  # noqa: E402
 from reflux.errors import UserError  # noqa: E402
 from research.estimates import BAND, Case, Error, Measured  # noqa: E402
-from research.estimates_elsewhere import Elsewhere, Way  # noqa: E402
+from research.estimates_other_plants import OtherPlant, Way  # noqa: E402
 from reflux.scenario import Event, Line  # noqa: E402
 
 SCENARIOS = ROOT / "host_sim" / "scenarios"
@@ -107,8 +107,8 @@ class Shipped(unittest.TestCase):
             Way("T12", (*top, "set loop2.pv T12", "set loop2.gain 0.9", "set loop2.ti 600"), self.at_20_min("351.77")),
             Way("xD", (*top, "set loop2.pv xD_est", "set loop2.gain 10", "set loop2.ti 1800"), self.at_20_min("1000")),
         )
-        of = Elsewhere("", SCENARIOS / "methanol-estimate.toml", "ppm", (("xD_est", "xD.true"),), 3600.0, ways)
-        by_temperature, by_estimate = (estimates_elsewhere.measure(of, way)["xD.true"] for way in ways)
+        of = OtherPlant("", SCENARIOS / "methanol-estimate.toml", "ppm", (("xD_est", "xD.true"),), 3600.0, ways)
+        by_temperature, by_estimate = (estimates_other_plants.measure(of, way)["xD.true"] for way in ways)
         self.assertLess(by_estimate[1], by_temperature[1])
         self.assertLess(abs(by_estimate[2] - 1000), abs(by_temperature[2] - 1000) / 5)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from reflux import build, table
-from research import estimates, estimates_elsewhere, trays, trays_campaign
+from research import estimates, estimates_other_plants, trays, trays_campaign
 from reflux.errors import RunFailed, UserError
 from research.estimates import Case
 from reflux.paths import CAMPAIGNS, ROOT
@@ -39,7 +39,7 @@ class Estimates:
     title: str
     about: str
     parts: tuple[Part, ...]
-    elsewhere: tuple[estimates_elsewhere.Elsewhere, ...] = ()
+    other_plants: tuple[estimates_other_plants.OtherPlant, ...] = ()
 
     def cases(self, fraction: float) -> list[Case]:
         wanted = list(dict.fromkeys(row.case for part in self.parts for row in part.rows))
@@ -87,9 +87,9 @@ def load(top: Table, name: str) -> Estimates:
             line.done()
         one.done()
         parts.append(Part(heading, tuple(rows)))
-    elsewhere = tuple(estimates_elsewhere.load(one, CAMPAIGNS) for one in top.tables("elsewhere"))
+    other_plants = tuple(estimates_other_plants.load(one, CAMPAIGNS) for one in top.tables("elsewhere"))
     top.done()
-    return Estimates(name, title, about, tuple(parts), elsewhere)
+    return Estimates(name, title, about, tuple(parts), other_plants)
 
 
 def fingerprint(campaign: Estimates) -> str:
@@ -97,8 +97,8 @@ def fingerprint(campaign: Estimates) -> str:
     for file in (
         Path(__file__),
         Path(estimates.__file__),
-        Path(estimates_elsewhere.__file__),
-        *(f for of in campaign.elsewhere for f in (of.file, of.file.with_suffix(".conf"))),
+        Path(estimates_other_plants.__file__),
+        *(f for of in campaign.other_plants for f in (of.file, of.file.with_suffix(".conf"))),
         Path(trays.__file__),
         ROOT / "host_sim" / "plants" / "splitter.json",
         build.find_program("host", "reflux-sim-memory"),
@@ -159,9 +159,9 @@ def write_results(campaign: Estimates, state: Any, folder: Path) -> None:
         used = any(row.case.use for row in part.rows)
         rows = [row_of(row, state.get(job_of(row.case)), used) for row in part.rows]
         text.append(f"\n## {part.title}\n\n" + table.markdown(header_of(part), rows))
-    for of in campaign.elsewhere:
-        rows = estimates_elsewhere.rows_of(of, state)
-        text.append(f"\n## {of.title}\n\nIn {of.unit}.\n\n" + table.markdown(estimates_elsewhere.header_of(of), rows))
+    for of in campaign.other_plants:
+        rows = estimates_other_plants.rows_of(of, state)
+        text.append(f"\n## {of.title}\n\nIn {of.unit}.\n\n" + table.markdown(estimates_other_plants.header_of(of), rows))
     (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
 
 
@@ -169,10 +169,10 @@ def execute(campaign: Estimates, options: argparse.Namespace, state: Any) -> int
     cases = campaign.cases(options.fraction)
     trays_campaign.run_missing(cases, state, options.jobs, job_of, run_one)
     results = [state.get(job_of(c)) for c in cases]
-    for of in campaign.elsewhere if options.fraction == 1.0 else ():
+    for of in campaign.other_plants if options.fraction == 1.0 else ():
         for way in of.ways:
-            if state.get(estimates_elsewhere.job_of(of, way)) is None:
-                state.add(estimates_elsewhere.measure(of, way))
+            if state.get(estimates_other_plants.job_of(of, way)) is None:
+                state.add(estimates_other_plants.measure(of, way))
     if not options.check and options.fraction == 1.0:
         write_results(campaign, state, options.results)
     for part in campaign.parts:
@@ -182,9 +182,9 @@ def execute(campaign: Estimates, options: argparse.Namespace, state: Any) -> int
         if shown:
             end = None if used else -2  # without what others say
             print(f"\n{part.title}, in 1e-3\n" + table.columns(header_of(part)[:end], [row[:end] for row in shown]))
-    for of in campaign.elsewhere if options.fraction == 1.0 else ():
-        rows = estimates_elsewhere.rows_of(of, state)
-        print(f"\n{of.title}, {of.unit}\n" + table.columns(estimates_elsewhere.header_of(of), rows))
+    for of in campaign.other_plants if options.fraction == 1.0 else ():
+        rows = estimates_other_plants.rows_of(of, state)
+        print(f"\n{of.title}, {of.unit}\n" + table.columns(estimates_other_plants.header_of(of), rows))
     failed = [r for r in results if "failed" in r]
     for r in failed[:10]:
         print(f"FAILED  {r['job']['structure']}: {r['failed']}")

@@ -1,4 +1,4 @@
-"""The campaign of adaptive feedforward (tools/research/feedforward_study.py and feedforward_elsewhere.py): sums of J beside the source's published
+"""The campaign of adaptive feedforward (tools/research/feedforward_study.py and feedforward_other_plants.py): sums of J beside the source's published
 parameters, each method and case, integrals after a step of the disturbance, the experiment on the source's rig and on the pilot column."""
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from reflux import build, high_order, table
-from research import feedforward_elsewhere, feedforward_study, trays_campaign
+from research import feedforward_other_plants, feedforward_study, trays_campaign
 from reflux.errors import RunFailed, UserError
-from research.feedforward_elsewhere import Pilot, Rig
+from research.feedforward_other_plants import Pilot, Rig
 from research.feedforward_study import Case, ratios, si, sim
 from research.kalman_1989_campaign import changed_in
 from reflux.paths import build_dir
@@ -45,7 +45,7 @@ class Feedforward:
     about: str
     seeds: tuple[int, ...]
     lines: tuple[Line, ...]
-    elsewhere: tuple[tuple[Rig | Pilot, str], ...]
+    other_plants: tuple[tuple[Rig | Pilot, str], ...]
 
     def part(self, fraction: float) -> Feedforward:
         return replace(self, seeds=self.seeds[: max(2, round(len(self.seeds) * fraction))])
@@ -57,7 +57,7 @@ class Feedforward:
         played = [line for line in self.lines if whole or line in lines.values()]
         wanted: list[Any] = [line.case_of(m) for i, line in enumerate(played) for j, m in enumerate(si.METHODS) if whole or i == 0 or i % 4 == j]
         seen: set[str] = set()
-        for case, _ in self.elsewhere:
+        for case, _ in self.other_plants:
             if whole or isinstance(case, Rig) or case.method not in seen:
                 wanted.append(case)
                 seen.add("" if isinstance(case, Rig) else case.method)
@@ -68,7 +68,7 @@ def load(top: Table, name: str) -> Feedforward:
     title, about = top.text("title", name), " ".join(top.texts("about"))
     first = top.integer("first_seed", 1)
     seeds = tuple(range(first, first + top.integer("seeds", low=1, high=1000)))
-    lines, elsewhere = [], []
+    lines, other_plants = [], []
     for one in top.tables("line"):
         words = one.text("with", "")
         line = Line(changed_in(Case(), words), one.text("name"), words, one.boolean("wanted", False), one.boolean("by_case", False))
@@ -79,15 +79,15 @@ def load(top: Table, name: str) -> Feedforward:
     for key, kind in (("rig", Rig), ("pilot", Pilot)):
         for one in top.tables(key):
             words = one.text("with", "")
-            elsewhere.append((changed_in(kind(), words), words))
+            other_plants.append((changed_in(kind(), words), words))
             one.done()
     top.done()
-    return Feedforward(name, title, about, seeds, tuple(lines), tuple(elsewhere))
+    return Feedforward(name, title, about, seeds, tuple(lines), tuple(other_plants))
 
 
 def fingerprint(_: Feedforward) -> str:
     digest = hashlib.sha256()
-    for file in (feedforward_study.__file__, feedforward_elsewhere.__file__, high_order.__file__, sim.__file__, si.__file__, *(build_dir(p) / "libreflux_board.so" for p in ("host", "host-fixed")),
+    for file in (feedforward_study.__file__, feedforward_other_plants.__file__, high_order.__file__, sim.__file__, si.__file__, *(build_dir(p) / "libreflux_board.so" for p in ("host", "host-fixed")),
                  build.find_program("host", "reflux-plant")):
         digest.update(Path(str(file)).read_bytes())
     return digest.hexdigest()
@@ -111,9 +111,9 @@ def run_one(job: dict[str, Any]) -> dict[str, Any]:
         if isinstance(case, Case):
             return {"job": job, **feedforward_study.measured(case, seeds)}
         if isinstance(case, Rig):
-            return {"job": job, "runs": [feedforward_elsewhere.play_rig(case, seed) for seed in seeds]}
-        count = 10 if case.method in feedforward_elsewhere.METHODS else 1  # nothing is random in the others
-        return {"job": job, "runs": [feedforward_elsewhere.play_pilot(case, seed) for seed in seeds[:count]]}
+            return {"job": job, "runs": [feedforward_other_plants.play_rig(case, seed) for seed in seeds]}
+        count = 10 if case.method in feedforward_other_plants.METHODS else 1  # nothing is random in the others
+        return {"job": job, "runs": [feedforward_other_plants.play_pilot(case, seed) for seed in seeds[:count]]}
     except (RunFailed, UserError, RuntimeError, np.linalg.LinAlgError) as error:
         return {"job": job, "failed": str(error)}
 
@@ -303,7 +303,7 @@ def rig_table(campaign: Feedforward, state: Any) -> str:
     header = ["with", "tuned: lead s, lag s, K, dead time s", "worst of all seeds at 0.001, 0.003, 0.01 rad/s: dB, degrees", "IAE of the cycles' disturbance, K s",
               "a cycle from rest: tuned, worst", "gain alone"]
     rows = []
-    for case, words in campaign.elsewhere:
+    for case, words in campaign.other_plants:
         if not isinstance(case, Rig):
             continue
         result = state.get(job_of(case, campaign.seeds))
@@ -312,7 +312,7 @@ def rig_table(campaign: Feedforward, state: Any) -> str:
             continue
         runs = result["runs"]
         t = np.median([r["tuning"] for r in runs], axis=0)
-        off = np.max([np.abs(np.array(feedforward_elsewhere.error_of(r["tuning"]))) for r in runs], axis=0)
+        off = np.max([np.abs(np.array(feedforward_other_plants.error_of(r["tuning"]))) for r in runs], axis=0)
         iae = ", ".join(f"{k[2:]} {np.median([r['iae'][k] for r in runs]):.1f}" for k in runs[0]["iae"])
         rest = np.array([[r["rest"][k] for k in ("tuned", "gain alone")] for r in runs])
         rows.append([words, ", ".join(f"{x:.2f}" for x in t), "; ".join(f"{a:.2f}, {b:.1f}" for a, b in zip(off[0][:3], off[1][:3])), iae,
@@ -322,16 +322,16 @@ def rig_table(campaign: Feedforward, state: Any) -> str:
 
 def rig_rest_words() -> str:
     by_run = []
-    for run, published in feedforward_elsewhere.RIG_PUBLISHED.items():
-        known_ones = (("PI alone", None), ("fixed", feedforward_elsewhere.RIG_FIXED[run]), ("published", published), ("Shinskey", feedforward_elsewhere.RIG_SHINSKEY))
-        by_run.append(f"run {run}: " + ", ".join(f"{name} {feedforward_elsewhere.rig_iae(run, t):.1f}" for name, t in known_ones))
+    for run, published in feedforward_other_plants.RIG_PUBLISHED.items():
+        known_ones = (("PI alone", None), ("fixed", feedforward_other_plants.RIG_FIXED[run]), ("published", published), ("Shinskey", feedforward_other_plants.RIG_SHINSKEY))
+        by_run.append(f"run {run}: " + ", ".join(f"{name} {feedforward_other_plants.rig_iae(run, t):.1f}" for name, t in known_ones))
     return "; ".join(by_run)
 
 
 def pilot_table(campaign: Feedforward, state: Any) -> str:
     header = ["with", "ratio off at 0.0005; 0.002; 0.01 rad/s: dB, degrees", "tuned: lead s, lag s, kW per l/h, dead time s", "IAE, K min: PI alone", "gain alone", "tuned", "worst"]
     rows = []
-    for case, words in campaign.elsewhere:
+    for case, words in campaign.other_plants:
         if not isinstance(case, Pilot):
             continue
         result = state.get(job_of(case, campaign.seeds))
@@ -347,7 +347,7 @@ def pilot_table(campaign: Feedforward, state: Any) -> str:
 
 
 def pilot_models_words(campaign: Feedforward, state: Any) -> str:
-    for case, _ in campaign.elsewhere:
+    for case, _ in campaign.other_plants:
         result = state.get(job_of(case, campaign.seeds))
         if isinstance(case, Pilot) and case.method == "Shinskey" and result and "failed" not in result:
             named = zip(("heater", "feed"), result["runs"][0]["models"])

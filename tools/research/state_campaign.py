@@ -72,7 +72,7 @@ def load(top: Table, name: str) -> StateDecoupling:
 def fingerprint(_: StateDecoupling) -> str:
     digest = hashlib.sha256()
     tests = ROOT / "tests" / "reference"
-    for file in (Path(state_study.__file__), Path(state_study.__file__).with_name("state_elsewhere.py"), tests / "state_ahead.py", tests / "kalman_1989.py", ROOT / "host_sim" / "plants" / "pilot.json",
+    for file in (Path(state_study.__file__), Path(state_study.__file__).with_name("state_other_plants.py"), tests / "state_ahead.py", tests / "kalman_1989.py", ROOT / "host_sim" / "plants" / "pilot.json",
                  build.find_program("host", "reflux-sim"), build.find_program("host", "reflux-plant")):
         digest.update(file.read_bytes())
     return digest.hexdigest()
@@ -192,7 +192,7 @@ def sampled_table() -> str:
     return table.markdown(["pole, 1/min", "radius at 1 s", "5 s", "30 s", "in z at 30 s", "K* = I - M0", "radius", "largest in F", "of the continuous one"], rows)
 
 
-def elsewhere_table() -> str:
+def other_points_table() -> str:
     """The law of the nominal point on the linear model of another one."""
     rows = []
     for words, settings in (("F 6.25 l/h", ("F=6.25",)), ("F 3.75 l/h", ("F=3.75",)), ("Lr 2.4, Qrb 0.61", ("Lr=2.4", "Qrb=0.61"))):
@@ -229,7 +229,7 @@ SECTIONS = (
     ("Sampled", sampled_table,
      "The continuous law computed every so many seconds, and the one designed for 30 s. In the thesis trays of 2 to 4 s are named as a reason for what happened on the nonlinear model; sampled at 30 s they are not seen, and "
      "the largest weight is about half."),
-    ("At another operating point, linear", elsewhere_table, "Thesis: large offsets, but stable. Ours: what is left of a setpoint step with the law of the nominal point; where the column separates less than there the loop is not stable with slow poles."),
+    ("At another operating point, linear", other_points_table, "Thesis: large offsets, but stable. Ours: what is left of a setpoint step with the law of the nominal point; where the column separates less than there the loop is not stable with slow poles."),
 )
 
 

@@ -231,8 +231,8 @@ def play(case: Case) -> Measured:
     if case.law not in LAWS or case.states not in STATES or case.run not in RUNS or case.point not in POINTS:
         raise UserError(f"{case}: law is one of {LAWS}, states of {STATES}, run of {RUNS}, point of {tuple(POINTS)}")
     if case.column != "pilot":
-        from research import state_elsewhere  # which uses this module
-        return state_elsewhere.play(case)
+        from research import state_other_plants  # which uses this module
+        return state_other_plants.play(case)
     with TemporaryDirectory(prefix="reflux-") as name:
         bench = Bench(case, Path(name))
         try:

@@ -1,4 +1,4 @@
-/* commission/commission.c and acceptance.c: what becomes of what is asked for, and of a trial. */
+/* commission/commission.c and acceptance.c: requests to a start-up and their results, and how a trial ends. */
 #include "commission_outcome.h"
 
 void setUp(void)

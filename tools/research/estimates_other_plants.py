@@ -23,7 +23,7 @@ class Way:
 
 
 @dataclass(frozen=True)
-class Elsewhere:
+class OtherPlant:
     title: str
     file: Path
     unit: str
@@ -32,13 +32,13 @@ class Elsewhere:
     ways: tuple[Way, ...]
 
 
-def load(one: Table, folder: Path) -> Elsewhere:
+def load(one: Table, folder: Path) -> OtherPlant:
     ways = []
     for way in one.tables("way"):
         lines = tuple((float(t), text) for t, _, text in (line.partition(" ") for line in way.texts("lines", [])))
         ways.append(Way(way.text("name"), tuple(way.texts("config", [])), lines))
         way.done()
-    out = Elsewhere(
+    out = OtherPlant(
         one.text("title"),
         (folder / one.text("scenario")).resolve(),
         one.text("unit"),
@@ -50,11 +50,11 @@ def load(one: Table, folder: Path) -> Elsewhere:
     return out
 
 
-def job_of(of: Elsewhere, way: Way) -> dict[str, Any]:
+def job_of(of: OtherPlant, way: Way) -> dict[str, Any]:
     return {"elsewhere": of.title, "way": way.name, "lines": repr((way.config, way.lines, of.pairs))}
 
 
-def measure(of: Elsewhere, way: Way) -> dict[str, Any]:
+def measure(of: OtherPlant, way: Way) -> dict[str, Any]:
     base = scenario.load(of.file)
     config = [line for line in base.config if line.text != "apply"] + [Line(0.0, x) for x in (*way.config, "apply")]
     said = {tuple(text.split()[:2]) for _, text in way.lines}  # in place of what the scenario says of the same
@@ -81,14 +81,14 @@ def measure(of: Elsewhere, way: Way) -> dict[str, Any]:
     return out
 
 
-def header_of(of: Elsewhere) -> list[str]:
+def header_of(of: OtherPlant) -> list[str]:
     out = [""]
     for _, truth in of.pairs:
         out += [f"{truth}: least", "most", "final", "estimate's error: least", "most", "final"]
     return out
 
 
-def rows_of(of: Elsewhere, state: Any) -> list[list[str]]:
+def rows_of(of: OtherPlant, state: Any) -> list[list[str]]:
     rows = []
     for way in of.ways:
         result = state.get(job_of(of, way))
