@@ -91,7 +91,7 @@ class Alone(Tool):
                      "there is no xQ here; there are xD, xB", "names and values in turn are wanted",
                      "xD critical is maybe; yes or no is wanted", "R step is 3; more than 0 and up to 1.95 lb/min is wanted",
                      "Q is no input; there are R, S", "rounds is 2.5; a whole number is wanted",
-                     "guard is circle; model or line is wanted", "accpt is no answer", "the word itself is wanted",
+                     "guard is circle; model or line is wanted", "accpt is no answer", "Type the whole word",
                      "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops did as predicted and stay",
                      "Nothing is stored: `save`"):
             self.assertIn(told, out)
@@ -153,9 +153,9 @@ class Alone(Tool):
     def test_before_anything_moves_it_says_how_far_and_how_long_and_asks(self) -> None:
         out, err = self.simulated("--no-report", text="\n" * 4 + "no\n", expect=1)
         self.assertIn("not begun: nothing has moved", err)
-        self.assertIn("R is moved from 1.95 lb/min by 0.08 both ways, up to 1 where it takes that", out)
-        self.assertIn("xD may go 6.4 %w from where it is", out)
-        self.assertRegex(out, r"take 10 h if the plant is fast, .* 1558 h if every half takes as long as it may, in all rounds ")
+        self.assertIn("R: +/-0.08 lb/min around 1.95, at most +/-1", out)
+        self.assertIn("xD: the test stops beyond +/-6.4 %w", out)
+        self.assertRegex(out, r"take 10 h if the plant is fast; 1558 h if every test, round and repeat hits its limit")
         said = (self.out / "transcript.txt").read_text()
         self.assertNotRegex(said, r"(?m)> (out|apply|commission begin)")
 

@@ -132,7 +132,7 @@ def said(told: list, first: float, last: float) -> set[str]:
 
 def rows() -> list[str]:
     out = ["| fault, an hour long | where | the estimates | the block says | a filter says |", "|---|---|---|---|---|"]
-    nothing = "nothing: with one thermometer nobody contradicts it"
+    nothing = "nothing: a single thermometer cannot be cross-checked"
     for f in FAULTS:
         words = ", ".join(f"`{w}`" for w in f.said) or nothing
         of_filter = "the same" if f.filter_said is None else ", ".join(f"`{w}`" for w in f.filter_said)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""reflux-host as a program: what is asked for wrongly ends it with one line and exit code 2, what fails with 1.
+"""reflux-host as a program: a usage error ends it with one line and exit code 2, a failure with 1.
 
 usage: test_reflux_host.py REFLUX_HOST
 """

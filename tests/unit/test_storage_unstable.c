@@ -1,4 +1,4 @@
-/* Power is cut in saves, starts and repairs, and the words of what was interrupted read now so, now so
+/* Power is cut in saves, starts and repairs, and the words of what was interrupted read differently each time
  * (tests/support/flash_cut.h). Whatever was answered with `ok` is found at every start that follows, with saves
  * between; and what one start has found is what the next one finds.
  *

@@ -127,7 +127,7 @@ class Ticks:
 
 
 Run = Callable[[str, tuple[str, ...]], object]
-TITLE = "The plant link's share of a tick, instructions in the emulator"
+TITLE = "Cost of the plant link per tick, instructions in the emulator"
 HEADER = ["image", "entries of the CRC's table", "flash", "least", "mean", "most", *HELPERS, *FILES]
 
 

@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> int:
         "tests/bench/results.md. What cannot be measured here is left out with its reason.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
     p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
-    p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
+    p.add_argument("--link", action="store_true", help="only the cost of the plant link per tick; prints it and writes no file")
     p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
     p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, printed and not written")
     p.add_argument("--decoupling", action="store_true", help="only decouplers and pole placement, printed and not written")

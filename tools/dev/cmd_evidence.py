@@ -53,7 +53,7 @@ class Section:
 SECTIONS = (
     Section("Storage", "The power is cut at every flash operation of a save, with every torn prefix and with random "
             "words after an interrupted erase, every bit is flipped, twice in a row: the old or the new set is found "
-            "whole, or defaults and an alarm. Words of what was cut that read now so, now so: every set answered `ok` is "
+            "whole, or defaults and an alarm. Words that a cut left and that read differently each time: every set answered `ok` is "
             "found at ten further starts. A sample; `test_storage_power all` and `test_storage_unstable all` try every "
             "case (docs/storage.md).", "tests", r"storage\b.*\d.*"),
     Section("Storage and interrupted ticks, every case", "What `tools/test` runs a sample of. Words of an interrupted "

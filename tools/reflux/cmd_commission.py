@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
         description="Guided start-up (docs/commissioning.md): tests every input of the plant, finds a model, proposes "
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "
-        "(the last line says why), 2 something was asked for wrongly, 3 the loops are kept, and something that was tested has "
+        "(the last line says why), 2 usage error, 3 the loops are kept, and something that was tested has "
         "none (the last lines say what and why).")
     p.add_argument("port", nargs="?", metavar="PORT")
     p.add_argument("--plant", metavar="NAME", help="instead of a board: firmware and a simulated plant on this computer, "

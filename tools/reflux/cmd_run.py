@@ -18,7 +18,7 @@ def parser() -> argparse.ArgumentParser:
         prog="tools/run",
         description="Runs a scenario (docs/scenarios.md): builds what it needs, starts the firmware, lets the "
         "simulated plant run against it, and writes log, plots and report. Exit status: 0 all limits kept, "
-        "1 a limit missed or the run failed, 2 something was asked for wrongly.")
+        "1 a limit missed or the run failed, 2 usage error.")
     p.add_argument("scenario", nargs="?", metavar="SCENARIO",
                    help="a .toml file, or the name of one in host_sim/scenarios")
     p.add_argument("--firmware", choices=scenarios.FIRMWARES,

@@ -74,7 +74,7 @@ class Comparison:
     page: str = PAGE  # that has tables of it
 
     def jobs(self, fraction: float) -> list[dict[str, Any]]:
-        """Of a part of the campaign every so-manieth line, with what it is compared with."""
+        """Returns every n-th line of a part of the campaign, each with the line that it is compared with."""
         step = max(1, round(1 / fraction))
         wanted = {k for k in range(0, len(self.variants), step)}
         wanted |= {place_of(self, self.variants[k]) for k in wanted}

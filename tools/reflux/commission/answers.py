@@ -33,23 +33,23 @@ class Field:
 MEASUREMENT = (
     Field("lo", "number", "lower end of the span", "lo", new=True),
     Field("hi", "number", "upper end of the span", "hi", new=True),
-    Field("tested", "yes", "yes: a loop is looked for; no: only watched as far as it is configured", "test"),
-    Field("limit", "number", "farthest it may go from rest: a step that would bring it there is turned round before; "
-          "past it the test ends", "test_limit"),
-    Field("critical", "yes", "yes: only half of that", "test_critical"),
+    Field("tested", "yes", "yes: start-up looks for a loop; no: it only watches what is configured", "test"),
+    Field("limit", "number", "largest distance from rest: a step turns round before it gets there; the test stops "
+          "beyond it", "test_limit"),
+    Field("critical", "yes", "yes: only half of the limit", "test_critical"),
 )
 INPUT = (
     Field("lo", "number", "lower end of the span", "lo", new=True),
     Field("hi", "number", "upper end of the span", "hi", new=True),
     Field("safe", "number", "value at start, on silence, in the safe state", "safe", new=True),
     Field("min", "number", "lowest value ever commanded; the plant does not announce it", "min"),
-    Field("max", "number", "highest value ever commanded; likewise", "max"),
-    Field("at", "number", "operating point: held there, and tested around it"),
-    Field("tested", "yes", "yes: steps are made on it; no: it stays where it is", "test"),
-    Field("step", "auto", "amplitude of its steps; auto: larger ones are tried until a response stands out of the noise",
+    Field("max", "number", "highest value ever commanded; the plant does not announce it", "max"),
+    Field("at", "number", "operating point: start-up holds the input there and tests around it"),
+    Field("tested", "yes", "yes: start-up steps it; no: it stays where it is", "test"),
+    Field("step", "auto", "amplitude of its steps; auto: larger and larger, until a response exceeds the noise",
           "test_step"),
-    Field("time", "auto", "length of half a double step; auto: until the plant has come to rest", "test_time", unit="s"),
-    Field("critical", "yes", "yes: tested first, so that its times help the others", "test_critical"),
+    Field("time", "auto", "length of half a double step; auto: until the plant is at rest", "test_time", unit="s"),
+    Field("critical", "yes", "yes: start-up tests it first, so that its times help the others", "test_critical"),
 )
 FOLLOWS = {"lo": ("min", "limit"), "hi": ("max", "limit")}
 
@@ -65,15 +65,13 @@ class TestField:
 
 
 TEST = (
-    TestField("guard", "test.guard", "", "how a peak is seen coming: by a model of the response so far, or by a straight "
-              "line", ("model", "line")),
-    TestField("blank", "test.blank", "s", "the guard looks away for so long after a step; for responses that begin the "
-              "wrong way"),
-    TestField("noise", "test.noise", "", "a response this many times the noise is large enough"),
-    TestField("window", "test.window", "samples", "over so many of them the plant must be at rest", whole=True),
-    TestField("longest", "test.longest", "s", "no half of a double step is longer; 0: 1000 samples"),
-    TestField("confidence", "test.confidence", "", "a pairing less probable than this is not determined"),
-    TestField("rounds", "test.rounds", "", "tests are repeated, up to so many of each input, until it is", whole=True),
+    TestField("guard", "test.guard", "", "how a peak is predicted: by a model of the response so far, or by a straight line", ("model", "line")),
+    TestField("blank", "test.blank", "s", "time after a step in which the guard does not look; for inverse responses"),
+    TestField("noise", "test.noise", "", "smallest response, as a multiple of the noise"),
+    TestField("window", "test.window", "samples", "length over which the plant must be at rest", whole=True),
+    TestField("longest", "test.longest", "s", "longest half of a double step; 0: 1000 samples"),
+    TestField("confidence", "test.confidence", "", "smallest probability of a pairing that counts as determined"),
+    TestField("rounds", "test.rounds", "", "most tests of each input, repeated until the pairing is determined", whole=True),
 )
 
 

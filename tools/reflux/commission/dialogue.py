@@ -111,15 +111,15 @@ def ask_all(keyboard: Keyboard, answers: Answers) -> None:
     limit = float(f"{answers.measurements[0].values['limit'] / 2:.3g}")
     channels(keyboard, answers.measurements, MEASUREMENT, f"{first} limit {limit:g}")
     heading("Inputs")
-    say("The plant must be at rest at its operating point before it is tested; `at` says where.\n")
+    say("The plant must be at rest at its operating point before the tests; `at` is that point.\n")
     channels(keyboard, answers.inputs, INPUT, f"{source} max {answers.inputs[0].values['max']:g}", answers.missing)
     heading("What is known")
-    say(f"Of up to {answers.known_room} elements: `time`, dead time and time constant together (s), makes the steps long "
-        "enough at once;\n`gain` (output unit per input unit) gives the first amplitude. `pair yes`: this input is to control "
-        "that measurement,\nand no other pairs are looked for. Nothing need be known.\n")
+    say(f"You may state up to {answers.known_room} elements, or none. `time` is dead time and time constant together (s); "
+        "it makes the steps\nlong enough at once. `gain` (output unit per input unit) sets the first amplitude. `pair yes` means "
+        "that this input\ncontrols that measurement; start-up then looks for no other pairs.\n")
     section(keyboard, lambda: say(known_table(answers)), lambda words: _know(answers, words),
             f"{first} {source} time 900 gain 2", answers.missing)
-    heading("How it is tested")
+    heading("Tests")
     say(f"Sample interval: {answers.tick_s:g} s, as the plant announces it{interval_advice(answers)} It is set at the "
         "plant (--tick, with --plant).")
     explain(TEST)
@@ -212,14 +212,13 @@ def expectations(answers: Answers) -> list[str]:
     for v in tested(answers.inputs):
         span, step = v.values["hi"] - v.values["lo"], v.values["step"]
         first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (FIRST_SHARE, MOST_SHARE))
-        grows = f", up to {most:.3g} where it takes that" if most > first else ""
-        lines.append(f"{v.channel.name} is moved from {v.values['at']:g} {v.channel.unit} by {first:.3g} both ways{grows}")
-    lines += [f"{v.channel.name} may go {v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} {v.channel.unit} "
-              "from where it is" for v in tested(answers.measurements)]
+        grows = f", at most +/-{most:.3g}" if most > first else ""
+        lines.append(f"{v.channel.name}: +/-{first:.3g} {v.channel.unit} around {v.values['at']:.4g}{grows}")
+    lines += [f"{v.channel.name}: the test stops beyond +/-{v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} "
+              f"{v.channel.unit}" for v in tested(answers.measurements)]
     least, most = test_hours(answers)
-    lines.append(f"The tests take {least:.3g} h if the plant is fast, else eleven times the slowest dead time and time constant "
-                 f"together for each input and round; {most:.4g} h if every half takes as long as it may, in all rounds and "
-                 "repeats. The trial is extra.")
+    lines.append(f"The tests take {least:.3g} h if the plant is fast; {most:.4g} h if every test, round and repeat hits its limit. "
+                 "Expect eleven times the slowest dead time and time constant together for each input and round. The trial is extra.")
     return lines
 
 
@@ -228,7 +227,7 @@ def may_begin(keyboard: Keyboard) -> bool:
         word = keyboard.ask("begin? yes or no > ").lower()
         if word in ("yes", "no"):
             return word == "yes"
-        say("  the plant is moved from then on: yes or no is wanted")
+        say("  This moves the plant. Type yes or no.")
 
 
 def decide(keyboard: Keyboard) -> str:
@@ -237,8 +236,8 @@ def decide(keyboard: Keyboard) -> str:
         word = keyboard.ask("accept (it is tried on the plant), edit, or reject? > ").lower()
         if word in ("accept", "edit", "reject"):
             return word
-        say(f"  {word} is no answer; accept, edit or reject is wanted" if word else
-            "  loops are put into automatic by it: the word itself is wanted")
+        say(f"  {word} is no answer; type accept, edit or reject" if word else
+            "  This puts loops into automatic. Type the whole word: accept, edit or reject.")
 
 
 def check_edit(line: str) -> str:

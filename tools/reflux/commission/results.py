@@ -380,14 +380,14 @@ def gains_words(g: Gains) -> list[str]:
     if g.null_inputs:
         moved = ", ".join(f"{n} {x:.2f}" for n, x in g.null_inputs.items() if abs(x) >= 0.05)
         seen = ", ".join(f"{n} {x:.2f}" for n, x in g.null_outputs.items() if abs(x) >= 0.05)
-        out.append(f"moved together, these inputs (in spans) change nothing: {moved}; and no input moves the outputs "
+        out.append(f"this combination of inputs (in spans) has no measurable effect: {moved}; and no input moves the outputs "
                    f"along: {seen}")
     return out
 
 
 def pairing_words(p: Pairing) -> list[str]:
-    out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}; its "
-           f"determinant stands out of its error by {table.figure(p.determinant)} standard deviations; any of the loops can be "
+    out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}; the "
+           f"determinant is {table.figure(p.determinant)} standard deviations from zero; any of the loops can be "
            f"in manual in {100 * p.integrity:.0f} % of draws"]
     out += [f"against it: {words}" for words in p.doubts]
     out += [f"open: {name} keeps its input in {100 * share:.0f} % of draws{f', else {rival}' if rival != '-' else ''}"
@@ -435,10 +435,10 @@ def structure_words(s: Structure) -> list[str]:
 def proposal_words(p: Proposal) -> list[str]:
     if p.why_not:
         return [f"no proposal: {p.why_not}"]
-    most = (f"at most {table.figure(p.factor)}, at least {table.figure(p.factor_least)}, each independent part by its own,"
+    most = (f"{table.figure(p.factor_least)} to {table.figure(p.factor)}, each independent part by its own,"
             if p.factor_least < p.factor else table.figure(p.factor))
-    return [f"settings {p.rule}, slowed by a factor of {most} so that the loops stay apart from "
-            f"instability together (largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
+    return [f"settings {p.rule}, detuned by {most} for joint stability "
+            f"(largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
             *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
 
 
