@@ -11,7 +11,7 @@ uint64_t hal_clock_ms(void);
 /* Free-running cycle counter for measuring code, wraps at 2^32. Its meaning is hal_cycles_unit(). */
 uint32_t hal_cycles(void);
 
-/* What one count of hal_cycles() is on this board in this run: "cycles", "ns", "none", or "model ticks" of an
+/* Names the unit of one count of hal_cycles() on this board in this run: "cycles", "ns", "none", or "model ticks" of an
  * emulator's timer (instructions when the emulator counts them, else time of the host). */
 const char *hal_cycles_unit(void);
 

@@ -1,4 +1,4 @@
-/* Who this board is, why it started, and how to start it again. */
+/* Identity of the board, the reason of its start, and a new start. */
 #ifndef REFLUX_HAL_IDENTITY_H
 #define REFLUX_HAL_IDENTITY_H
 
@@ -15,7 +15,7 @@ enum hal_reset {
     HAL_RESET_UNKNOWN
 };
 
-/* What is left of the last fault since power-on; in memory that survives a reset. */
+/* Record of the last fault since power-on; in memory that survives a reset. */
 struct hal_fault {
     uint32_t
         exception; /* number of the exception: 3 hard, 4 memory, 5 bus, 6 usage; else unexpected */
@@ -40,7 +40,7 @@ static inline const char *hal_reset_name(enum hal_reset cause)
 
 const char *hal_board_name(void); /* "stm32f405", "host" */
 const char *hal_board_text(void); /* one line: processor, how recognised (chip or emulator) */
-/* How the supply is watched and how it stands, a few words for `version`. */
+/* Describes the supply and its supervision in a few words for `version`. */
 const char *hal_supply_text(void);
 enum hal_reset hal_reset_cause(void);
 /* Differs from one start of the board to the next: a counter kept over resets, or anything else that does.

@@ -1,4 +1,4 @@
-/* Whether the firmware in the flash is the one that was built: a CRC-32 (base/crc32.h) over all that is flashed stands behind
+/* Checks that the firmware in the flash is the one that was built: a CRC-32 (base/crc32.h) over all that is flashed stands behind
  * it, put there by tools/cmake/image_crc.py. */
 #ifndef REFLUX_HAL_IMAGE_H
 #define REFLUX_HAL_IMAGE_H

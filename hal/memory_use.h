@@ -1,4 +1,4 @@
-/* How much of the stack was never touched, for `version` and the acceptance tests. */
+/* Bytes of the stack that were never touched, for `version` and the acceptance tests. */
 #ifndef REFLUX_HAL_MEMORY_USE_H
 #define REFLUX_HAL_MEMORY_USE_H
 

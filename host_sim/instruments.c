@@ -161,7 +161,7 @@ static void set_sensor(struct sensor *s, enum instrument_option option, double v
     }
 }
 
-/* What the plant has of an output: a valve with another trim does more, or less, from where it stood. */
+/* Value that the plant gets from an output: a valve with another trim does more, or less, from where it stood. */
 static double felt(const struct actuator *a, double output)
 {
     return a->pivot_felt + a->gain * (output - a->pivot);
@@ -231,7 +231,7 @@ static double lag_step(double y, double u0, double u1, double dt, double tau)
     return u1 - trail + (y - u0 + trail) * exp(-dt / tau);
 }
 
-/* What spikes add in this sample. */
+/* Sum of the spikes in this sample. */
 static double spike(struct sensor *s, double dt_s)
 {
     double hit = noise_uniform(&s->chance);
@@ -242,7 +242,7 @@ static double spike(struct sensor *s, double dt_s)
     return side < 0.5 ? -s->spike : s->spike;
 }
 
-/* What an analyser shows in sample `n` of the run, in which its sensor reads x. */
+/* Value that an analyser shows in sample `n` of the run, in which its sensor reads x. */
 static double analysis(struct sensor *s, double x, unsigned long n)
 {
     const unsigned long room = ANALYSER_DELAY_MAX + 1;

@@ -224,7 +224,7 @@ bool line_serve(struct line *line, short events)
     return n > 0;
 }
 
-/* What may go out next, in one piece; drop it with gone(). */
+/* Returns the bytes that may go out next, in one piece; drop it with gone(). */
 static size_t to_send(const struct line *line, const uint8_t **data)
 {
     if (line->flow.pending) {

@@ -1,4 +1,4 @@
-/* What a process cannot tell of itself as a board can: for the ports that run in one, the host's and the one in memory. */
+/* Functions of a board that a process has no hardware for: for the ports that run in one, the host's and the one in memory. */
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"

@@ -30,7 +30,7 @@ size_t memory_port_take(enum hal_uart port, void *data, size_t size);
  * the real one: everything but flash starts again. Returns the turns it took. */
 unsigned memory_port_run(void);
 
-/* What hal_tick_lock and hal_tick_unlock do, for who lets the tick context interrupt the main loop (app_tick from a
+/* Sets the action of hal_tick_lock and hal_tick_unlock, for a caller who lets the tick context interrupt the main loop (app_tick from a
  * signal): NULL, as at the beginning, does nothing, which is right where both are called in turn. */
 void memory_port_set_tick_lock(void (*lock)(void), void (*unlock)(void));
 
@@ -53,10 +53,10 @@ uint64_t memory_port_unfed_ms(void);
 /* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
 void memory_port_reset(enum hal_reset reason);
 
-/* What is left of a fault, from now on, as the boards keep it; NULL = nothing. */
+/* Sets the fault record that the port keeps from now on; NULL: none. */
 void memory_port_set_fault(const struct hal_fault *what);
 
-/* What the check of the image finds from the next start on. */
+/* Sets the result of the image check from the next start on. */
 void memory_port_set_image(enum hal_image state);
 
 /* Flash as tests want it: contents (memory_port_flash_size() bytes), all erased by memory_port_erase_all(). */

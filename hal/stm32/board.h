@@ -1,4 +1,4 @@
-/* What the files of an STM32 port know of each other; those in hal/stm32/ are common to all of them. */
+/* Declarations that the files of an STM32 port share; those in hal/stm32/ are common to all of them. */
 #ifndef REFLUX_STM32_BOARD_H
 #define REFLUX_STM32_BOARD_H
 

@@ -42,7 +42,7 @@ static struct uart {
     [HAL_UART_LINK] = {.base = USART2_BASE, .rx = RING_OVER(link_rx), .tx = RING_OVER(link_tx)},
 };
 
-/* Whether the terminal has been asked to wait: a reset would leave it waiting for ever. At power-on, with any
+/* True while the terminal has been asked to wait: a reset would leave it waiting for ever. At power-on, with any
  * bits here, an XON too many does no harm. */
 static uint32_t terminal_waits __attribute__((section(".noinit")));
 

@@ -7,7 +7,7 @@
 
 #define WAIT_TURNS 2000000u /* six periods of the slow clock */
 
-/* What was written takes some periods of the slow clock to arrive; until then it reads wrong and cannot be written. */
+/* A written value takes some periods of the slow clock to arrive; until then it reads wrong and cannot be written. */
 static void wait_arrived(void)
 {
     for (uint32_t i = 0; i < WAIT_TURNS && IWDG_SR != 0; i++) {

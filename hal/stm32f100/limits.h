@@ -1,4 +1,4 @@
-/* What fits 8 KiB of RAM: the limits of the STM32F100 build, read before every file (tools/cmake/options.cmake).
+/* Limits that fit 8 KiB of RAM: those of the STM32F100 build, read before every file (tools/cmake/options.cmake).
  * The headers that own these names say what they mean; `version` prints those that a user meets.
  *
  * Shortened against the larger boards: channels, loops, feedforwards, interlocks, alarms, dead times, history of

@@ -106,7 +106,7 @@ static bool check_range(const char *text, const char *name, double value, double
                     unit[0] != '\0' ? " " : "", unit);
 }
 
-/* Of a disturbance. */
+/* Adds the swing of a disturbance. */
 static bool add_swing(struct event *event, const struct plant_class *class, const char *text,
                       const char *name, const char *option, char *err, size_t err_size)
 {
@@ -342,7 +342,7 @@ bool events_finish(struct events *e, const struct plant_class *class, char *err,
     return true;
 }
 
-/* Where an input stands when the changes of this time have been made. */
+/* Value of an input after the changes of this time. */
 static double stands_at(const struct plant_class *class, const struct plant *plant, size_t channel,
                         const struct plant_change *change, size_t n)
 {

@@ -1,4 +1,4 @@
-/* How far a run has come, on stderr: one updating line on a terminal, now and then a plain line elsewhere. */
+/* Progress of a run, on stderr: one updating line on a terminal, now and then a plain line elsewhere. */
 #ifndef REFLUX_HOST_SIM_PROGRESS_H
 #define REFLUX_HOST_SIM_PROGRESS_H
 

@@ -59,7 +59,7 @@ static void warn_if_late(double time_s, const char *what, const char *text)
     }
 }
 
-/* What people wrote: all of it is checked before anything is connected. */
+/* Checks everything people wrote before anything is connected. */
 static bool read_input(char *err, size_t err_size)
 {
     const struct sim_options *o = &sim.options;

@@ -119,7 +119,7 @@ static double product(const struct cold_config *c, const struct cold_vessel *v, 
            c->overflow_flow * over * sqrt(over);
 }
 
-/* How fast a liquid boils whose vapour pressure exceeds the pressure by the part z. */
+/* Rate at which a liquid boils whose vapour pressure exceeds the pressure by the part z. */
 static double eagerness(const struct cold_config *c, double z)
 {
     return z > 0.0 ? z * z / (z + c->boiling_onset + z * z / c->boiling_limit) : 0.0;
@@ -149,7 +149,7 @@ static void look_at(const struct cold_config *c, const struct cold_inputs *u, si
     o->vapour[s].h += o->own[s] * c->latent;
 }
 
-/* What leaves a tray downwards, mol/s, over its weir and through its holes. */
+/* Flow that leaves a tray downwards, mol/s, over its weir and through its holes. */
 static double down(const struct cold_config *c, double holdup, double film, double vapour)
 {
     double over = above(holdup - c->weir);

@@ -88,7 +88,7 @@ static void activity(struct carrier *k, struct column_carried *c)
     reals(k, c->alpha, n * n);
 }
 
-/* What level controllers and hydraulics count from. */
+/* Reference of level controllers and hydraulics. */
 static void flows(struct carrier *k, struct column_flows *f)
 {
     real(k, &f->reflux);

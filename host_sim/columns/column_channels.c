@@ -1,4 +1,4 @@
-/* What drives a column, from its file: inputs, disturbances, and constants in their place. */
+/* Reads from a column's file what drives it: inputs, disturbances, and constants in their place. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -75,7 +75,7 @@ static void check_value(struct column_reader *r, const struct column_driven *d, 
     }
 }
 
-/* What a quantity needs of the components whatever its unit. */
+/* Asks for the properties of components that a quantity needs whatever its unit. */
 static void check_needs(struct column_reader *r, const struct column_driven *d, double largest)
 {
     if (d->drive == DRIVE_HEAT) {

@@ -1,4 +1,4 @@
-/* What the inputs, disturbances and constants of a column's file must be together. */
+/* Checks that the inputs, disturbances and constants of a column's file are right together. */
 #include "columns/column_reader.h"
 
 /* Its entry, or NULL. */

@@ -220,7 +220,7 @@ static void read_structure(struct column_reader *r)
     }
 }
 
-/* What the model itself has against it; the reading above should have said it better. */
+/* Asks the model itself; the reading above should have said it better. */
 static void validate(struct column_reader *r)
 {
     struct column_fault fault;

@@ -27,7 +27,7 @@ static bool look(void *context, long double distance, long double *f, char *err,
     return column_precise_at(k->precise, k->of_input, k->number, distance, f, err, err_size);
 }
 
-/* How far it may go. Mole fractions may be negative there: the equations do not mind. */
+/* Largest distance from the point. Mole fractions may be negative there: the equations do not mind. */
 static void set_out(const struct plant_class *class, const struct column *column,
                     const struct linearised *l, const struct along *k, struct derivative_task *task)
 {

@@ -1,4 +1,4 @@
-/* Where a column's state starts, and what its level controllers and hydraulics count from. */
+/* Initial state of a column, and the reference of its level controllers and hydraulics. */
 #include "columns/column_solver_inside.h"
 
 #include <string.h>

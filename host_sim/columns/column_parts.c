@@ -234,7 +234,7 @@ size_t column_component(struct column_reader *r, const json_t *name)
     return 0;
 }
 
-/* What a table of activity coefficients must be, with the entry that is not. */
+/* Checks a table of activity coefficients and names the first wrong entry. */
 static void check_activity(struct column_reader *r, const struct activity *table)
 {
     const struct column_config *c = &r->file->config;

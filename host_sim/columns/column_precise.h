@@ -27,7 +27,7 @@ bool column_precise_set(struct column_precise *p, const double *x, const double 
 bool column_precise_at(struct column_precise *p, bool of_input, size_t along, long double distance,
                        long double *rates_and_values, char *err, size_t err_size);
 
-/* What the slopes of channel k's value above are to be multiplied with: 1, or those of the logarithm. */
+/* Factor for the slopes of channel k's value above: 1, or those of the logarithm. */
 double column_precise_scale(const struct column_precise *p, size_t k);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the files that read a column share: column_json.c (its structure), column_parts.c (components and what they are
+/* Declarations that the files that read a column share: column_json.c (its structure), column_parts.c (components and what they are
  * needed for), column_channels.c (inputs, disturbances, constants), column_drives_check.c (what they must be together),
  * column_views.c (outputs and truths), column_steady_json.c (the nominal state). */
 #ifndef REFLUX_HOST_SIM_COLUMN_READER_H
@@ -35,7 +35,7 @@ struct column_reader {
     size_t n_trims;
 };
 
-/* What an entry of a file may be, by its `is` or its key in `constants`. */
+/* Kinds of entries in a file, by its `is` or its key in `constants`. */
 struct column_quantity {
     const char *name;
     unsigned measures;
@@ -55,7 +55,7 @@ void column_read_components(struct column_reader *r);
 void column_read_activity(struct column_reader *r);
 /* Fails at the present path unless every component has it. what: "the unit l/h". */
 void column_need(struct column_reader *r, unsigned needs, const char *what);
-/* What a unit needs. */
+/* Properties that a unit needs. */
 void column_need_unit(struct column_reader *r, const struct column_unit *unit);
 /* Index of the component whose name is the text at the path. */
 size_t column_component(struct column_reader *r, const json_t *name);

@@ -1,4 +1,4 @@
-/* What the files of the column solver share: column_solver.c (state, inputs, who integrates), column_bdf.c (CVODE),
+/* Declarations that the files of the column solver share: column_solver.c (state, inputs, who integrates), column_bdf.c (CVODE),
  * column_steady.c (KINSOL), column_nominal.c (where it starts), column_boiling.c (what it lacks when it fails). */
 #ifndef REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
 #define REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
@@ -61,7 +61,7 @@ bool column_solver_confine(struct column_solver *s, bool *moved);
 /* Sets the rates of levels that nothing holds to 0 while s->held. */
 void column_solver_hold(const struct column_solver *s, double *rates);
 
-/* Where the state starts. Where holdups move: the steady state of the inputs with perfect levels and nominal holdups, which
+/* Finds the initial state. With holdups that move: the steady state of the inputs with perfect levels and nominal holdups, which
  * also is the reference of level controllers and hydraulics. Otherwise a straight line between pure components. */
 bool column_nominal_start(struct column_solver *s, const struct column_inputs *inputs, char *err,
                           size_t size);
@@ -78,7 +78,7 @@ void column_steady_free(struct column_solver *s);
 /* Rates and outputs at the present state and inputs; again: only inputs have changed since the last time. */
 bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_t size);
 
-/* Whether a stage has no boiling point at the state in s->y, or is about to lose it; then err says which, and what the
+/* True if a stage has no boiling point at the state in s->y, or is about to lose it; then err says which, and what the
  * range is. */
 bool column_boiling_lost(const struct column_solver *s, char *err, size_t size);
 

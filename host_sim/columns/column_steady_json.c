@@ -1,4 +1,4 @@
-/* What the nominal state of a column must meet, from its file, and what follows from that state. */
+/* Reads the conditions of a column's nominal state and the values that follow from it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

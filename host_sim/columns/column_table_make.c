@@ -14,7 +14,7 @@ struct subset {
     size_t n;
 };
 
-/* What a table can hold of a name: other characters are underscores, and what is too long is cut. */
+/* Copies a name as a table can hold it: other characters become underscores, long names are cut. */
 static void table_name(const char *from, char name[COLUMN_TABLE_NAME_SIZE])
 {
     size_t n = 0;

@@ -5,7 +5,7 @@
 #include "columns/table_lines.h"
 #include "model/column.h"
 
-/* What the user says; NULL: nothing. */
+/* Options of the user; NULL: none. */
 struct table_wish {
     const char *components; /* "C3,iC4,nC4": those of the table, all of them if nothing is said */
     const char *closing;    /* the one that takes what is left: the last of them */

@@ -1,4 +1,4 @@
-/* What a column's channels are in the column's own terms (model/column.h): a table that binds every input, and what
+/* Channels of a column in the column's own terms (model/column.h): a table that binds every input, and what
  * stands for an input that is none, to a quantity and a unit, and every other channel to a value of the column.
  * Which quantities there are, with their units: docs/columns.md.
  *
@@ -10,7 +10,7 @@
 #include "columns/column_units.h"
 #include "model/column.h"
 
-/* What drives a column. */
+/* Quantities that drive a column. */
 enum column_drive {
     DRIVE_REFLUX,
     DRIVE_HEAT,
@@ -27,7 +27,7 @@ enum column_drive {
     DRIVE_COUNT
 };
 
-/* What is seen of a column. */
+/* Values that can be seen of a column. */
 enum column_sight {
     SIGHT_TEMPERATURE,
     SIGHT_TEMPERATURE_DIFFERENCE,
@@ -92,7 +92,7 @@ const char *column_terms_inputs(const struct column_terms *terms,
 real_t column_terms_value(const struct column_terms *terms, const struct column *column,
                           const real_t *x, size_t k);
 
-/* What a stage holds, mol, of a column evaluated at the state x. An empty vessel is empty here, though the balances count
+/* Holdup of a stage, mol, of a column evaluated at the state x. An empty vessel is empty here, though the balances count
  * a little as its holdup. */
 real_t column_terms_holdup(const struct column *column, const real_t *x, size_t s);
 
@@ -102,7 +102,7 @@ real_t column_terms_holdup(const struct column *column, const real_t *x, size_t 
  * doubles are added in a longer type. */
 #define COLUMN_FRACTIONS_ROUNDING 1e-12
 
-/* What is left of logarithms of a fraction and of 1 less it, near 0 and 1. */
+/* Smallest argument of logarithms of a fraction and of 1 less it, near 0 and 1. */
 #define COLUMN_LOG_MARGIN 1e-12
 
 #endif

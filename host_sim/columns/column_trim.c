@@ -55,7 +55,7 @@ static double logit(double x)
     return log(x / (1.0 - x));
 }
 
-/* What is left to go, in the scale in which a column is nearest to linear. */
+/* Distance left, in the scale in which a column is nearest to linear. */
 static double miss_of(const struct search *s, size_t i, double value)
 {
     const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
@@ -236,7 +236,7 @@ static double mole_fraction(const struct column_config *config, const struct col
            (fraction / own->molar_mass + (1.0 - fraction) / other->molar_mass);
 }
 
-/* How much richer than the liquid its vapour is: of two components the one that is seen. NAN: no bubble point. */
+/* Vapour fraction less liquid fraction of the component that is seen, of two. NAN: no bubble point. */
 static double enrichment(const struct search *s, const struct column_seen *c, double fraction)
 {
     const struct column_config *config = s->config;
@@ -256,7 +256,7 @@ static double enrichment(const struct search *s, const struct column_seen *c, do
     return y[c->component[0]] - x[c->component[0]];
 }
 
-/* Of two components: a composition between what was reached and what was wanted that no stage gets past. */
+/* Finds, with two components, a composition between what was reached and what was wanted that no stage gets past. */
 static bool azeotrope(const struct search *s, size_t i, double *value)
 {
     const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
@@ -302,7 +302,7 @@ static bool not_met(const struct search *s)
     return false;
 }
 
-/* Where the search starts there is no steady state: why, and the inputs. */
+/* Says why the search has no steady state to start from, and names the inputs. */
 static bool no_start(const struct search *s)
 {
     size_t used = strlen(s->err);

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* What a unit measures. A quantity may allow several of them: masks. */
+/* Measures of units, as masks: a quantity may allow several of them. */
 enum column_measure {
     MEASURE_MOLAR_FLOW = 1 << 0,  /* mol/s */
     MEASURE_MASS_FLOW = 1 << 1,   /* kg/s */

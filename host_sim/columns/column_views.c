@@ -1,11 +1,11 @@
-/* What is seen of a column, from its file: outputs, which are measured, and truths, which are logged only. */
+/* Reads the channels that are seen of a column from its file: outputs, which are measured, and truths, which are logged only. */
 #include <math.h>
 #include <string.h>
 
 #include "bench/text.h"
 #include "columns/column_reader.h"
 
-/* What an entry has besides its unit. */
+/* Keys of an entry besides its unit. */
 enum view_keys {
     KEY_STAGE = 1, /* one stage */
     KEY_STAGES = 2,

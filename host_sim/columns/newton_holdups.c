@@ -18,7 +18,7 @@ struct tray {
     double by_vapour; /* the same by the vapour reaching it */
 };
 
-/* What changes on a stage with the holdups, of the last solution. */
+/* Changes on a stage with the holdups, of the last solution. */
 struct change {
     double relative, liquid_in, vapour_in, vapour_out;
 };
@@ -70,7 +70,7 @@ void newton_holdups_destroy(struct newton_holdups *h)
     free(h);
 }
 
-/* Of part(relative) * flow, where the flow itself moves by flow_slope and runs empty below the softness. */
+/* Slope of part(relative) * flow, where the flow itself moves by flow_slope and runs empty below the softness. */
 static double given_slope(const struct newton_holdups *h, double relative, double flow,
                           double flow_slope)
 {
@@ -130,7 +130,7 @@ static void read_trays(struct newton_holdups *h, const struct column *column, co
     }
 }
 
-/* What the rates of a stage's mole fractions gain by each part of struct change. */
+/* Slopes of the rates of a stage's mole fractions by each part of struct change. */
 static void read_pull(struct newton_holdups *h, const struct column *column, const double *x,
                       size_t s)
 {
@@ -264,7 +264,7 @@ static void flows_change(const struct newton_holdups *h)
     change[top - 1].liquid_in = reflux;
 }
 
-/* What the changes do to the rates of the mole fractions, taken off b. */
+/* Takes the effect of the changes on the rates of the mole fractions off b. */
 static const double *shifted(const struct newton_holdups *h, const double *b)
 {
     size_t m = h->m;

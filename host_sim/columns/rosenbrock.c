@@ -135,7 +135,7 @@ static double attempt(struct rosenbrock *r, double h, const double *y, const dou
     return isfinite(size) ? size : hopeless;
 }
 
-/* What the next step begins with: rates and Jacobian at the result. */
+/* Evaluates rates and Jacobian at the result; the next step begins with them. */
 static bool prepare(struct rosenbrock *r)
 {
     const struct rosenbrock_problem *p = &r->problem;

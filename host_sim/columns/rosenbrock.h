@@ -11,7 +11,7 @@
 
 #define ROSENBROCK_STAGES 4
 
-/* What is integrated. */
+/* The system that is integrated. */
 struct rosenbrock_problem {
     size_t n;
     void *context;

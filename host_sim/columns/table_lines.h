@@ -13,13 +13,13 @@
 
 #define TABLE_BLOCKS 4u /* block1 to block4 */
 
-/* What the lines of one block say. */
+/* The table in the lines of one block. */
 struct table_lines {
     uint16_t version, size, checksum[2];
     float value[COLUMN_TABLE_MOST];
 };
 
-/* What a table says, by the code of the board. */
+/* Contents of a table, read with the code of the board. */
 struct table_says {
     char title[COLUMN_TABLE_NAME_SIZE];
     char component[COLUMN_TABLE_COMPONENTS][COLUMN_TABLE_NAME_SIZE];

@@ -31,7 +31,7 @@ static void print_says(const struct table_lines *lines, const struct table_says 
                  TABLE_BYTES(lines->size), lowest, highest);
 }
 
-/* How far its bubble points are from those of the column it was made from. */
+/* Largest difference of its bubble points from those of the column it was made from. */
 static void print_difference(const struct column *column, const struct table_says *says)
 {
     double most = 0.0;
@@ -50,7 +50,7 @@ static void print_difference(const struct column *column, const struct table_say
     }
 }
 
-/* What is taken off the heat at the present inputs, W. */
+/* Heat loss at the present inputs, W. */
 static double heat_loss_of(const struct plant_class *class, const struct plant *p)
 {
     const struct column_terms *terms = class->column->terms;

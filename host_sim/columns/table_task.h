@@ -5,7 +5,7 @@
 #include "columns/table_lines.h"
 #include "plants/plant.h"
 
-/* What the command line says; NULL: nothing. */
+/* Options of the command line; NULL: none. */
 struct table_task {
     const char *components, *closing, *truncated, *antoine;
     double block;
@@ -18,7 +18,7 @@ bool table_task_make(const struct plant_class *class, const struct plant *p,
 /* Console lines of the table of this plant, a column at a steady state. They have been read as the board does before. */
 bool table_task_print(const struct plant_class *class, const struct plant *p,
                       const struct table_task *task, char *err, size_t err_size);
-/* What the tables in a file of such lines say; false: what is wrong, in err. */
+/* Prints the tables in a file of such lines. False, with the fault in err, if one is wrong. */
 bool table_task_check(const char *file, char *err, size_t err_size);
 
 #endif

@@ -1,4 +1,4 @@
-/* What plant files of every kind have in common: their head, and the names of channels. */
+/* Parts that plant files of every kind have in common: their head, and the names of channels. */
 #ifndef REFLUX_HOST_SIM_PLANT_PARTS_H
 #define REFLUX_HOST_SIM_PLANT_PARTS_H
 

@@ -1,4 +1,4 @@
-/* What is known of a plant, onto stdout: for --list, --steady, --linearise and --step. */
+/* Prints the description of a plant onto stdout: for --list, --steady, --linearise and --step. */
 #ifndef REFLUX_HOST_SIM_PLANT_PRINT_H
 #define REFLUX_HOST_SIM_PLANT_PRINT_H
 

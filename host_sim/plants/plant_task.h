@@ -1,4 +1,4 @@
-/* What reflux-sim does with a plant alone, without a firmware: --list, --steady, --linearise, --step,
+/* Tasks of reflux-sim with a plant alone, without a firmware: --list, --steady, --linearise, --step,
  * --table, --table-check. */
 #ifndef REFLUX_HOST_SIM_PLANT_TASK_H
 #define REFLUX_HOST_SIM_PLANT_TASK_H

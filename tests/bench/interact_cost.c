@@ -1,4 +1,4 @@
-/* What the analysis and design of a 16 x 16 plant costs: how many steps each takes. For instructions a step:
+/* Cost of the analysis and design of a 16 x 16 plant: how many steps each takes. For instructions a step:
  *
  *     valgrind --tool=callgrind --callgrind-out-file=cost.out build/host/tests/unit/interact_cost
  *     callgrind_annotate --inclusive=yes cost.out | grep 'interact_cost.c:one_step'

@@ -1,4 +1,4 @@
-/* What matrices of 16 x 16 cost: one function a run, for a counter of instructions outside.
+/* Cost of matrices of 16 x 16: one function a run, for a counter of instructions outside.
  *
  *     matrix_cost NAME        multiply, equilibrate, factor, inverse, pseudo_inverse (of 16 x 16), wide (of 15 x 16)
  *

@@ -1,4 +1,4 @@
-/* What simulated columns cost, in processor time. Numbers to look at, never pass or fail; one fact a line, for
+/* Cost of simulated columns in processor time. Numbers to look at, never pass or fail; one fact a line, for
  * tools/bench.
  *
  * plant_cost [PLANT]     plant time per wall time with ticks of 30, 10 and 1 s: inputs that stand still, that move by up

@@ -86,7 +86,7 @@ class Batched:
         up[:, nf:n - 2] = (boilup - by_feed)[:, None]
         up[:, n - 2] = boilup - by_feed - by_reflux
         up[:, n - 1] = 0.0
-        # What a stage gains without the liquid from above is a; each mole of that liquid adds b.
+        # a is the rate of a stage without the liquid from above; each mole of that liquid adds b.
         rest = np.zeros(x.shape[:2])
         rest[:, 1:] = up[:, :-1]
         a = -rest[..., None] * x - up[..., None] * (v - x)

@@ -1,4 +1,4 @@
-/* What every fuzz target shares. A target is one function that takes any bytes, judges what the firmware made
+/* Declarations that every fuzz target shares. A target is one function that takes any bytes, judges what the firmware made
  * of them with DEMAND, and leaves nothing behind for the next input. Two programs are made of each: fuzz_NAME
  * (libFuzzer; tools/fuzz) and replay_NAME (replay.c: any compiler; tools/test fuzz).
  */

@@ -68,7 +68,7 @@ static void plant_page(uint8_t index)
     fuzz_frame(&f);
 }
 
-/* What stands on the line towards the firmware, whoever put it there. */
+/* Listens to the line towards the firmware, whoever puts bytes there. */
 static void overhear(const uint8_t *bytes, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -201,7 +201,7 @@ static void run(void)
         if (!any)
             break;
     }
-    /* What the firmware puts on a perfect line is whole. */
+    /* Every frame that the firmware puts on a perfect line is whole. */
     DEMAND(b.from_firmware.count.bad_crc == 0 && b.from_firmware.count.malformed == 0);
     DEMAND(b.from_firmware.count.overlong == 0);
 }

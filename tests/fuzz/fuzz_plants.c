@@ -147,7 +147,7 @@ static char *changed(char *text, size_t *n, size_t which, const char *token)
     return text;
 }
 
-/* What the input stands for. */
+/* Returns the text that the input stands for. */
 static char *text_of(struct feed *f, size_t *n)
 {
     size_t plants = 0;

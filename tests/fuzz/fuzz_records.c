@@ -206,7 +206,7 @@ static size_t put_record(uint8_t *at, struct feed *f)
     return 8u + n;
 }
 
-/* What is stored, and such records behind it, as a newer set. */
+/* Stores the set again as a newer one, with such records behind it. */
 static void put_a_set(struct feed *f)
 {
     static uint8_t set[12000];
@@ -282,7 +282,7 @@ static void step(struct feed *f)
     }
 }
 
-/* What `save` says ok to comes back. */
+/* A set that `save` answered with ok comes back. */
 static void what_is_saved_comes_back(void)
 {
     (void)command("abandon");

@@ -57,7 +57,7 @@ class Analyser(unittest.TestCase):
                 values = self.column(log, "fw.xB[%w]", 60)
                 for k in range(0, len(values) - 4, 5):
                     self.assertEqual(len(set(values[k:k + 5])), 1)
-                # What is read was true three minutes before.
+                # The reading was true three minutes before.
                 true = self.column(log, "xB.true", 0)
                 late = self.column(log, "fw.xB[%w]", 0)
                 for k in range(1 + 5 * 3, len(true), 5):

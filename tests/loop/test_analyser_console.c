@@ -1,4 +1,4 @@
-/* What an operator sees of an analyser: T10 of the board in memory, whose plant has samples of 1 s. */
+/* View that an operator has of an analyser: T10 of the board in memory, whose plant has samples of 1 s. */
 #include "board_bench.h"
 
 void setUp(void)

@@ -312,7 +312,7 @@ static void hear_firmware(void)
     }
 }
 
-/* What the plant took is what the firmware sent in answer to this sample. */
+/* The plant took the command that the firmware sent in answer to this sample. */
 static void check_command(void)
 {
     for (unsigned k = 1; k <= SENT_MAX && k <= line[UP].n_sent; k++) {

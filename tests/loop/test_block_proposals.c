@@ -464,7 +464,7 @@ static void settings_of_blocks_are_proposed_too(void)
     is_set("block1.limit = 0.5 fraction");
 }
 
-/* Of block 2. */
+/* Settings of an element for block 2. */
 static const char *const element[] = {"begin",
                                       "set meas3.name feed",
                                       "set meas3.unit l/h",

@@ -179,7 +179,7 @@ static void engineers_verbs_are_for_engineers(void)
     TEST_ASSERT_EQUAL_UINT(1, watch_state->tunings);
 }
 
-/* What has been asked before it comes into force first. */
+/* Earlier requests come into force first. */
 static void a_verb_meets_the_plan_it_was_asked_in(void)
 {
     ask_ok("begin");

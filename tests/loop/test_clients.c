@@ -1,4 +1,4 @@
-/* What two clients at once may and may not do: the console, and one without text. */
+/* Rights of two clients at once: the console, and one without text. */
 #include "client_bench.h"
 #include "random_source.h"
 #include "storage/storage.h"

@@ -185,7 +185,7 @@ class Drawn(unittest.TestCase):
         self.assertLessEqual(len(lost), loops / 20, lost)
 
     def run_one(self, plant: dict[str, Any], file: Path, out: Path) -> dict[str, float]:
-        """How far each loop is from its setpoint at the ends of the changes, part of the span; none where a remark calls them no loops."""
+        """Distance of each loop from its setpoint at the ends of the changes, part of the span; none where a remark calls them no loops."""
         lines = board_lines.lines(str(file), (), plant)
         slowest = -1 / linear.poles(column_loops.model_of(str(file), ()))[0].real
         part = min(max(6 * slowest, 2 * HOUR), 40 * HOUR)  # between two changes

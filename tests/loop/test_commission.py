@@ -196,7 +196,7 @@ class PaperMachine(unittest.TestCase):
         print(f"commission paper-machine: gains within {errors[worst]:.3f} of the printed ones")
 
     def test_time_constants_are_the_printed_ones(self):
-        """Where one is printed: 0 stands for none, and a zero of ours is one."""
+        """Dead times are compared where one is printed: 0 stands for none, and a zero of ours is one."""
         worst = 0.0
         for j in range(5):
             for k in range(5):

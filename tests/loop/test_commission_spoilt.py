@@ -86,7 +86,7 @@ class Spoilt(unittest.TestCase):
         self.spoilt("one gain ten times", lambda name, said: gains(self.loops(said), 10.0, min(self.loops(said))))
 
     def test_gains_a_fifth_larger_than_is_stable_are_taken_back(self):
-        """What grows slowly is seen by its half cycles, which do not decay."""
+        """A slow growth is seen by its half cycles, which do not decay."""
         self.spoilt("all gains a fifth larger than is stable",
                     lambda name, said: gains(self.loops(said), 1.2 * self.edge(name, said)))
 

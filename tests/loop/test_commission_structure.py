@@ -22,13 +22,13 @@ STRUCTURE = "commission structure"
 
 
 def facts(line: str) -> dict[str, str]:
-    """What follows each word where it comes first."""
+    """The words that follow each word where it comes first."""
     words = line.split()
     return dict(reversed(list(zip(words, words[1:]))))
 
 
 def settings(run: Run) -> dict[str, str]:
-    """Of `dump`."""
+    """Parameters that `dump` prints, with their values."""
     return {words[1]: words[2] for line in run.reply("dump") if len(words := line.split()) > 2 and words[0] == "set"}
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What becomes of estimated compositions (docs/composition-estimation.md, docs/kalman.md) when thermometers and flow meters fail or lie, the table
+"""Estimated compositions (docs/composition-estimation.md, docs/kalman.md) when thermometers and flow meters fail or lie, the table
 is another column's, or the plant is far from it: three thermometers on the splitter, and one. `test_composition_faults.py table` prints the rows of
 docs/faults.md, which a test compares."""
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the firmware estimates of the splitter, tick by tick, against a dense estimator in double precision that was written without
+"""Compares the firmware's estimates of the splitter, tick by tick, with a dense estimator in double precision that was written without
 a look at it (tests/reference/composition_reference.py) and that gets the very readings the firmware had.
 
 A tick has the temperatures and the feed of its own sample, but the applied outputs of the sample before, which are those of the time
@@ -133,7 +133,7 @@ def fresh(case: Case, step_s: float) -> reference.Estimator:
 
 
 def had(case: Case, log: Log) -> list[tuple[dict, list]]:
-    """What the firmware had in every tick: inputs, and temperatures, NaN where there was no good reading."""
+    """The firmware's data in every tick: inputs, and temperatures, NaN where there was no good reading."""
 
     def seen(name: str, factor: str = "1") -> np.ndarray:
         return np.array(log.numbers(f"fw.{name}")) * float(np.float32(factor))

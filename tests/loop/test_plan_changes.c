@@ -1,4 +1,4 @@
-/* What new settings, and channels that come and go with them, leave behind: asked for at the console, over the link. */
+/* Effects of new settings, and of channels that come and go with them: asked for at the console, over the link. */
 #include "board_bench.h"
 
 enum { T1, T10 };

@@ -58,7 +58,7 @@ static void says(void)
     board_forget();
 }
 
-/* Of the answer, the lines that begin so. */
+/* Finds a line of the answer that begins so. */
 static void lists(const char *command, const char *begin)
 {
     ask_ok(command);

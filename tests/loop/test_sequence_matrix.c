@@ -211,7 +211,7 @@ static char end_now(void)
 
 static double hottest; /* the heater, degC */
 
-/* What makes a reading unvalid in the sample it comes with. */
+/* True if the fault makes a reading invalid in the sample it comes with. */
 static bool unvalid(const struct fault *fault)
 {
     return fault->event &&

@@ -1,4 +1,4 @@
-/* What may be set, said by the console: every parameter with its range, unit, default and id; each pushed to and past its
+/* Settings that the console allows: every parameter with its range, unit, default and id; each pushed to and past its
  * ends; and transactions drawn by chance from values at and beside the limits that parameters set each other. Refusals are
  * kept as they are, of what is taken a checksum of the settings that are then in force.
  *

@@ -56,7 +56,7 @@ static double reflux(void)
     return (double)board.command.output[0].value;
 }
 
-/* What a step of the feed by a tenth of its span adds to the reflux. */
+/* Reflux that a step of the feed by a tenth of its span adds. */
 static double added(void)
 {
     double before = reflux();

@@ -1,4 +1,4 @@
-/* What an operator is told, and kept from, when plant and configuration do not go together. */
+/* Warnings and refusals when plant and configuration do not go together. */
 #include "board_bench.h"
 
 void setUp(void)

@@ -138,7 +138,7 @@ static void dumped(char *text, size_t size)
 
 /* ---- in a twin ---- */
 
-/* What `twin` does in a copy of everything; whether it came to its end. */
+/* Runs `twin` in a copy of everything; true if it came to its end. */
 static void in_a_twin(void (*twin)(void *), void *result, size_t size)
 {
     int ends[2];

@@ -1,8 +1,8 @@
-/* What the walk types: configurations to begin from, each on top of the worked family's, and words and lines drawn by chance. */
+/* Words that the walk types: configurations to begin from, each on top of the worked family's, and words and lines drawn by chance. */
 #ifndef REFLUX_TESTS_WALK_WORDS_H
 #define REFLUX_TESTS_WALK_WORDS_H
 
-/* Whose blocks they are; the first is the worked family as it is. */
+/* Owners of the blocks; the first is the worked family as it is. */
 static const char *const walk_starts[][48] = {
     {"set tick.miss_limit 5"}, /* the worked family */
     {"set block1.kind mean", "set block1.inputs xD,xB", "set block1.points xD_ahead,xB_ahead",

@@ -197,7 +197,7 @@ def trimmed(f, column):
 
 
 def alone(column):
-    """Whether the nominal state is reached from a column full of the lightest and of the heaviest component as well."""
+    """True if the nominal state is reached from a column full of the lightest and of the heaviest component as well."""
     nominal = column.start[:column.n * (column.parts - 1)]
     for most in (0, column.parts - 1):
         full = np.full((column.n, column.parts), 0.1 / (column.parts - 1))

@@ -49,7 +49,7 @@ def not_negative(a):
 
 
 class State:
-    """What one evaluation knows; arrays over the stages have them last."""
+    """Results of one evaluation; arrays over the stages have them last."""
 
 
 class Column:
@@ -116,7 +116,7 @@ class Column:
         return value / self.per_mole(unit, x, t)
 
     def per_mole(self, unit, x, t):
-        """What a mol/s of a stream is in a unit."""
+        """Value of a mol/s of a stream in a unit."""
         if unit in MOLAR:
             return 1 / MOLAR[unit]
         if unit in MASS:

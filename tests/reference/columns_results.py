@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What columns_reference makes of every column file there is, kept for tests/unit/test_columns.py.
+"""Results of columns_reference for every column file, kept for tests/unit/test_columns.py.
 
     tests/reference/columns_results.py [NAME ...]
 
@@ -59,7 +59,7 @@ def moved(column):
 
 
 def step(column, name):
-    """Where an input goes: upwards where there is room."""
+    """Next value of an input: above where there is room."""
     c = next(c for c in column.inputs if c["name"] == name)
     change = size(column.file["name"]) / 100 * (c["hi"] - c["lo"])
     at = column.nominal[name]

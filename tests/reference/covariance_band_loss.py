@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What a Kalman filter loses whose covariance is kept in a band (firmware/kinds/composition/covariance_band.h), beside the whole one.
+"""Loss of a Kalman filter whose covariance is kept in a band (firmware/kinds/composition/covariance_band.h), beside the whole one.
 
     tests/reference/covariance_band_loss.py [--forms]
 
 Both filters run for hours on the linear model of a column, with as much noise as they were told. Of each the covariance that its
 errors really have is carried along, under the gains that it computes from its own; so nothing is drawn at random. Printed are, for each
 fraction of the products, standard deviations with the banded gain over those with the best one: the largest ratio on the way
-and the last; and what the banded form believes over what is. --forms: other ways to keep a band, and what becomes of them.
+and the last; and what the banded form believes over what is. --forms: other ways to keep a band, and their results.
 
 All in double precision and with full matrices: this is about what is left out, not about rounding. reflux-sim is needed for the tables.
 """
@@ -131,7 +131,7 @@ class Model:
 
 
 def complete(model, s, width):
-    """What lies beyond the band follows from what lies in it."""
+    """Completes the band: entries beyond it follow from those in it."""
     m, s = model.m, s * (model.apart <= width)
     for t in range(width + 1, model.stages):
         known, column, rows = slice((t - width) * m, t * m), slice(t * m, (t + 1) * m), slice(0, (t - width) * m)

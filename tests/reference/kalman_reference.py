@@ -105,7 +105,7 @@ def take_all(p, slopes, variances):
 
 @dataclass
 class Gains:
-    """What a job leaves behind for the steps to come."""
+    """Results of a job, for the steps to come."""
 
     gain: np.ndarray
     expected: np.ndarray
@@ -308,7 +308,7 @@ class Filter:
 
 
 def error_matrix(of, gain):
-    """What becomes of the estimates' error in a step at the profile, with a gain that stands: stable where all eigenvalues are
+    """Transition of the estimates' error in a step at the profile, with a constant gain: stable where all eigenvalues are
     inside the unit circle."""
     n, q, at = of.n, of.q, of.frozen
     phi = transition(at.jacobian, of.h)

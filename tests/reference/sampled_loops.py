@@ -42,7 +42,7 @@ def fopdt_parts(gain, dead, constant, h):
 
 
 def plant_parts(q, h):
-    """Of linear_reference.Plant, gains in spans."""
+    """Transfer functions of linear_reference.Plant, gains in spans."""
     m, p = len(q.j["inputs"]), len(q.outputs)
     span = lambda c: c["hi"] - c["lo"]
     scale = np.array([[span(u) / span(y) for u in q.inputs[:m]] for y in q.outputs])

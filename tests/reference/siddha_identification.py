@@ -76,7 +76,7 @@ class Rls:
 
 def batch(model: Model, record: Record, first: int, last: int, forget: float = 1.0, p0: float = 1e4, lags_s: float = 0.0,
           past: int = 400) -> np.ndarray:
-    """What Rls from theta = 0 would have after samples first to last - 1, by the normal equations: theta [seeds, parameters]."""
+    """Result of Rls from theta = 0 after samples first to last - 1, by the normal equations: theta [seeds, parameters]."""
     low = max(0, first - past)
     y = lagged(signal(record, model.output)[:, low:last], lags_s)
     columns = [-y[:, first - low - i : last - low - i] for i in range(1, model.na + 1)]
@@ -91,7 +91,7 @@ def batch(model: Model, record: Record, first: int, last: int, forget: float = 1
 
 
 def response(model: Model, theta: np.ndarray, back: np.ndarray = BACK) -> list[np.ndarray]:
-    """Of each input [seeds, frequencies]."""
+    """Response to each input [seeds, frequencies]."""
     a = 1 + theta[:, : model.na] @ back[None, :] ** np.arange(1, model.na + 1)[:, None]
     found, at = [], model.na
     for _, nb, delay in model.inputs:

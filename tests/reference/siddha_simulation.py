@@ -248,7 +248,7 @@ class Loop:
 
 @dataclass
 class Record:
-    """What was recorded: r, d [samples]; y, u [seeds, samples]."""
+    """Recorded signals: r, d [samples]; y, u [seeds, samples]."""
 
     r: np.ndarray
     d: np.ndarray
@@ -293,7 +293,7 @@ SCAN = np.linspace(0.5, 6.0, 111)  # rad/s, where the largest error is looked fo
 
 
 def controller_error(tuning, regime: Regime, omega: np.ndarray = ERRORS_AT) -> tuple[np.ndarray, np.ndarray]:
-    """Of the continuous form (1.3) against -Gd/Gp of the continuous plants, tuned less ideal: dB and degrees at each omega."""
+    """Error of the continuous form (1.3) against -Gd/Gp of the continuous plants, tuned less ideal: dB and degrees at each omega."""
     t, s = np.asarray(tuning, dtype=float), 1j * omega
     lead, lag, gain = (t[..., i, None] for i in range(3))
     dead = t[..., 3, None] if t.shape[-1] > 3 else 0.0

@@ -76,7 +76,7 @@ class Ahead:
         self.said = None
 
     def best(self, e, m, u, asked):
-        """Of the inputs at a limit each one in turn; the other does what is left."""
+        """Holds each input in turn at a limit; the other does what is left."""
         held = np.clip(asked, self.lo, self.hi)
         if np.array_equal(held, asked):
             return asked

@@ -109,7 +109,7 @@ def wide(field, index, kind, value, row=0):
 
 
 KIND, LOOPS, INPUTS, POINTS, OWN = 1, 2, 3, 4, 64
-# Of a kind that only the test has (tests/support/made_up_kinds.h), with a parameter and a row more than it knows.
+# Rows of a kind that only the test has (tests/support/made_up_kinds.h), with a parameter and a row more than it knows.
 BLOCK = [
     wide(KIND, 1, TEXT, "gmv"), wide(LOOPS, 1, TEXT, "bottom"), wide(INPUTS, 1, TEXT, ""), wide(POINTS, 1, TEXT, ""),
     wide(OWN + 1, 1, FLOAT, 0.5),
@@ -117,14 +117,14 @@ BLOCK = [
     wide(OWN + 2, 1, ROW, [0.125, 0.0, 4.0], row=2), wide(OWN + 2, 1, ROW, [7.0, 8.0, 9.0], row=3),
     wide(OWN + 3, 1, U16, 3), wide(OWN + 4, 1, WORD, 0), wide(OWN + 60, 1, FLOAT, 60.0),
 ]
-# Of a kind that nobody has.
+# Rows of a kind that nobody has.
 UNKNOWN_BLOCK = [
     wide(KIND, 3, TEXT, "mystery"), wide(LOOPS, 3, TEXT, "bottom"), wide(INPUTS, 3, TEXT, "T1"), wide(POINTS, 3, TEXT, ""),
     wide(OWN + 1, 3, FLOAT, 0.75), wide(OWN + 9, 3, ROW, [1.5, 2.5], row=7),
 ]
 
 IMAGES = {
-    # What any firmware of format 1 understands.
+    # Rows that any firmware of format 1 understands.
     "plain": mark(1) + stored_set(1, plant()),
     # Three saves, the last is the newest.
     "three": mark(4) + stored_set(7, plant(gain=1.0)) + stored_set(8, plant(gain=2.0)) + stored_set(9, plant(gain=3.0)),

@@ -189,7 +189,7 @@ static inline void begin(void)
     follow();
 }
 
-/* What the outputs of loops that act come to, within the limits; what took effect is told. */
+/* Applies the outputs of loops that act, within the limits, and tells the block what took effect. */
 static inline void apply(void)
 {
     const struct block_signal *signal[LOOPS] = {&setup.input[IN_REFLUX], &setup.input[IN_HEAT]};

@@ -100,7 +100,7 @@ static inline void accepted(void)
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, err, fault.wanted);
 }
 
-/* What the plant has on its stages. */
+/* Mole fractions on the plant's stages. */
 static inline float truth(unsigned stage)
 {
     return (float)plant.c.column.temperature[stage - 1];

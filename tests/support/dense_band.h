@@ -161,7 +161,7 @@ static inline void dense_forget(struct dense_band *d)
     dense_join(d, s, by);
 }
 
-/* Of the sweep down, and of the one up. */
+/* Makes the matrices of the sweep down and of the one up. */
 static inline void dense_sweeps(const struct column_transition *t, dense_square down,
                                 dense_square up)
 {

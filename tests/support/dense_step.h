@@ -184,7 +184,7 @@ static inline double own_slope(const double *at, size_t s, size_t j)
     return (above - own_bubble_point(moved, s)) / (2 * DIFFERENCE);
 }
 
-/* What draws stage s comes on top of its row. */
+/* Adds the draw of stage s to its row. */
 static inline void add_pull(double a[N_MOST][N_MOST + 1], const double *at, double h,
                             const struct column_pull *p)
 {

@@ -13,7 +13,7 @@
 static struct wish {
     struct block_excitation ask[BLOCK_EXCITES_MAX];
     bool gives_up;
-    /* What it was told in its last step. */
+    /* State of its last step. */
     uint8_t state, reason;
     const char *holder;
     unsigned steps;

@@ -90,7 +90,7 @@ static inline void configure_case(const struct experiment_case *c)
     ask_ok("apply");
 }
 
-/* Where the plant's own nominal values are, at rest. */
+/* Starts at rest at the plant's own nominal values. */
 static inline void rest_case(const struct experiment_case *c, unsigned steps)
 {
     char line[60];

@@ -21,7 +21,7 @@
 #define CUT_HALVES (FLASH_MODEL_SIZE / 2u)
 #define CUT_NEVER  UINT_MAX
 
-/* How unstable words are read. */
+/* Ways in which unstable words are read. */
 enum cut_view {
     CUT_AT_RANDOM,
     CUT_BY_START, /* at random, but all through one start the same: reading twice does not help */

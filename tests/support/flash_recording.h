@@ -1,4 +1,4 @@
-/* What a save or a start does to the flash, recorded, and replayed up to a cut; then a start, which must find the settings from
+/* Records the writes of a save or a start to the flash and replays them up to a cut; then a start, which must find the settings from
  * before or those of the save, whole. */
 #ifndef REFLUX_TESTS_FLASH_RECORDING_H
 #define REFLUX_TESTS_FLASH_RECORDING_H

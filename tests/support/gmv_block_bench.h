@@ -88,7 +88,7 @@ static inline void gmv_block_signals(struct gmv_block_bench *b, unsigned i, doub
     b->setpoint[i] = num_from_float((float)w);
 }
 
-/* What the main loop does in its time between two steps. */
+/* Does the main loop's work between two steps. */
 static inline void gmv_block_work(struct gmv_block_bench *b)
 {
     if (b->io.work_wanted && b->io.ask_work && --b->io.ask_work == 0) {

@@ -125,7 +125,7 @@ static inline size_t plant_channel_of(const char *name)
     return 0;
 }
 
-/* What really is, noise or faults or not. */
+/* True value, noise and faults aside. */
 static inline double truly(const char *name)
 {
     return kind->value(plant, plant_channel_of(name));

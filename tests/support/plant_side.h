@@ -19,7 +19,7 @@ void plant_side_connect(void);
 void plant_side_step(void);
 /* Channel i of the plant; false past the last. */
 bool plant_side_channel(unsigned i, struct plant_side_channel *channel);
-/* What really is, and what was last commanded. */
+/* True values, and the last command. */
 double truly_is(const char *name);
 double is_commanded(const char *name);
 

@@ -62,7 +62,7 @@ class Guard:
 
 
 def answer(qmp, kind: str, command: object) -> object:
-    """What the emulator answers, events left out."""
+    """Answer of the emulator, events left out."""
     if command is not None:
         qmp.write(json.dumps(command) + "\n")
         qmp.flush()

@@ -18,7 +18,7 @@
         .initial = (row_initial)                                                                   \
     }
 
-/* What goes wrong with a block of a test: in the calls from the next one on. */
+/* Faults of a block of a test: in the calls from the next one on. */
 enum stage_fault { STAGE_WELL, STAGE_GIVES_UP, STAGE_NO_NUMBER };
 enum stage_call { CALL_STEP, CALL_BACK, CALL_FOLLOW };
 static struct {
@@ -26,7 +26,7 @@ static struct {
     enum stage_call call;
 } stage_fails;
 
-/* What cross and ahead ask for in their steps, while it is something. */
+/* Requests of cross and ahead in their steps, while there are any. */
 static struct block_excitation stage_excites;
 
 /* Only float has what is no number; there is no such test in fixed point. */
@@ -261,7 +261,7 @@ static void twice_step(void *state, struct block_io *io)
         io->out[0] = num_mul(*(num_t *)state, io->in[0]);
 }
 
-/* Of values as of differences. */
+/* Works back values and differences in the same way. */
 static void twice_back_calculate(void *state, struct block_io *io)
 {
     if (io->acting)

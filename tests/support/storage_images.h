@@ -15,7 +15,7 @@ static inline void load_image(const char *name)
     fclose(file);
 }
 
-/* What the images describe. */
+/* Sets the plant that the images describe. */
 static inline void plant_of_images(struct config *c)
 {
     bench_small(c, "1.5");

@@ -106,7 +106,7 @@ static inline void bench_forget_events(void)
     bench.n_seen = 0;
 }
 
-/* How often this happened; subject NULL: to anybody. */
+/* Counts this event; subject NULL: of any subject. */
 static inline unsigned happened(enum event_code code, const char *subject)
 {
     unsigned n = 0;

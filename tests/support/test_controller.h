@@ -42,7 +42,7 @@ struct test_controller {
 void test_controller_init(struct test_controller *c, uint32_t session, uint64_t now_ms);
 void test_controller_link(struct test_controller *c, const uint8_t *bytes, unsigned n);
 void test_controller_console(struct test_controller *c, const char *bytes, unsigned n);
-/* What is due at now_ms: greetings, keep-alive, silence. */
+/* Does what is due at now_ms: greetings, keep-alive, silence. */
 void test_controller_turn(struct test_controller *c, uint64_t now_ms);
 
 #endif

@@ -35,11 +35,11 @@ struct told {
 static struct told *watch_state, *pair_state;
 static bool pair_is_spent, pair_gives_up; /* in its next step */
 enum { WATCH_HIGH, WATCH_CROSSED };
-/* What the next step of a watch, or of a pair, proposes; times it found no room. */
+/* Proposal of the next step of a watch or of a pair, and how often it found no room. */
 static struct block_proposal watch_proposes, pair_proposes;
 static unsigned no_room;
 static bool watch_withdraws, pair_withdraws; /* in the next step */
-/* What the next step of a watch, or of a pair, switches off. */
+/* Element that the next step of a watch or of a pair switches off. */
 static struct block_switch_off watch_switches_off, pair_switches_off;
 static void (*watch_described)(void); /* where an inner value is read; NULL: nobody looks */
 

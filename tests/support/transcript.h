@@ -1,4 +1,4 @@
-/* What the console says, beside a kept file of it: words to the letter, numbers within a thousandth and 0.00001, since what
+/* Compares what the console says with a kept file: words to the letter, numbers within a thousandth and 0.00001, since what
  * a start-up finds is no rounder than its plant. A test writes the file anew with `--write FILE`. */
 #ifndef REFLUX_TESTS_TRANSCRIPT_H
 #define REFLUX_TESTS_TRANSCRIPT_H
@@ -83,7 +83,7 @@ static inline const char *transcript_part(const char *title)
     return at ? at + strlen(head) : NULL;
 }
 
-/* What was added since `from` is what stands under that title, and nothing else does. */
+/* The text since `from` equals what stands under that title, and nothing else does. */
 static inline void transcript_compare(const char *title, size_t from)
 {
     const char *kept = transcript_part(title), *now = transcript_now + from;

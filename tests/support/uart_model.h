@@ -21,7 +21,7 @@ struct uart_model {
     /* The board */
     unsigned turn_ms;             /* time of a turn of the main loop */
     unsigned slow_every, slow_ms; /* every n-th turn takes this long instead; 0 = none */
-    /* What has happened */
+    /* Events so far */
     unsigned turns, xoffs, xons, dropped, ms, longest_stop_ms;
     size_t sent;
     char heard[UART_HEARD_MAX]; /* without XON and XOFF */

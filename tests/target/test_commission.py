@@ -68,13 +68,13 @@ def events(lines: list[str], words: str) -> list[str]:
 
 
 def place(x: str) -> int:
-    """Of a float among all floats in order: neighbours are 1 apart. What the console prints reads back as the same float."""
+    """Index of a float among all floats in order: neighbours are 1 apart. What the console prints reads back as the same float."""
     bits = struct.unpack("<i", struct.pack("<f", float(x)))[0]
     return bits if bits >= 0 else -(bits & 0x7FFFFFFF)
 
 
 def numbers(lines: list[str]) -> dict[tuple[str, str, str], list[str]]:
-    """Of each element gain, T, L and their deviations; and what the moments and the plateaus say."""
+    """Gain, T, L and their deviations of each element, and the results of moments and plateaus."""
     return {(m[1], m[2], m[3]): re.findall(r"(?<= )-?\d[\d.e+-]*(?= |$)", m[4])
             for line in reply(lines, "commission model") if (m := re.match(r"(element|moments) (\S+) (\S+) (.*)", line))}
 

@@ -23,7 +23,7 @@ TEXT = b"firmware, board, limits"  # of the help: a bit of it does nobody any ha
 
 class DamagedImageTest(unittest.TestCase):
     def answers(self, image: Path, *commands: str) -> list[str]:
-        """What the console says on an emulated board with that image."""
+        """Answers of the console on an emulated board with that image."""
         with tempfile.TemporaryDirectory(prefix="reflux-") as name:
             command = launch.emulator_command(image, Path(name) / "console", Path(name) / "link")
             emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What is left of a fault: the debugger's port of the emulator sends the processor into nowhere, and after the
+"""Record of a fault: the debugger's port of the emulator sends the processor into nowhere, and after the
 restart the console tells where that was.
 
     test_fault_record.py [IMAGE]      IMAGE: build/stm32f405/reflux-stm32f405.bin by default

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What must hold for the linked image: the rules of tools/image, and one file for emulator and flash.
+"""Rules for the linked image: the rules of tools/image, and one file for emulator and flash.
 
 By default on the images that the default tier of tools/test builds, with the argument `all` on every image.
 """

@@ -17,7 +17,7 @@ TIMEOUT_MS = 400  # of the image's watchdog
 
 
 def output(image: Path) -> str:
-    """What the image says until it is done; its clock counts instructions, whatever else the machine does."""
+    """Output of the image until it is done; its clock counts instructions, whatever else the machine does."""
     emulator = subprocess.Popen(
         ["qemu-system-arm", "-M", "mps2-an386", "-kernel", str(image), "-display", "none", "-monitor", "none",
          "-serial", "stdio", "-icount", "shift=6,sleep=off"],

@@ -31,7 +31,7 @@ class Command:
     console: bool = False
 
     def place(self) -> str:
-        """Where a person finds it."""
+        """Page, line and text of the command, for a person."""
         return f"{self.page}:{self.number}: {self.line}"
 
     @property
@@ -120,7 +120,7 @@ def blocks(lines: list[str]) -> list[tuple[int, list[str]]]:
 
 
 def rows() -> tuple[list[Exempt], list[Slow]]:
-    """What commands.toml says about single commands."""
+    """Rows of commands.toml about single commands."""
     with ROWS.open("rb") as f:
         document = tomllib.load(f)
     return [Exempt(**row) for row in document["command"]], [Slow(**row) for row in document.get("slow", [])]

@@ -69,7 +69,7 @@ class Bootstrap(FakeSystem):
         return self.tool("bootstrap", "host")
 
     def calls(self) -> list[str]:
-        """What apt-get was asked for, in order."""
+        """Requests to apt-get, in order."""
         return ["update" if line.endswith(" update") else "install" for line in self.lines("calls")]
 
     def lines(self, name: str) -> list[str]:
@@ -144,7 +144,7 @@ class Bootstrap(FakeSystem):
         self.assertEqual((answer.returncode, self.calls()), (0, ["update", "install"]), answer.stderr)
 
     def drained(self, terminal: int) -> str:
-        """What was written to the other side of a terminal that is closed there; closes this side, too."""
+        """Text written to the other side of a terminal that is closed there; closes this side, too."""
         said = b""
         with contextlib.suppress(OSError), open(terminal, "rb", buffering=0) as file:
             while part := file.read(4096):

@@ -129,7 +129,7 @@ def channel(**more: object) -> dict:
 
 
 class Loops(unittest.TestCase):
-    """What `--board` makes of step responses; how the lines do on a board is in tests/loop/test_column_board.py."""
+    """Lines that `--board` makes from step responses; how they do on a board is in tests/loop/test_column_board.py."""
 
     def test_a_first_order_lag_is_found_as_it_is(self) -> None:
         gain, dead, lag = column_loops.first_orders(first_orders(), np.ones((2, 2)))

@@ -79,7 +79,7 @@ class Commands(FolderTest):
         return FOLDER.sub(lambda match: f"{self.folder}/{MOVED[match[1]]}", line)
 
     def as_printed(self, text: str) -> list[str]:
-        """What a command said, with the reader's folder of results in place of the test's."""
+        """Output of a command, with the reader's folder of results in place of the test's."""
         out = self.folder.resolve() / "out"
         return text.replace(f"{out}/", "out/").replace(f"{os.path.relpath(out, ROOT)}/", "out/").strip().splitlines()
 
@@ -212,7 +212,7 @@ def suite(names: list[str]) -> unittest.TestSuite:
 
 
 def load_tests(loader: unittest.TestLoader, tests: unittest.TestSuite, pattern: str | None) -> unittest.TestSuite:
-    """What `python3 -m unittest` runs."""
+    """Tests that `python3 -m unittest` runs."""
     return suite(list(PAGES))
 
 

@@ -133,7 +133,7 @@ class Lines(unittest.TestCase):
 
 
 class Next(unittest.TestCase):
-    """What a start-up that has determined nothing says is to be done."""
+    """Advice of a start-up that has determined nothing."""
 
     def lines(self, said: list[str], known: list[tuple[str, str]] = [], **parameters: str) -> list[str]:
         have = {f"loop1.{name}": value for name, value in parameters.items()}

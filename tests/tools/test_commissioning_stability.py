@@ -1,4 +1,4 @@
-"""What a campaign of start-ups says of the stability of the loops that were accepted."""
+"""Stability of the accepted loops, in a campaign of start-ups."""
 
 import unittest
 
@@ -6,7 +6,7 @@ import support  # noqa: F401 - finds the tools
 
 from research import commissioning_stability as stability
 
-# Of a start-up of wood-berry: xD by R and xB by S, in spans.
+# Settings from a start-up of wood-berry: xD by R and xB by S, in spans.
 SETTINGS = {"loop1.name": "xD", "loop1.pv": "xD", "loop1.out": "R", "loop1.gain": "2.3", "loop1.ti": "1000",
             "loop2.name": "xB", "loop2.pv": "xB", "loop2.out": "S", "loop2.gain": "0.9", "loop2.ti": "870",
             "loop2.action": "direct"}

@@ -25,7 +25,7 @@ def normal(seed: int, n: int = N) -> np.ndarray:
 
 
 def correlated(rho: float, seed: int, n: int = N) -> np.ndarray:
-    """Of variance 1, each with that part of the one before."""
+    """Draws values of variance 1, each with that part of the one before."""
     w, x = normal(seed, n + 100), 0.0
     out = []
     for value in w:
@@ -35,7 +35,7 @@ def correlated(rho: float, seed: int, n: int = N) -> np.ndarray:
 
 
 def numbers(u: np.ndarray, name: str = "T30", own: float = NOISE, above: bool = True, moves: bool = True, tick: np.ndarray | None = None):
-    """Of normalised innovations; own: K, noise of the readings."""
+    """Makes the series of normalised innovations; own: K, noise of the readings."""
     sensor = Sensor(int(name[1:]), name, int(name[1:]), moves, above, 1.0)
     at = np.arange(len(u)) if tick is None else tick
     found = innovations.statistics(
@@ -57,7 +57,7 @@ class Numbers(unittest.TestCase):
         self.assertLessEqual(outside, 14)  # 4 in the mean; more than that in one case of 10^4
 
     def test_correlated_ones_are_worth_as_many_independent_ones_as_theory_says(self) -> None:
-        """Of squares n (1 - rho^2)/(1 + rho^2) where each has rho of the one before."""
+        """Effective number of squares n (1 - rho^2)/(1 + rho^2) where each has rho of the one before."""
         for rho in (0.5, 0.8):
             found = np.mean([numbers(correlated(rho, seed)).independent for seed in range(20)])
             theory = N * (1 - rho**2) / (1 + rho**2)

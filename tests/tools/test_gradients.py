@@ -78,7 +78,7 @@ class Shares(unittest.TestCase):
 
 class Activity(unittest.TestCase):
     def test_the_simulators_temperatures_are_bubble_points_of_the_same_liquid(self) -> None:
-        """Of methanol and water (NRTL), and with Wilson's equation in its place."""
+        """Columns of methanol and water (NRTL), and with Wilson's equation in its place."""
         from reflux import column_slopes
 
         plant = json.loads((PLANTS / "methanol-water.json").read_text(encoding="utf-8"))
@@ -110,7 +110,7 @@ class Activity(unittest.TestCase):
 
 
 class Source(unittest.TestCase):
-    """What Frau says of her diagrams (sections 3.4 and 5.1 of the thesis)."""
+    """Statements of Frau about her diagrams (sections 3.4 and 5.1 of the thesis)."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -389,7 +389,7 @@ class Lines(unittest.TestCase):
             self.assertIn(line, out)
 
     def run_on_a_board(self, column: str, *arguments: str) -> dict[str, str]:
-        """What the board has after the lines for this column: `block2.inputs` and `block2.points`."""
+        """Settings of the board after the lines for this column: `block2.inputs` and `block2.points`."""
         build.build("host", ("reflux-sim", "reflux-host"), quiet=True)
         status, out, err = call("gradients", column, "--no-steps", *arguments, "--out", os.devnull)
         self.assertEqual(status, 0, err)

@@ -85,7 +85,7 @@ READERS: list[tuple[str, str, Callable[[Path], Any]]] = [
 
 
 def outcome(read: Callable[[Path], Any], path: Path) -> Any:
-    """What was read, or the refusal of what the text says."""
+    """The text that was read, or the words of the refusal."""
     try:
         return read(path)
     except UserError as error:

@@ -29,7 +29,7 @@ static const double gains[2][2] = {{0.8, 0.2}, {0.15, 1.0}};
 #define LAG_S  60.0
 #define DEAD_S 10
 
-/* Of a step, and of the tests before: longest step, samples of rest, samples until a response is over. */
+/* Sizes of a step and of the tests before it: longest step, samples of rest, samples until a response is over. */
 #define HORIZON_S 350
 #define WINDOW    96
 #define BACK      250

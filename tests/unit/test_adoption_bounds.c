@@ -69,7 +69,7 @@ static void begin(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
 }
 
-/* Where the measurement is, so many samples after the setpoint has gone away, or back. */
+/* Value of the measurement so many samples after the setpoint has gone away, or back. */
 static double measured(bool away, unsigned since)
 {
     double step = away ? STEP : -STEP, y = away ? REST + STEP : REST;

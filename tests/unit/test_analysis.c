@@ -318,7 +318,7 @@ static void independent_parts_are_told_apart_and_have_settings_of_their_own(void
     }
 }
 
-/* What is not seen between two columns, but is there in the estimates, parts them no less. */
+/* A coupling that is not seen between two columns, but is there in the estimates, parts them no less. */
 static void effects_within_the_noise_join_no_parts(void)
 {
     take_columns(2);
@@ -332,7 +332,7 @@ static void effects_within_the_noise_join_no_parts(void)
     TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
 }
 
-/* What a large plant asks of the background. */
+/* Work that a large plant asks of the background. */
 static void a_plant_of_16_by_16_comes_to_an_end(void)
 {
     struct random_source r = {SEED};

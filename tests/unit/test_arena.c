@@ -15,7 +15,7 @@ static const uint8_t most[PLACED_KINDS] = {CHANNEL_MAX, CHANNEL_MAX, CONFIG_LOOP
 static const size_t size[PLACED_KINDS] = {sizeof *s.measurement, sizeof *s.mv, sizeof *s.loop,
                                           sizeof *s.interlock, sizeof *s.alarm};
 #define BLOCK_BYTES_MOST 600
-/* What each kind of state, and each block, should hold. */
+/* Contents that each kind of state, and each block, should have. */
 static uint8_t model[PLACED_KINDS][16 * 1024], block_model[PLAN_BLOCKS][BLOCK_BYTES_MOST];
 
 void setUp(void)

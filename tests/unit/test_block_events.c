@@ -1,4 +1,4 @@
-/* What blocks say: an event for each occurrence, and alarms on it. The kinds are of this test alone. */
+/* Events of blocks: an event for each occurrence, and alarms on it. The kinds are of this test alone. */
 #include "plan/plan_build.h"
 #include "settings/block_pool.h"
 #include "told_bench.h"

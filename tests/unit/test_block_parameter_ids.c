@@ -1,4 +1,4 @@
-/* What a stored set says of a block: the ids of its parameters, their types and shapes, lowest and highest value, default, and the
+/* Compares what a stored set says of a block with a kept list: the ids of its parameters, their types and shapes, lowest and highest value, default, and the
  * numbers behind their words. A set that was saved years ago holds these numbers, so that none of them ever means something else.
  *
  * Kept in reference/block_parameter_ids.txt; how it is made anew: support/kept_transcript.h. What may change there are lines and

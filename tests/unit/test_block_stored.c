@@ -1,4 +1,4 @@
-/* What becomes of the settings of blocks in storage. */
+/* Settings of blocks in storage. */
 #include "block_settings_bench.h"
 #include "settings/block_pool.h"
 
@@ -31,7 +31,7 @@ static unsigned times_in_flash(const void *bytes, size_t n)
     return times;
 }
 
-/* Of the images: what newer firmware knows of a block, and all of a block whose kind nobody knows. */
+/* Rows of the images: what newer firmware knows of a block, and all of a block whose kind nobody knows. */
 static const uint8_t newer_row[] = {0,    0,    STORAGE_ROW, 16, 0xC0, 0,    66, 16, 0,    0,
                                     0xE0, 0x40, 0,           0,  0,    0x41, 0,  0,  0x10, 0x41};
 static const uint8_t newer_value[] = {0, 0, STORAGE_FLOAT, 8, 0, 0, 124, 16, 0, 0, 0x70, 0x42};

@@ -123,7 +123,7 @@ static double sum3(const struct cold_stream *s, int j)
     return j < 2 ? s->n[j] : s->h;
 }
 
-/* What the surroundings bring in of component 0, of component 1, of energy. */
+/* Flows from the surroundings: component 0, component 1, energy. */
 static double brought(const struct cold_outputs *o, int j)
 {
     double in = sum3(&o->feed, j) - sum3(&o->distillate, j) - sum3(&o->bottoms, j) -

@@ -493,7 +493,7 @@ static void compare_jacobian(double efficiency)
             }
         }
     }
-    /* What is left out: the vapour's memory of stages further down than the band, (1 - E)^3 of it. */
+    /* Part that is left out: the vapour's memory of stages further down than the band, (1 - E)^3 of it. */
     double allowed = efficiency < 1 ? pow(1 - efficiency, COLUMN_JACOBIAN_MEMORY) * scale : 1e-9;
     TEST_ASSERT_TRUE(outside <= allowed);
 }

@@ -11,7 +11,7 @@
 #define STAGES_MAX     37
 #define COMPONENTS_MAX 6
 
-/* What a plant's channels do not tell, from plants/pilot.json and plants/splitter.json. */
+/* Numbers that a plant's channels do not tell, from plants/pilot.json and plants/splitter.json. */
 struct subject {
     const char *name;
     size_t stages, components;

@@ -733,7 +733,7 @@ class Units(Files):
                   names)
 
     def test_fractions_that_change_together_count_together_whatever_their_order(self):
-        """Of light and middle one becomes more and the other less; in one order they are more than all for a moment."""
+        """One of light and middle becomes more and the other less; in one order they are more than all for a moment."""
         three = (put("components", 2, {"name": "middle", "relative_volatility": 1.5}), put("steady_state", []),
                  put("disturbances", 1, {"name": "zl", "is": "feed_fraction", "of": "light", "lo": 0, "hi": 1, "nominal": 0.1}),
                  put("disturbances", 2, {"name": "zm", "is": "feed_fraction", "of": "middle", "lo": 0, "hi": 1, "nominal": 0.8}))

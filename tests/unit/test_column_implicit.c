@@ -193,7 +193,7 @@ static void on_a_truncated_stage_fractions_move_along_the_bubble_point_that_is_g
 
 /* ---- what must hold of a step ---- */
 
-/* What the whole column gathers is what came in less the products at the end of the step. */
+/* The whole column gathers the feed less the products at the end of the step. */
 static void the_total_of_every_component_closes(void)
 {
     for (size_t c = 2; c <= MOST; c++) {

@@ -1,4 +1,4 @@
-/* What carries deviations of a column over a step (model/column_transition.h), against one full matrix (dense_step.h) and against the
+/* Transition of a column's deviations over a step (model/column_transition.h), against one full matrix (dense_step.h) and against the
  * step of column_implicit.h. Built twice.
  *
  * Contract: Phi v within 5e-6 (double, which is what the bubble points of that build leave of slopes), 2e-3 (float, likewise) of its

@@ -253,7 +253,7 @@ static void where_there_is_no_bubble_point_it_is_an_error_and_the_next_is_good_a
     temperature_is((double)kept, 4);
 }
 
-/* What an earlier answer left is only where a search starts. */
+/* An earlier answer is only the start of a search. */
 static void it_is_the_same_again_from_what_it_left(void)
 {
     real_t first[N_MOST];

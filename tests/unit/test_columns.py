@@ -38,7 +38,7 @@ def sim(*arguments):
 
 
 def channel(spec, value, fraction, steady):
-    """How far a channel of this value may be off."""
+    """Largest allowed error of a channel with this value."""
     kind = spec["is"]
     if kind in ("fraction", "vapour_fraction"):
         return fraction / SCALE[spec["unit"]]

@@ -1,4 +1,4 @@
-/* What the blocks of control, compensate and feedforward make of chance: settings of all sorts, setpoints and measurements on
+/* Numbers of the blocks of control, compensate and feedforward under random inputs: settings of all sorts, setpoints and measurements on
  * a coarse grid, outputs that are taken, cut, held, forced, followed and shifted, settings that change. Every 16th state of
  * each is kept, and a checksum of all before it; what is right about the numbers say the other tests.
  *
@@ -52,7 +52,7 @@ __attribute__((format(printf, 2, 3))) static void says(bool whole, const char *f
         kept_line("%08x %s", (unsigned)sum, text);
 }
 
-/* What the block says of itself, all of it. */
+/* Everything that the block describes of itself. */
 static void describes(const struct block_kind *ops, const void *state, bool whole)
 {
     char text[300] = "";

@@ -81,7 +81,7 @@ static void all_of_it_leaves_nothing(void)
                           decoupler_by_directions(&gains, (real_t)1e4, &work, &other, &limited));
         TEST_ASSERT_EQUAL_UINT8(0, limited);
         for (unsigned j = 0; j < gains.rows; j++) {
-            /* Of the column: its rounding is that of its largest element, over the one it was divided by. */
+            /* Rounding of a column: that of its largest element, over the one it was divided by. */
             double most = 1;
             for (unsigned i = 0; i < gains.rows; i++)
                 most = fmax(most, fabs((double)shape.d.at[i][j]));

@@ -113,7 +113,7 @@ class DetunedLoops(unittest.TestCase):
 
 
 class ManyLoops(unittest.TestCase):
-    """What the limit of 6 dB asks of sixteen loops that act on each other a little, tests/loop/data/sixteen.json, and what
+    """Demands of the limit of 6 dB on sixteen loops that act on each other a little, tests/loop/data/sixteen.json, and what
     Luyben's 2 dB a loop would: the largest singular value of the sensitivity (hold: half an interval)."""
 
     @staticmethod

@@ -23,7 +23,7 @@ static double distance(const struct high_order_point *p, double complex z)
     return cabs((double)p->is.re + I * (double)p->is.im - z);
 }
 
-/* What can be identified with the loop closed. */
+/* Ratios that can be identified with the loop closed. */
 struct seen {
     double complex gp, gd, c, cr, f, s;
     struct loop_response loop;

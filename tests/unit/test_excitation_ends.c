@@ -1,4 +1,4 @@
-/* What ends a test signal that a block has asked for. Each in the same tick, for all that is excited. */
+/* Reasons that end a test signal of a block. Each in the same tick, for all that is excited. */
 #include "exciting_bench.h"
 
 void setUp(void) {}
@@ -309,7 +309,7 @@ static void a_sequence_ends_it_and_none_begins_while_one_runs(void)
 }
 #endif
 
-/* Of block, loop, MV, measurement, tick. */
+/* Changes of block, loop, MV, measurement and tick. */
 static void a_plan_that_changes_what_it_is_about_ends_it(void)
 {
     static const char *const changes[][2] = {

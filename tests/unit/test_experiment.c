@@ -259,7 +259,7 @@ static void the_guard_cuts_a_step_before_the_limit_and_says_why(void)
 
 static void the_guard_looks_away_while_it_is_told_to(void)
 {
-    /* What begins so steeply would go past its limit within the dead time it is said to have. */
+    /* A response that begins so steeply would pass its limit within the stated dead time. */
     for (int blank = 0; blank < 2; blank++) {
         bench_begin(SEED);
         bench.element[0] = (struct test_element){3.6, 20.0, 0.0};
@@ -308,7 +308,7 @@ static void what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_ha
         bench_begin(SEED);
         bench.other = wrong_way;
         config.amplitude = REAL_C(0.05);
-        /* Of the limit, what the first step takes the wrong way; the reversal takes twice that, on top of the rest. */
+        /* Part of the limit that the first step takes the wrong way; the reversal takes twice that, on top of the rest. */
         double dip = 0.0;
         bench.edges = 1;
         bench.edge[0] = 0;
@@ -348,7 +348,7 @@ static void one_sample_past_a_limit_is_a_spike_two_are_not(void)
 
 static void the_way_down_after_a_staircase_ends_before_a_limit(void)
 {
-    /* What it drifts to by itself takes room away below. */
+    /* Its own drift takes room away below. */
     bench.element[0] = (struct test_element){3.0, 60.0, 0.0};
     config.amplitude = REAL_C(0.05);
     config.half = 200;
@@ -519,7 +519,7 @@ static void what_is_not_linear_shows_in_the_asymmetry_and_not_in_the_level(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0, (double)v.level);
         TEST_ASSERT_TRUE(v.left < REAL_C(0.01));
         TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.2, (double)v.spread);
-        /* What a drift as fast as that could make of it is no asymmetry: 0.2 of 0.05 in a half. */
+        /* An asymmetry that such a fast drift could explain does not count: 0.2 of 0.05 in a half. */
         real_t half_s = REAL_C(300.0) * config.h_s;
         TEST_ASSERT_TRUE(judged_with_drift(0, REAL_C(0.005) / half_s).asymmetry > REAL_C(0.0));
         TEST_ASSERT_EQUAL_FLOAT(0.0f,

@@ -134,7 +134,7 @@ static void take(const struct bent_record *t, struct random_source *source)
     }
 }
 
-/* What is known before the step: level and slope, so well. */
+/* Knowledge before the step: level and slope, with their errors. */
 static struct fopdt_fit_options known(const struct bent_record *t, double offset_sd,
                                       double slope_sd)
 {

@@ -1,4 +1,4 @@
-/* What a fit says of many small records, five digits each: families of records in which one number grows from case to case
+/* Results of a fit of many small records, five digits each: families of records in which one number grows from case to case
  * through the place where the answer or a flag changes. A threshold, a weight or a step of the search that is another one
  * moves a line.
  *

@@ -65,7 +65,7 @@ static void nothing_goes_out_between_xoff_and_xon_and_neither_is_input(void)
     TEST_ASSERT_EQUAL('a', byte);
 }
 
-/* What goes out by the piece waits for the same as what goes out by the byte. */
+/* Output by the piece waits for the same as output by the byte. */
 static void a_piece_goes_out_neither_while_the_other_side_holds_us_nor_ahead_of_xon_or_xoff(void)
 {
     const uint8_t *bytes;

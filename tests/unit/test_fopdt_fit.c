@@ -334,7 +334,7 @@ static void a_record_that_ends_on_the_move_is_flagged(void)
     TEST_ASSERT_EQUAL_HEX16(0, run(NULL).element.flags);
 }
 
-/* What the guard asks: one step, under way. With the drift free nobody can tell; with the drift known it is told. */
+/* The guard's question: one step, under way. With the drift free nobody can tell; with the drift known it is told. */
 static void one_step_with_a_known_drift_is_enough(void)
 {
     struct random_source source = {SEED};

@@ -1,4 +1,4 @@
-/* How much the standard deviations of high_order.h may be relied on in the closed loop of Siddha (2003): each of his four methods
+/* Reliability of the standard deviations of high_order.h in the closed loop of Siddha (2003): each of his four methods
  * with his settings, nine cases, noise of 0.05 in what is fed back, 20 seeds; the ratio Gd/Gp at 12 frequencies, 0.5 to 6 rad/s. Once with
  * the signals as they are, as the source has them, and once through two lags of six samples, all of them.
  *
@@ -41,7 +41,7 @@ void tearDown(void) {}
 static double lag[3][2];
 static bool through_lags;
 
-/* Of signal k. */
+/* Scales a value of signal k. */
 static num_t scaled(unsigned k, double x)
 {
     if (through_lags) {

@@ -34,7 +34,7 @@ static bool in_time = true;
 static enum hal_reset causes[3];
 static uint32_t kept[3];
 
-/* How long this life was kept from its tick at most, by the machine. */
+/* Longest time for which the machine kept this life from its tick. */
 static void note_turn(void)
 {
     uint64_t now = hal_clock_ms();

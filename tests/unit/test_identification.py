@@ -87,7 +87,7 @@ class Bias(unittest.TestCase):
             self.assertTrue(least <= off <= most, f"{method}: {off:.1f} standard errors")
 
     def test_the_bias_is_that_of_the_normal_equations(self):
-        """What least squares tend to: the moments of the record without noise, noise added to the diagonal of A."""
+        """Limit of least squares: the moments of the record without noise, noise added to the diagonal of A."""
         u = identification.prbs(2, 4088, 1.0, bits=9)[0]
         y = arx_bias.outputs(u)[:, 1]
         k = np.arange(2, len(y))

@@ -187,7 +187,7 @@ static void says_rest(const char *what, const struct steady_result *r)
         (double)r->variance_ratio, (double)r->age_s);
 }
 
-/* What the experiment itself has to say. */
+/* Prints the lines of the experiment itself. */
 static void says_experiment(void)
 {
     const struct experiment *x = &experiment;

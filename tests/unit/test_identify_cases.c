@@ -1,4 +1,4 @@
-/* What moments, the test for rest, the line guard and the settling time say of many small records, five digits each: in a
+/* Results of moments, the test for rest, the line guard and the settling time for many small records, five digits each: in a
  * family one number grows from case to case through the place where the answer, a flag or a verdict changes. A threshold, a
  * weight or a fall-back that is another one moves a line.
  *

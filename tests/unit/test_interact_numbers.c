@@ -191,7 +191,7 @@ static void says_cascades(void)
     }
 }
 
-/* How far the relative gains of the pairs are from 1, the smallest error that makes the gains singular, and the dynamic
+/* Prints the distances of the relative gains of the pairs from 1, the smallest error that makes the gains singular, and the dynamic
  * measures. */
 static void says_measures(void)
 {

@@ -409,7 +409,7 @@ static void elements_of_up_to_1e15_are_taken(void)
     }
 }
 
-/* Of the largest sizes, and not square: what is beyond the last row or column is not the matrix's. */
+/* Uses the largest sizes, not square: what is beyond the last row or column is not the matrix's. */
 static void the_largest_matrices_stay_in_their_bounds(void)
 {
     static const uint8_t sizes[][2] = {{MATRIX_MAX, 3}, {3, MATRIX_MAX}, {MATRIX_MAX, MATRIX_MAX}};

@@ -62,7 +62,7 @@ static void a_float_becomes_the_nearest_number(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.0, -128.0, D(N(-128.0)));
 }
 
-/* Of every exponent and both signs: fractions at the ends, at ties, and between. */
+/* Draws every exponent and both signs: fractions at the ends, at ties, and between. */
 static void a_float_of_any_size_becomes_the_nearest_number_ties_away_from_zero(void)
 {
     for (uint32_t high = 0; high < 512; high++)

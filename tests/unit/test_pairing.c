@@ -187,7 +187,7 @@ static void the_paper_machine_is_singular_and_its_outputs_1_3_and_4_are_ambiguou
     printf("\n");
 }
 
-/* What an experiment would bring: gains wrong by 0.1 %, so not singular to rounding. */
+/* Gains as an experiment would find them: wrong by 0.1 %, so not singular to rounding. */
 static void the_paper_machine_with_errors_is_not_determined_either(void)
 {
     for (unsigned seed = 1; seed <= 20; seed++) {
@@ -233,7 +233,7 @@ static void loops_that_run_away_without_the_others_are_no_pairing(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, -0.2, (double)pairing.negative_index);
 }
 
-/* Of loops 1 and 2 of the four alone, the index is 1 - 1.5 x 0.6 = 0.1, and that with a deviation of its own. */
+/* The index of loops 1 and 2 of the four alone is 1 - 1.5 x 0.6 = 0.1, and that with a deviation of its own. */
 static void a_subset_of_unsure_sign_leaves_the_pairing_open(void)
 {
     static const double k[4][4] = {
@@ -254,7 +254,7 @@ static void a_subset_of_unsure_sign_leaves_the_pairing_open(void)
     }
 }
 
-/* Of [[1, b], [1, 1]] the determinant is 1 - b; with a single uncertain gain, b, its deviation is b's. */
+/* The determinant of [[1, b], [1, 1]] is 1 - b; with a single uncertain gain, b, its deviation is b's. */
 static void a_determinant_of_unsure_sign_leaves_the_pairing_open(void)
 {
     for (double sds = 1.9; sds < 2.2; sds += 0.2) {

@@ -1,4 +1,4 @@
-/* What makes a configuration be refused, and what it is told then. */
+/* Reasons for refusing a configuration, and the words of each refusal. */
 #include "exchange/arena_sizes.h"
 #include "plan/plan_build.h"
 #include "supervise/arena.h"
@@ -31,7 +31,7 @@ static void refused(enum err code, const char *group, unsigned index, const char
     TEST_ASSERT_EQUAL_STRING(field, fault.field);
     TEST_ASSERT_EQUAL_STRING(subject, fault.subject);
     TEST_ASSERT_TRUE(fault.wanted && fault.wanted[0]);
-    /* What is named is a parameter, so that the reader can set it. */
+    /* A refusal names a parameter, so that the reader can set it. */
     snprintf(name, sizeof name, index ? "%s%u.%s" : "%s%.0u.%s", group, index, field);
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_find(name, &p), name);
 }

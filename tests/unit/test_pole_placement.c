@@ -146,7 +146,7 @@ static void after_the_settling_time_two_per_cent_are_left_at_most(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * most, most, (double)result.input_peak);
 }
 
-/* Of a measurement that alternates, in u. */
+/* Gain from a measurement that alternates to u. */
 static double noise_gain(void)
 {
     return fabs((double)polynomial_value(&result.q, (real_t)-1) /
@@ -191,7 +191,7 @@ static void plants_of_every_degree_are_placed(void)
             continue;
         assert_equations();
         made++;
-        /* What is wrong of M O, and of coefficients by their own rounding, over M O at rest, where a step ends. */
+        /* Error of M O, and of coefficients by their own rounding, over M O at rest, where a step ends. */
         double wrong = (double)result.residual +
                        4 * EPS * (double)(polynomial_size(&result.q) + polynomial_size(&result.p));
         double loose = 1e-3 + 16 * wrong / (double)polynomial_value(&result.poles, (real_t)1);

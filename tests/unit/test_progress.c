@@ -113,7 +113,7 @@ static void dead_time_and_three_time_constants_are_long_enough(void)
     TURNS(false);
 }
 
-/* What makes output 0 unknown: the time of output 1 half as long again. */
+/* Makes output 0 unknown: the time of output 1 half as long again. */
 static void unknown(bool is)
 {
     e.half = is ? 74 : 49;
@@ -229,7 +229,7 @@ static void no_output_is_taken_past_07_of_its_room(void)
     e.half = 30;
     e.config.limit[1] = REAL_C(0.05);
     GROWS(0.02 * 0.7 * 0.05 / most);
-    /* What it has done so far, the reversal included, counts for all outputs. */
+    /* The test so far, the reversal included, counts for all outputs. */
     e.config.limit[1] = REAL_C(0.2);
     e.config.limit[0] = REAL_C(0.05);
     y[0] = REAL_C(0.5175);

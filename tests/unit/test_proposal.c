@@ -514,7 +514,7 @@ static void the_step_of_a_trial_stays_inside_limit_and_room(void)
             }
 }
 
-/* Of two outputs and one input, or of two inputs of which the second moves both outputs as much. */
+/* Prepares two outputs and one input, or two inputs of which the second moves both outputs as much. */
 static void prepare(void)
 {
     writes();

@@ -260,7 +260,7 @@ static void of_a_fit(void)
     }
 }
 
-/* What the first alpha is fast enough for needs no second. */
+/* A plant that the first alpha is fast enough for needs no second. */
 static void of_the_slowest_time_that_moments_are_for(void)
 {
     real_t slowest = REAL_C(1.0) / (real_t)MOMENTS_FASTEST;

@@ -32,7 +32,7 @@ static double fraction(void)
     return (double)(random_next(&from) >> 40) / 8388608.0 - 1.0;
 }
 
-/* Of either sign; sometimes 0, sometimes of extreme size. */
+/* Draws a number of either sign, sometimes 0, sometimes of extreme size. */
 static real_t coefficient(double decades)
 {
     unsigned kind = random_below(&from, 8);

@@ -75,7 +75,7 @@ static double process_step(struct process *p, double u)
     return y;
 }
 
-/* Of the sampled process, at a frequency. */
+/* Response of the sampled process at a frequency. */
 static double complex process_response(const struct process *p, double w)
 {
     double complex z = cexp(I * w * p->h), g = 0.0;

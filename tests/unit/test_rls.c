@@ -118,7 +118,7 @@ static void dense_grow(const double *phi)
             dense.p[i][j] += c * phi[i] * phi[j];
 }
 
-/* Of the squared error, in units of its own, what v loses by it where the trace is 1. */
+/* Part of the squared error, in units of its own, that v loses where the trace is 1. */
 static double dense_sizes(const double *phi, double error)
 {
     double share = (1 - (double)settings.forget) / (double)settings.forget;

@@ -1,4 +1,4 @@
-/* What people write for a run: events and scripts. Wrong input is refused with a line that helps. */
+/* Input that people write for a run: events and scripts. Wrong input is refused with a line that helps. */
 #include <string.h>
 
 #include "bench/events.h"

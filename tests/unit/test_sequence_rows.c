@@ -1,4 +1,4 @@
-/* What the rows of a sequence may say: each that makes no sense is refused by the name of its parameter. */
+/* Checks of the rows of a sequence: each that makes no sense is refused by the name of its parameter. */
 #include "exchange/sequence_rows.h"
 #include "plan/plan_build.h"
 #include "sequence_bench.h"

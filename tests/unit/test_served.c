@@ -371,7 +371,7 @@ static void giving_up(void (*how)(void), const char *reason)
     TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
 }
 
-/* What the readings move in that tick is met by the gains of the loops. */
+/* The gains of the loops answer what the readings move in that tick. */
 static void in_the_tick_in_which_it_gives_up_the_own_controllers_act(void)
 {
     both_auto();
@@ -447,7 +447,7 @@ static void what_is_no_number_reaches_nobody(void)
         TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
         both_adds = 0.0f;
     }
-    /* What it would do for a loop in manual is no reason. */
+    /* Its output for a loop in manual is no reason. */
     both_auto();
     mode(TOP, LOOP_MANUAL);
     both_adds = NAN;

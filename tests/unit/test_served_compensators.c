@@ -8,7 +8,7 @@
 
 enum { THIRD = 2 };
 
-/* What a loop itself moves its output in a tick, by integration: it goes on while members come and go. */
+/* Move of a loop's own output in a tick, by integration: it goes on while members come and go. */
 #define OWN_MOVE 1.5e-4
 
 static struct cross *cross_at(unsigned n)
@@ -300,7 +300,7 @@ static void what_took_effect_is_in_the_compensators_state(void)
     TEST_ASSERT_TRUE(D(cross_at(0)->x[0]) < before + 0.1 * 0.02);
 }
 
-/* What member k of the first compensator is told of its controller's output: behind the state, in the arena. */
+/* Controller output that member k of the first compensator gets: behind the state, in the arena. */
 static num_t passed_told(unsigned k)
 {
     const struct block_state *b = &bench.s.block[SLOT_RECORDS];

@@ -13,7 +13,7 @@ const struct block_kind *const block_kinds[] = {
 };
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
 
-/* What a loop itself moves its output in a tick, by integration. */
+/* Move of a loop's own output in a tick, by integration. */
 #define OWN_MOVE 1.5e-4
 
 static struct polynomial_settings polynomial = {

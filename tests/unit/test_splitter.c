@@ -52,7 +52,7 @@ void tearDown(void)
     bench_close();
 }
 
-/* How far off both impurities are, in logarithms: they are nearly linear in the inputs. */
+/* Errors of both impurities in logarithms: they are nearly linear in the inputs. */
 static void off(double q, double r, double out[2])
 {
     set("Q", q);
@@ -161,7 +161,7 @@ static void print_gradients(const char *title, const double *dt, double part[STA
                part[s][C3], part[s][IC4], part[s][NC4], part[s][IC5], part[s][NC5]);
 }
 
-/* What holds at both steady states (digest 4.2). */
+/* Signs of the parts at both steady states (digest 4.2). */
 static void parts_have_the_published_signs(const double *dt, double part[STAGES][COMPONENTS])
 {
     for (int s = 1; s < STAGES; s++) {
@@ -272,7 +272,7 @@ static double settling_time(int stage, double factor)
     return t98;
 }
 
-/* What Frau reads off roughly, and what the holdups were chosen by. */
+/* Times that Frau reads off roughly; the holdups were chosen by them. */
 static void settling_times_are_of_the_published_size(void)
 {
     double t = settling_time(31, 1.001);

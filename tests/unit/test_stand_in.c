@@ -17,7 +17,7 @@ struct coast {
     uint16_t which;
 };
 
-/* What each was told in its last step, and what it is to say. */
+/* Inputs of each in its last step, and the answers it is to give. */
 static struct {
     uint8_t quality;
     float age_s;

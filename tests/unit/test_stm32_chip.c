@@ -1,4 +1,4 @@
-/* What the ports of both chips do before the firmware runs and when something fails, as register writes on a model: nothing
+/* Actions of the ports of both chips before the firmware runs and when something fails, as register writes on a model: nothing
  * here has run on a chip. Built once for each; above each test stand the sections of the manuals it is from, RM0090 and PM0214
  * for the STM32F405, RM0041 for the STM32F100.
  */
@@ -82,7 +82,7 @@ static void note_writes(void)
     }
 }
 
-/* What the chip does of its own is no write of the firmware's. */
+/* Changes by the chip itself are no writes of the firmware's. */
 static void becomes(uint32_t address, uint32_t word)
 {
     unsigned i = find(address);

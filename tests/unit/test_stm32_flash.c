@@ -19,7 +19,7 @@
 #define ERASE_X8_MS                                                                                \
     4000u /* longest erase of 128 KiB, one byte at a time (DS8626); by words, as here, 2000 */
 
-/* What the registers said when the watchdog had got another time-out, and when the flash erased. */
+/* Registers at the time when the watchdog got another time-out, and when the flash erased. */
 static struct seen {
     uint32_t key, prescaler, reload, flash;
 } changes[8], erasing;

@@ -225,7 +225,7 @@ static void test_start_that_finds_nothing_whole_erases_nothing(void)
     flash_model[100] ^= 1u;
     bench_boot();
     TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
-    /* Who saves over it wants to. */
+    /* A user who saves over it wants to. */
     load_image("mark");
     flash_model[100] ^= 1u;
     bench_boot();
@@ -416,7 +416,7 @@ static void test_flash_that_takes_no_write_is_told(void)
     TEST_ASSERT_EQUAL_STRING("ok", storage_word(&fw.storage));
 }
 
-/* What is not taken at one place may be taken at the next, four times at most. */
+/* A set that one place does not take may be taken by the next, four times at most. */
 static void test_set_begins_behind_what_is_not_taken(void)
 {
     for (unsigned n = 1; n <= 4; n++) {

@@ -101,7 +101,7 @@ static void cut_where_the_pool_is_full(void)
 
 /* ---- what is carried over ---- */
 
-/* Of the images: a value and a row that this firmware knows nothing of. */
+/* Contents of the images: a value and a row that this firmware knows nothing of. */
 static const uint8_t newer_row[] = {0,    0,    STORAGE_ROW, 16, 0xC0, 0,    66, 16, 0,    0,
                                     0xE0, 0x40, 0,           0,  0,    0x41, 0,  0,  0x10, 0x41};
 static const uint8_t mystery_row[] = {0, 0, STORAGE_ROW, 12,   0xC2, 1, 73,   16,

@@ -54,7 +54,7 @@ static void put_grain(uint8_t *at, const char *magic, uint32_t a, uint32_t b)
     put32(at + 12, crc32_update(0, at, 12));
 }
 
-/* What earlier firmware left behind: one set, with `padding` bytes of unknown records and no settings of ours. */
+/* Leaves what earlier firmware would have: one set, with `padding` bytes of unknown records and no settings of ours. */
 static void old_flash(uint32_t padding, uint32_t sequence)
 {
     uint8_t *at = flash_model;
@@ -246,7 +246,7 @@ static void try_cuts(const char *what, unsigned step, uint64_t seed)
 }
 
 #define STEP(n) (all ? 1u : (n))
-/* What has nothing to do with what is in a set. */
+/* Runs tests that do not depend on the contents of a set. */
 #ifdef WITH_BLOCKS
 #define RUN_REST(test)                                                                             \
     if (all)                                                                                       \

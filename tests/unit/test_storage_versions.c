@@ -2,7 +2,7 @@
  * newer ones stay. */
 #include "storage_images.h"
 
-/* What tests/reference/storage_images.py means by "renamed"; the firmware's own table is not linked. */
+/* Meaning of "renamed" in tests/reference/storage_images.py; the firmware's own table is not linked. */
 const struct storage_rename storage_renames[] = {
     {15u << 12 | 60u << 6, 4u << 12 | 4u << 6},
     {(uint16_t)(15u << 12 | 61u << 6), 4u << 12 | 6u << 6},

@@ -14,7 +14,7 @@ void setUp(void)
 }
 void tearDown(void) {}
 
-/* What both loops themselves move an output in a tick, by integration: they go on while the members change. */
+/* Move of both loops' own outputs in a tick, by integration: they go on while the members change. */
 #define OWN_MOVE 1.2e-4
 
 static void both_in_automatic(void)

@@ -232,7 +232,7 @@ static void new_numbers_do_not_release_an_active_one(void)
     TEST_ASSERT_EQUAL(0, happened(EVENT_INTERLOCK_OFF, NULL));
 }
 
-/* What the bench has at 136 would keep an active one active, on either side, and does not make one act. */
+/* The bench's value of 136 would keep an active one active, on either side, and does not make one act. */
 static void one_that_watches_or_moves_something_else_begins_anew(void)
 {
     static const char *const changes[][2] = {

@@ -29,7 +29,7 @@ static void run(unsigned n, double (*record)[2])
     }
 }
 
-/* What the next n ticks bring; everything is then as before. */
+/* Records the next n ticks; everything is then as before. */
 static void foresee(unsigned n)
 {
     kept = bench;
@@ -211,7 +211,7 @@ static void moving(unsigned n)
     reading(FEED, 5 + wave[2] * sin(t / wave[1]));
 }
 
-/* What the loops are to each other while they are retuned. */
+/* Structures of the loops while they are retuned. */
 enum situation { APART, DECOUPLED, FED_FORWARD, IN_CASCADE, JAMMED, SITUATIONS };
 
 static void prepare(enum situation situation, unsigned divisor)

@@ -80,7 +80,7 @@ static void each_half_cycle_is_held_against_the_one_before(void)
     TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.3, -0.3}, 4, 15));
     TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.4}, 3, 40));
     TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.4}, 3, 41)); /* a tail */
-    /* What is below a twentieth of the largest does not matter. */
+    /* Swings below a twentieth of the largest do not matter. */
     TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.04, 0.04, -0.04}, 4, 20));
     TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.06, 0.06, -0.06}, 4, 20));
 }

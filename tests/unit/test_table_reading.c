@@ -184,7 +184,7 @@ static void the_table_says_what_was_asked_for(void)
     TEST_ASSERT_EQUAL_STRING("nC4", says.component[2]);
 }
 
-/* What is left out goes to the closing component: the splitter's feed has 0.281 C3, 0.236 iC4. */
+/* Components that are left out go to the closing one: the splitter's feed has 0.281 C3, 0.236 iC4. */
 static void what_is_left_out_goes_to_the_closing_component(void)
 {
     float *c = whole.value + COLUMN_TABLE_FIXED + COLUMN_TABLE_C_FEED;

@@ -84,7 +84,7 @@ static void numbers_are_written_as_the_c_library_writes_them(void)
         float x = from_bits((uint32_t)random_next(&r));
         if (isfinite(x))
             writes_as_the_c_library(x);
-        /* Of everyday size, and such as end in a five: where rounding has to choose. */
+        /* Draws numbers of everyday size, and such as end in a five: where rounding has to choose. */
         writes_as_the_c_library((float)(int32_t)random_next(&r) / 1024.0f);
         writes_as_the_c_library((float)(random_next(&r) % 1000000u) / 64.0f);
     }

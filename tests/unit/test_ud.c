@@ -209,7 +209,7 @@ static void an_addition_of_rank_one_is_the_dense_one(void)
     check_covariance(n, 30, RELATIVE);
 }
 
-/* Of num/ud.h alone: what estimators in float have. Columns and vectors go in pairs, so every place is a case of its own. */
+/* Tests num/ud.h alone, as estimators in float use it. Columns and vectors go in pairs, so every place is a case of its own. */
 static void additions_to_one_or_two_variances_are_the_dense_ones(void)
 {
     static real_t plain[SIZE * (SIZE + 1) / 2], v[2 * SIZE];

@@ -1,4 +1,4 @@
-"""What the estimator `composition` costs, and a dense Kalman filter of the same model: the part of tools/bench about them.
+"""Cost of the estimator `composition` and of a dense Kalman filter of the same model: the part of tools/bench about them.
 
 tests/bench/estimation has the columns: in two images for the emulated STM32F405, of 40 stages at most as the product and of 100,
 and in a program for the host that callgrind counts.

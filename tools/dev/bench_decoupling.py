@@ -1,4 +1,4 @@
-"""What decoupling costs on the board: the part of tools/bench about it.
+"""Cost of decoupling on the board: the part of tools/bench about it.
 
 tests/bench/estimation/decoupling.c is an image for the emulated STM32F405, counted as bench_estimation tells. Of a tick the second word
 is ten times the loops and the coefficients, of a design the loops.

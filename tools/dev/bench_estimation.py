@@ -1,4 +1,4 @@
-"""What estimators and the self-tuner cost on the board: the part of tools/bench about them.
+"""Cost of estimators and the self-tuner on the board: the part of tools/bench about them.
 
 tests/bench/estimation is an image for the emulated STM32F405, built with the product's flags. It counts each step with a
 timer that counts one for each instruction, and writes a line for each figure: what, n, mean, most, bytes.

@@ -1,4 +1,4 @@
-"""What adaptive feedforward costs on the board: the part of tools/bench about it.
+"""Cost of adaptive feedforward on the board: the part of tools/bench about it.
 
 tests/bench/estimation/feedforward.c is an image for the emulated STM32F405, counted as bench_estimation tells. The second word is the
 parameters of the larger model.

@@ -1,4 +1,4 @@
-"""What the Kalman filters of `composition` cost, and other ways to carry their covariance: the part of tools/bench about them.
+"""Cost of the Kalman filters of `composition`, and of other ways to carry their covariance: the part of tools/bench about them.
 
 tests/bench/estimation has them: filters-cost, whole filters as the kind runs them, and covariances-cost, the covariance alone and
 Thornton's, for the emulated STM32F405; and the program for the host that bench_composition counts with.
@@ -188,7 +188,7 @@ def phase_rows(filters: dict[tuple[str, int], Filter]) -> list[list[str]]:
 
 
 def beside_rows(filters: dict[tuple[str, int], Filter], columns: Lines) -> list[list[str]]:
-    """Of a dense form the line of its covariance is the second behind its own."""
+    """The covariance of a dense form is on the second line behind its own."""
     dense = {
         what: (mean, columns[k + 2][2]) for k, (what, _, mean, _, _) in enumerate(columns) if what.startswith("dense-")
     }

@@ -1,4 +1,4 @@
-"""What the plant link costs of a tick, instruction by instruction: the part of tools/bench about reception and answer.
+"""Cost of the plant link per tick, instruction by instruction: the part of tools/bench about reception and answer.
 
 The emulator runs one instruction at a time and writes down the address of each (only those of the link's files, of the
 checksum and of copying). Counted is what the tick's context runs from the interrupt that starts it to its end, where it

@@ -1,4 +1,4 @@
-"""What the simulated columns cost: the part of tools/bench about host_sim, from tests/bench/plant_cost.c."""
+"""Cost of the simulated columns: the part of tools/bench about host_sim, from tests/bench/plant_cost.c."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a tick costs without the plant link, beside another version of the firmware: the part of tools/bench about control.
+"""Cost of a tick without the plant link, beside another version of the firmware: the part of tools/bench about control.
 
 Both versions are built from the same tests/bench/tick_cost.c, the other one in a worktree of its own below the build folder.
 """

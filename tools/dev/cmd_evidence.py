@@ -33,7 +33,7 @@ class Line:
 
 @dataclass
 class Result:
-    """What one source printed, when, and of which state of the sources."""
+    """Output of one source, its date and the state of the sources."""
 
     lines: list[Line] = field(default_factory=list)
     problem: str = ""
@@ -132,7 +132,7 @@ def measure(name: str) -> Result:
 
 
 def commit() -> str:
-    """Of the sources, with a + where they differ from it."""
+    """Commit of the sources, with a + where they differ from it."""
     def git(*words: str) -> str:
         try:
             return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
@@ -165,7 +165,7 @@ def follow(what: str, command: list[str]) -> tuple[int, list[str]]:
 
 
 def of_tool(name: str, *arguments: str) -> Result:
-    """What a tool of ours prints, whole lines."""
+    """Runs a tool of ours; its output counts in whole lines."""
     command = [f"tools/{name}", *arguments]
     if not (ROOT / command[0]).is_file():
         return Result(problem=f"there is no {command[0]} yet")
@@ -224,7 +224,7 @@ def of_board() -> Result:
 
 
 def of_time() -> Result:
-    """How long the last run of all tests took, from ctest's own log."""
+    """Duration of the last run of all tests, from ctest's own log."""
     log = build_dir("test") / "Testing" / "Temporary" / "LastTest.log"
     try:
         text = log.read_text(errors="replace")

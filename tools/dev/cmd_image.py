@@ -83,7 +83,7 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
 
 
 def ram_by_owner(report: Report) -> str:
-    """Where the RAM without arena, stack and workspace goes: the parts of struct app, then what the port keeps."""
+    """Lists the RAM without arena, stack and workspace: the parts of struct app, then what the port keeps."""
     size = report.image.struct_bytes()
     startup = "commission" in report.layers
     owners = ["supervisor", "service", "plant_link", "console", "storage", *(["commission"] if startup else [])]

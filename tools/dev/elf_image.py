@@ -1,4 +1,4 @@
-"""What is in a linked image: functions, their instructions, words that are addresses of functions.
+"""Reads a linked image: functions, their instructions, words that are addresses of functions.
 
 Read from the ELF file by the cross binutils: the image as linked, with the C library and the compiler's own
 helpers in it, which no compiler output of single files can show.

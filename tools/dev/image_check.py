@@ -161,7 +161,7 @@ def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_
 
 
 def handlers(image: Image, entries: dict[str, int], findings: list[str]) -> set[int]:
-    """What the vector table leads to; each must be in a level."""
+    """Handlers that the vector table leads to; each must be in a level."""
     words, at = image.words(), image.symbols.get("vectors")
     out: set[int] = set()
     if at is None:

@@ -35,7 +35,7 @@ BEGIN, END = "<!-- bias: made by tools/figures/arx_bias.py -->", "<!-- end of bi
 
 @dataclass(frozen=True)
 class Errors:
-    """Of the seeds whose record was not refused: the first coefficient of A2 less its own, the larger relative error of the gains of y2."""
+    """Errors of the seeds whose record was not refused: the first coefficient of A2 less its own, the larger relative error of the gains of y2."""
 
     of_a: np.ndarray
     of_gain: np.ndarray

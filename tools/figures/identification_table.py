@@ -62,7 +62,7 @@ class Element:
         return K * self.amplitude * total
 
     def line(self, seed):
-        """What the drift adds, and the source of randomness behind it."""
+        """Returns the drift's part, and the source of randomness behind it."""
         random = np.random.default_rng([seed, reference.NAMES.index(self.plant), self.i, self.j])
         return self.drift * random.choice((-1.0, 1.0)) * self.k, random
 

@@ -28,7 +28,7 @@ RED, BLUE, GREY, ORANGE = "#b2182b", "#2166ac", "#888888", "#d98c00"
 HOUR, EVERY_S = 3600.0, 120.0
 LIGHT, HEAVY = 0.13138834, 0.1658334  # kg/mol
 LINEAR = ("set block2.method kalman", "set block2.feed_z 0", "set block2.feed_f 0")
-# What is drawn: the point and its number, its stage, and what it is.
+# Curves: the point and its number, its stage, and what it is.
 SHOWN = (("x8_est", 2, 4, "tray 8"), ("xB_est", 3, 1, "bottoms"))
 
 

@@ -35,7 +35,7 @@ COMMITTED = {
 
 
 def panels(cases):
-    """What is drawn of these runs: column of the log, label, goal."""
+    """Curves of these runs: column of the log, label, goal."""
     both = cases[0].state == "SS2"
     out = [("iC4_D", "iC4 in distillate, 1e-3", 1000)] + ([("C3_B", "C3 in bottoms, 1e-3", 1000)] if both else [])
     stages = sorted({p.stages[0] for c in cases for p in trays.structure(c.structure).pairings})

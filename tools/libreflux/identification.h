@@ -21,7 +21,7 @@ struct reflux_record {
 int32_t reflux_prbs(int32_t inputs, const int32_t *settings, const double *amplitude,
                     int32_t samples, double *u, int32_t *period, int32_t *memory, char *reason);
 
-/* Of x [samples] one in ratio is kept, filtered (firmware/identify/decimate.h); kept: room for (samples + ratio - 1)/ratio. */
+/* Keeps one in ratio of x [samples], filtered (firmware/identify/decimate.h); kept: room for (samples + ratio - 1)/ratio. */
 int32_t reflux_decimate(int32_t ratio, double cutoff, int32_t samples, const double *x,
                         double *kept);
 

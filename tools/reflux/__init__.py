@@ -1,1 +1,1 @@
-"""What stands behind the commands of tools/."""
+"""The package behind the commands of tools/."""

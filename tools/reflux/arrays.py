@@ -34,7 +34,7 @@ class Array:
     ratio: dict[str, np.ndarray]
 
     def worst(self, by: str) -> np.ndarray:
-        """Of each row (column): the largest ratio over frequency."""
+        """Returns for each row (column) the largest ratio over frequency."""
         return self.ratio[by].max(axis=0)
 
 

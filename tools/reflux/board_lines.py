@@ -74,7 +74,7 @@ def channels(plant: dict[str, Any], rest: dict[str, float], used: list[str], poi
 
 
 def safe_value(c: dict[str, Any], rest: dict[str, float]) -> float:
-    """Where the file has none: no heat, and the other flows as at the steady state."""
+    """Safe value where the file has none: no heat, and the other flows as at the steady state."""
     return min(max(c.get("safe", 0.0 if c["is"] in HEATS else rest[c["name"]]), c["lo"]), c["hi"])
 
 

@@ -14,7 +14,7 @@ from reflux.session import Refused, Session
 
 
 def add_options(p: argparse.ArgumentParser) -> None:
-    """What hand_over() follows."""
+    """Adds the options that hand_over() uses."""
     p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
     p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
     keys.add_option(p, "with --to: ")

@@ -29,9 +29,9 @@ BOARDS = {
 }
 
 RUNS = tuple(image for board in BOARDS.values() for image in board.runs)
-# What `--firmware` of tools/run and `firmware` of a scenario may be, of images.
+# Images that `--firmware` of tools/run and `firmware` of a scenario may name.
 FIRMWARES = tuple(image.preset for image in RUNS)
 # Everything there is to build.
 PRESETS = (*FIRMWARES, *(preset for board in BOARDS.values() for preset in board.others))
-# What the default tier of tools/test builds: one image in float, and a fixed-point image of the smallest board.
+# Images that the default tier of tools/test builds: one image in float, and a fixed-point image of the smallest board.
 BUILT_BY_DEFAULT = ("stm32f405", "stm32f100")

@@ -60,7 +60,7 @@ def parser() -> argparse.ArgumentParser:
 
 @dataclass
 class Bench:
-    """Where the console is, and what is known of the plant behind it."""
+    """Port of the console, and what is known of the plant behind it."""
 
     console: str
     operating: dict[str, float] = field(default_factory=dict)
@@ -114,7 +114,7 @@ def check(options: argparse.Namespace) -> None:
 
 
 def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> list[str]:
-    """What is left over, where the loops are kept."""
+    """Runs the start-up; returns what has no loop, where the loops are kept."""
     board = Board(port, transcript, options.key)
     unattended = options.yes or options.file is not None
     keyboard = Keyboard(board, listens=not unattended)
@@ -182,7 +182,7 @@ def steady(plant: str) -> dict[str, float]:
 # ---- report ----
 
 def write_report(out: Path) -> None:
-    """Of what there is, also where the start-up ended early."""
+    """Writes a report of what there is, also where the start-up ended early."""
     from reflux.commission import report as reports  # matplotlib takes a second to load
     try:
         print(f"\nReport: {shown(reports.write(out))}", flush=True)

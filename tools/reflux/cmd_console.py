@@ -157,7 +157,7 @@ def restore(talk: Session, path: Path, text: str) -> int:
         raise UserError(f"{shown(path)} holds no `set` line; is it a saved configuration?")
     session.run_file(talk, path, text, lambda line: None)
     wrong = session.differences(commands, session.dump(talk))
-    # What stands in the file at its default value is not told by the board: that is no difference.
+    # The board does not list a default value: one that stands in the file is no difference.
     wrong = [line for line in wrong if "is at its default" not in line]
     if wrong:
         raise RunFailed(f"the board took {shown(path)}, but {len(wrong)} parameters differ: {wrong[0]}")

@@ -87,7 +87,7 @@ def main(arguments: list[str]) -> int:
 
 
 def check(options: argparse.Namespace) -> None:
-    """What belongs to another method is refused, not passed over."""
+    """Refuses options of another method instead of passing over them."""
     for name, method in (("factor", "partial"), ("rank", "one-way"), ("condition", "directions")):
         given = getattr(options, name) is not None
         if given and options.method != method:
@@ -222,7 +222,7 @@ def static(spanned: SampledPlant, options: argparse.Namespace) -> decoupling.Sha
 
 
 def scales(design: Design, options: argparse.Namespace) -> tuple[np.ndarray, np.ndarray]:
-    """What outputs and inputs in spans have to be multiplied by to be what is printed."""
+    """Factors that turn outputs and inputs in spans into what is printed."""
     plant = design.plant
     if options.units == "eu" and plant.output_spans is not None and plant.input_spans is not None:
         return plant.output_spans, plant.input_spans

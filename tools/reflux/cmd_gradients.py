@@ -264,7 +264,7 @@ def other_methods(found: Found, options: argparse.Namespace) -> tuple[list[dict[
 
 
 def lines_of(found: Found, loops: list[str]) -> list[str]:
-    """What the board works slopes out from: rows of the kind inferential."""
+    """Lines with the numbers from which the board works out slopes: rows of the kind inferential."""
     if found.steady is None:
         raise UserError("--loop needs a column, whose flows and holdups the slopes come from; not a profile alone")
     kinds = {c["name"]: c["is"] for c in found.plant["inputs"]}

@@ -38,7 +38,7 @@ class Looked:
 
 @dataclass
 class Found:
-    """Of one output. trials: None where the orders were given."""
+    """Result for one output. trials: None where the orders were given."""
 
     name: str
     trials: Trials | None
@@ -179,7 +179,7 @@ def read_table(path: Path) -> Log:
 
 
 def input_of(log: Log, name: str) -> list[float]:
-    """What acts from each row on. A simulator's `applied` is the mean over the interval before its row."""
+    """Inputs that act from each row on. A simulator's `applied` is the mean over the interval before its row."""
     if log.has(f"{name}.applied"):
         applied = log.numbers(f"{name}.applied")
         return applied[1:] + applied[-1:]

@@ -234,7 +234,7 @@ def quiet(k: float, ti: float, process: float, lag: float, pv: dict[str, Any]) -
 
 
 def instrument_s(channel: dict[str, Any]) -> float:
-    """What counts as dead time of an instrument: its lag, its delay, and of an analyser half the interval."""
+    """Dead time of an instrument: its lag, its delay, and of an analyser half the interval."""
     return float(channel.get("lag_s", 0) + channel.get("delay_s", 0) + channel.get("every_s", 0) / 2)
 
 

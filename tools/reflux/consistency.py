@@ -1,4 +1,4 @@
-"""What innovations say of the covariances of a filter, in words, and what to set instead. docs/consistency.md has the reasons."""
+"""Judges the covariances of a filter by its innovations, in words, and says what to set instead. docs/consistency.md has the reasons."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WITH_FEED = ("ekf", "kalman")
 
 @dataclass
 class Setting:
-    """What the filter was told."""
+    """Settings of the filter."""
 
     method: str
     noise: float
@@ -213,7 +213,7 @@ def uncertain_model(setting: Setting) -> str:
 
 
 def too_wide_feed(setting: Setting) -> list[str]:
-    """What is found of the feed is more than it is said to be."""
+    """Words for a feed that moves more than its settings say."""
     return [name for name, sd in setting.feed.items() if sd > 0 and FEED_MOST > setting.found.get(name, 0.0) > FEED_WIDE * sd]
 
 

@@ -88,7 +88,7 @@ def setting_of(played: replay.Replay, first: float, last: float) -> Setting:
         return float(played.settings.get(name, "nan"))
 
     def found(names: tuple[str, ...]) -> float:
-        """Of the largest of them."""
+        """Largest root mean square of them."""
         most = 0.0
         for name in names:
             values = [x for x, t in zip(played.values_of(name), played.time_s) if first <= t <= last and math.isfinite(x)]
@@ -174,7 +174,7 @@ def follow(run: Run, out: Search, tell: Callable[[Look], None]) -> None:
 
 
 def distance(of: Look) -> float:
-    """Of sizes and neighbours from what is expected. Much that is left out is far as well."""
+    """Distance of sizes and neighbours from what is expected. Much that is left out is far as well."""
     moving = of.moving()
     if not moving:
         return math.inf
@@ -183,7 +183,7 @@ def distance(of: Look) -> float:
 
 
 def has_no_effect(seen: list[tuple[float, float]]) -> bool:
-    """Of `model`: another value changes nothing, or makes it worse in the direction in which it should be better."""
+    """True if another value of `model` changes nothing, or makes it worse in the direction in which it should be better."""
     if len(seen) < 2:
         return False
     (a, fa), (b, fb) = seen[-2:]
@@ -195,7 +195,7 @@ def odd_of(of: Look) -> Statistics | None:
 
 
 def size(of: Look) -> float:
-    """Of all thermometers that move the estimate, in the geometric mean."""
+    """Size of the innovations of all thermometers that move the estimate, in the geometric mean."""
     moving = of.moving()
     return consistency.geometric([consistency.level(moving, s, odd_of(of)) for s in moving])
 
@@ -224,7 +224,7 @@ def next_model(of: Look, seen: list[tuple[float, float]], changes: dict[str, flo
 
 
 def next_point(seen: list[tuple[float, float]]) -> float:
-    """Where the second is 0: between the nearest on either side, and not at its ends; else along the last two."""
+    """Finds where the second is 0: between the nearest on either side, and not at its ends; else along the last two."""
     above, below = [p for p in seen if p[1] > 0], [p for p in seen if p[1] <= 0]
     if above and below:
         (a, fa), (b, fb) = max(above), min(below)
@@ -236,7 +236,7 @@ def next_point(seen: list[tuple[float, float]]) -> float:
 
 
 def reasons(out: Search) -> list[str]:
-    """What is left of it, by what it is."""
+    """Reasons that remain, by kind."""
     judged = out.best.judgement
     by = {kind: ", ".join(v.name for v in judged.each if v.kind == kind) for kind in ("few", "biased", "high", "low", "correlated", "compared")}
     told = []

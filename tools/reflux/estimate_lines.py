@@ -36,7 +36,7 @@ TABLE_BLOCK, BLOCK = 1, 2
 
 @dataclass(frozen=True)
 class Point:
-    """What the block writes: a mole fraction, times `show` in the measurement's own unit."""
+    """Value that the block writes: a mole fraction, times `show` in the measurement's own unit."""
 
     name: str
     component: str

@@ -62,7 +62,7 @@ def vapour_pressure(constants: Sequence[float], t: float) -> tuple[float, float]
 
 @dataclass(frozen=True)
 class Liquid:
-    """What the bubble point of a mixture follows from."""
+    """Properties that give the bubble point of a mixture."""
 
     constants: list[list[float]]  # of each component's vapour pressure
     activity: dict[str, Any] | None = None  # as in a column's file, rows and columns in the same order; None: an ideal liquid
@@ -148,7 +148,7 @@ def constants_of(plant: dict[str, Any]) -> dict[str, list[float]]:
 
 
 def liquid_of(plant: dict[str, Any], names: Sequence[str]) -> Liquid:
-    """Of these components of a column, in this order."""
+    """Liquid of these components of a column, in this order."""
     known = constants_of(plant)
     activity = plant.get("activity")
     if activity is None:

@@ -50,7 +50,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Orders:
-    """Of the model of one output. lags: first and last power of z^-1 of each input, (0, 0) where it has no part."""
+    """Orders of the model of one output. lags: first and last power of z^-1 of each input, (0, 0) where it has no part."""
 
     na: int
     lags: tuple[tuple[int, int], ...]

@@ -1,4 +1,4 @@
-"""What else a log may be than a model of tools/identify: readings that stand apart, a drift, an integrator, a dead time beyond the
+"""Other explanations of a log than a model of tools/identify: readings that stand apart, a drift, an integrator, a dead time beyond the
 powers that are tried. Each has an option that takes it into account, and a test of whether it is the likelier story."""
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def slowest(model: Fit) -> float:
 
 
 def of(record: Record, output: int, model: Fit, judged: Judgement, border: int, name: str, every: int) -> str:
-    """What is likelier than this model, with the option that takes it into account; nothing where the model is as good as any."""
+    """Names an explanation that is likelier than this model, with the option that takes it into account; nothing where the model is as good as any."""
     if judged.fit() < GOOD_FIT:
         stories = [story for story in (spikes(record, output, model, border), drift(record, output, model, border),
                                        integrator(record, output, judged, border, name), dead_time(record, output, judged, border, every)) if story]
@@ -104,7 +104,7 @@ def no_better(name: str, judged: Judgement) -> str:
 
 
 def rival(record: Record, output: int, border: int, make: Callable[[Fit], Fit] = lambda model: model, source: Record | None = None) -> Judgement | None:
-    """How the best of a few plain models does on the validation data. source: what they are made of, where that is another record."""
+    """Error of the best of a few plain models on the validation data. source: the record they are made of, where that is another record."""
     found = []
     for na, method in ((1, "iv"), (2, "iv"), (1, "ls"), (2, "ls")):
         try:

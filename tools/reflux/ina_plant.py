@@ -39,7 +39,7 @@ class SquarePlant:
         return len(self.outputs)
 
     def spans(self) -> np.ndarray:
-        """What a gain has to be multiplied by to be output span per input span."""
+        """Factor that turns a gain into output span per input span."""
         return np.array([[u.span / y.span for u in self.inputs] for y in self.outputs])
 
     def omega(self, points: int, low: float | None, high: float | None) -> np.ndarray:

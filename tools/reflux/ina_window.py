@@ -42,7 +42,7 @@ class Window:
         self.pump()
 
     def pump(self) -> None:
-        """What the window wants: to be moved, uncovered, closed."""
+        """Serves the window's requests: moved, uncovered, closed."""
         if self.open():
             self.figure.canvas.flush_events()
 

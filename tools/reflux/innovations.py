@@ -21,7 +21,7 @@ PEAK_LINES = 2  # of the spectrum, either side
 
 @dataclass
 class Series:
-    """Of one thermometer. tick: which ticks, for neighbours only are compared; variance: what the filter expects of e^2."""
+    """Innovations of one thermometer. tick: which ticks, for neighbours only are compared; variance: what the filter expects of e^2."""
 
     sensor: Sensor
     tick: np.ndarray
@@ -63,7 +63,7 @@ def series(of: Recorded, block: Block, replay: Replay, first_s: float, last_s: f
         good = np.array([quality == GOOD for _, quality in column])
         reading = sensor.factor * (np.array([x for x, _ in column]) + shift.get(sensor.name, 0.0))
         within = (at >= first_s) & (at <= last_s)
-        # What did not count in a tick stands where it was.
+        # A value that did not count in a tick stands where it was.
         moved = np.concatenate([[False], (np.diff(e) != 0) & (np.diff(nis) != 0)])
         counts = within & good & moved & (nis > 0) & (e != 0)
         if gate > 0:

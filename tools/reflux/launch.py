@@ -37,7 +37,7 @@ class Firmware:
         return hashlib.sha256(self.image.read_bytes()).hexdigest() if self.image else None
 
     def died(self) -> str | None:
-        """What the process said last, when it is no longer there."""
+        """Last words of the process, when it is no longer there."""
         if self.process is None or self.process.poll() is None:
             return None
         text = self.messages.read_text(errors="replace") if self.messages else ""

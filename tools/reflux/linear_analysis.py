@@ -1,4 +1,4 @@
-"""What the matrices of a plant say about controlling it: gains, relative gains, directions, times."""
+"""Analyses the matrices of a plant for control: gains, relative gains, directions, times."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def gains(model: Model) -> np.ndarray:
 
 
 def relative_gains(k: np.ndarray) -> np.ndarray:
-    """Of a matrix in spans; square or not."""
+    """Relative gains of a matrix in spans, square or not."""
     return k * np.linalg.pinv(k).T
 
 

@@ -1,4 +1,4 @@
-"""Whether two programs are the same machine code: the same bytes in memory, whatever stands beside them for debuggers."""
+"""Compares two programs by their machine code: the same bytes in memory, whatever stands beside them for debuggers."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def layer_of(path: str) -> str:
 
 @dataclass(frozen=True)
 class Placed:
-    """What one object file gave to the image: an input section, or what alignment costs (no owner)."""
+    """Share of one object file in the image: an input section, or the padding of an alignment (no owner)."""
 
     kind: str  # of KINDS' values
     name: str

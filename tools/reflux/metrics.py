@@ -1,4 +1,4 @@
-"""How well a loop did, in numbers. Definitions (also in docs/scenarios.md), for samples t_k, y_k and the
+"""Measures of how well a loop did. Definitions (also in docs/scenarios.md), for samples t_k, y_k and the
 setpoint r_k that holds from t_k to t_k+1:
 
   iae        sum over the intervals of dt * (|r_k - y_k| + |r_k - y_k+1|) / 2          [unit s]
@@ -21,7 +21,7 @@ from reflux.scenario import Loop, Scenario, is_stimulus, window_starts
 
 @dataclass(frozen=True)
 class Trace:
-    """What is judged of one loop."""
+    """Samples by which one loop is judged."""
 
     t: list[float]
     y: list[float]
@@ -114,7 +114,7 @@ def windows(log: Log, scenario: Scenario, loop: Loop) -> list[Window]:
 
 
 def describe(scenario: Scenario, loop: Loop, start: float) -> tuple[str, str]:
-    """What begins a window, as this loop sees it."""
+    """Describes what begins a window, for this loop."""
     words = []
     kind = "start" if start == 0 else "interaction"
     for event in scenario.events:

@@ -1,4 +1,4 @@
-"""Where things are."""
+"""Paths of folders and files."""
 
 from __future__ import annotations
 

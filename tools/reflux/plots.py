@@ -161,7 +161,7 @@ def write_pngs(plots: list[Plot], folder: Path) -> list[Path]:
 
 
 def default_columns(log: Log) -> list[str]:
-    """What a person wants to see first: measurements, setpoints, applied outputs."""
+    """Curves that a person wants to see first: measurements, setpoints, applied outputs."""
     wanted = [c for c in map(bare, log.columns)
               if c.endswith((".meas", ".applied")) or (c.startswith(FIRMWARE_PREFIX) and c.endswith(".sp"))]
     of_board = [c for c in map(bare, log.columns) if log.has(f"{c}.q") or c.endswith((".sp", ".app"))]

@@ -49,7 +49,7 @@ class Port:
         return self._fd
 
     def read(self, patience_s: float = 0.0) -> bytes:
-        """What has come, at once or within this time; b"" when nothing has."""
+        """Returns the bytes that have come, at once or within this time; b"" for none."""
         if not select.select([self._fd], [], [], max(0.0, patience_s))[0]:
             return b""
         try:

@@ -142,7 +142,7 @@ def _log_at(place: Path) -> tuple[Log, Path | None]:
 
 
 def _config_of(folder: Path | None, conf: list[Path], place: Path) -> tuple[list[str], list[tuple[float, str]]]:
-    """What was sent before the first sample, and what was sent later."""
+    """Lines sent before the first sample, and lines sent later."""
     script = folder / "script.txt" if folder else None
     sent: list[tuple[float, str]] = []
     if script and script.is_file():
@@ -229,7 +229,7 @@ def _readings(log: Log, measured: list[Channel], value: str, quality: str) -> li
 
 
 def _applied_column(log: Log, channel: Channel) -> str:
-    """What the board took for applied, if it told; else what the plant says."""
+    """Values that the board took for applied, if it printed them; else what the plant says."""
     names = (f"{logs.FIRMWARE_PREFIX}{channel.name}.app", f"{channel.name}.app", f"{channel.name}.applied")
     return next((name for name in names if log.has(name)), "")
 

@@ -141,7 +141,7 @@ class Plant:
 
 
 class Replay:
-    """What the block said after each tick: values by their names, NaN where there was none."""
+    """Values of the block after each tick, by their names, NaN where there was none."""
 
     def __init__(self) -> None:
         self.time_s: list[float] = []
@@ -236,7 +236,7 @@ def place_outputs(talk: Session, plant: Plant, of: Recorded, firmware: launch.Fi
 
 
 def settings(talk: Session, block: Block) -> dict[str, str]:
-    """What is in force, with the defaults."""
+    """Settings in force, with the defaults."""
     prefix = f"block{block.number}."
     pairs = (line.partition(" = ") for line in talk.ask(f"list {prefix.rstrip('.')}"))
     return {name.strip().removeprefix(prefix): text.split()[0] for name, sign, text in pairs if sign and text.split()}

@@ -97,7 +97,7 @@ def figures(plots: list[plotting.Plot]) -> Markup:
 
 
 def events_table(result: Result) -> Markup:
-    """What was done, and what the firmware said about it, in order of plant time."""
+    """Actions and the firmware's answers, in order of plant time."""
     rows = [(e.at_s, "plant", "", f"{e.name} = {e.value:g}") for e in result.scenario.events]
     rows += [(line.at_s, "console", "", line.text) for line in result.scenario.lines]
     rows += [(t, "firmware", level, f"{code} {text}".strip())

@@ -48,7 +48,7 @@ class Result:
         return all(check.passed for check in self.checks)
 
     def units(self) -> dict[str, tuple[str, str]]:
-        """Of each loop: the unit of its measurement and of its output."""
+        """Units of each loop's measurement and output."""
         return {loop.name: (logs.channel_unit(self.log, loop.pv), logs.channel_unit(self.log, loop.mv))
                 for loop in self.scenario.loops}
 
@@ -208,7 +208,7 @@ def version_in(transcript: Path) -> str | None:
 
 
 def events_in(transcript: Path) -> list[tuple[float, str, str, str]]:
-    """What the firmware reported unasked: plant time, level, code, text."""
+    """Events that the firmware reported by itself: plant time, level, code, text."""
     out = []
     for line in _read(transcript):
         match = re.match(r"[\d.]+ < ! *([\d.]+) (\S+) (\S+) ?(.*)$", line)

@@ -38,7 +38,7 @@ class SampledPlant:
         return len(self.outputs)
 
     def in_spans(self) -> SampledPlant:
-        """Of fractions of span; as it is where there are no spans."""
+        """Model in fractions of span; unchanged where there are no spans."""
         if self.output_spans is None or self.input_spans is None:
             return self
         return replace(self, b=self.b * (self.input_spans[None, :] / self.output_spans[:, None])[:, :, None])
@@ -78,7 +78,7 @@ def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
 
 
 def check(plant: SampledPlant) -> None:
-    """What the firmware's model holds; the coefficients themselves are its affair."""
+    """Checks the sizes that the firmware's model takes; the coefficients themselves are its affair."""
     if plant.n > MOST:
         raise UserError(f"{plant.name} has {plant.n} loops, more than {MOST}: name some with --pairs")
     if plant.a.shape[1] > A_MOST:
@@ -100,7 +100,7 @@ def shortened(x: np.ndarray) -> np.ndarray:
 
 
 def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant:
-    """What tools/identify --format json prints."""
+    """Reads what tools/identify --format json prints."""
     try:
         if any(float(row["A"][0]) != 1 or any(float(x[0]) != 0 for x in row["B"]) for row in j["outputs"]):
             raise ValueError("A has to begin with 1, B with 0")
@@ -115,7 +115,7 @@ def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant
 
 
 def of_board(path: Path, pairs: str | None, period: float | None) -> SampledPlant:
-    """What a board has found."""
+    """Reads the model that a board has found."""
     outputs, inputs, a, b, seconds, filtered = board_model.read(path, period)
     names = {"name": path.stem, "outputs": [{"name": y} for y in outputs], "inputs": [{"name": u} for u in inputs]}
     rows, columns = paired(names, pairs)
@@ -201,7 +201,7 @@ def from_poles(poles: list[complex], step: float) -> np.ndarray:
 
 
 def numerator(e: dict[str, Any], common: list[complex], step: float, where: str) -> np.ndarray:
-    """Of z^-1 on, over the denominator of all of `common`."""
+    """Coefficients from z^-1 on, over the denominator of all of `common`."""
     own = poles_of(e)
     den = np.real(np.poly(own)) if own else np.ones(1)
     # Lags are 1 + tau s, so the gain goes with the product of the poles that are not 0.
@@ -215,7 +215,7 @@ def numerator(e: dict[str, Any], common: list[complex], step: float, where: str)
 
 
 def companion(num: np.ndarray, den: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Of num/den, den with a leading 1."""
+    """Companion form of num/den, den with a leading 1."""
     n = len(den) - 1
     num = np.concatenate([np.zeros(n + 1 - len(num)), num])
     a = np.zeros((n, n))

@@ -47,7 +47,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Limit:
-    """What one loop may cost at most: over the window that begins at at_s, or over the whole run."""
+    """Limits of one loop: over the window that begins at at_s, or over the whole run."""
 
     loop: str
     at_s: float | None
@@ -271,7 +271,7 @@ def window_starts(scenario: Scenario) -> list[float]:
 
 
 def relative(path: Path) -> str:
-    """How a file of the repository is named in results, whatever the folder it is started from."""
+    """Name of a file of the repository in results, whatever the folder it is started from."""
     try:
         return str(path.resolve().relative_to(ROOT))
     except ValueError:

@@ -137,7 +137,7 @@ class Estimation:
 
 
 def steep_stages(of: Diagram, feed: int, above: bool, t: Thresholds) -> list[int]:
-    """Of a section those whose step is at least `half` of its steepest; none where it has one temperature, nearly. The reboiler's step and
+    """Returns the stages of a section whose step is at least `half` of its steepest; none where it has one temperature, nearly. The reboiler's step and
     the one into the condenser do not count."""
     stages = [s for s in range(2, of.stages - 1) if s != feed and (s > feed) == above]
     steepest = max((abs(of.gradient[s - 1]) for s in stages), default=0.0)
@@ -145,7 +145,7 @@ def steep_stages(of: Diagram, feed: int, above: bool, t: Thresholds) -> list[int
 
 
 def estimation(of: Diagram, feed: int, t: Thresholds) -> Estimation:
-    """What an estimator from temperatures needs; nothing where the shares are not known."""
+    """Thermometers that an estimator needs; nothing where the shares are not known."""
     peak = max(abs(g) for g in of.gradient)
     averaged = even_regions(of, feed, t.even * peak, t.run)
     if not of.share:

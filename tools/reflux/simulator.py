@@ -1,4 +1,4 @@
-"""What the simulator tells of a plant alone, without a firmware."""
+"""Asks the simulator about a plant alone, without a firmware."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from reflux.errors import RunFailed, UserError
 
 
 def ask(*arguments: str) -> str:
-    """What reflux-sim prints; it says itself what is wrong."""
+    """Returns what reflux-sim prints; its own message says what is wrong."""
     program = build.find_program("host", "reflux-sim")
     done = subprocess.run([str(program), *arguments], capture_output=True, text=True, check=False)
     if done.returncode != 0:

@@ -1,4 +1,4 @@
-"""What any input within the limits could gain: the MVs that make the integral of the absolute error least, with full knowledge of
+"""Bound for any input within the limits: the MVs that make the integral of the absolute error least, with full knowledge of
 the nonlinear plant and its state, searched by linear programs around the last trajectory.
 
 Nothing is known of a change before it comes: a setpoint from its own sample on, a load from the sample after. So each change begins a

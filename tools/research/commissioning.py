@@ -31,7 +31,7 @@ FEW_LEAST = 0.5  # determined: share asked of a few seeds, where one more or les
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a plant beforehand, and asked of its campaign."""
+    """Prior knowledge of a plant, and the demands on its campaign."""
 
     name: str
     slowest_s: float
@@ -186,7 +186,7 @@ def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path
 
 
 def worst_fraction(log: Path, plant: dict[str, Any], start: Start, until_s: float | None) -> float:
-    """Of a limit, by the plant itself: no noise, no drift of the instrument. From the operating point."""
+    """Largest share of a limit, by the plant itself: no noise, no drift of the instrument. From the operating point."""
     worst = 0.0
     with log.open(encoding="utf-8") as lines:
         rows = csv.reader(line for line in lines if line[0] != "#")
@@ -272,7 +272,7 @@ def unstable(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def stable(results: list[dict[str, Any]]) -> str:
-    """Of the proposals that were accepted, whatever their trial said of them."""
+    """Results of the proposals that were accepted, whatever their trial said of them."""
     accepted = sum(r.get("radius") is not None for r in results)
     return f"{accepted - len(unstable(results))} of {accepted}"
 
@@ -324,7 +324,7 @@ def reasons(start: Start, results: list[dict[str, Any]]) -> tuple[list[str], lis
 
 
 def shortfalls(start: Start, results: list[dict[str, Any]]) -> list[str]:
-    """What was asked for and is not reached: a wrong pairing, a limit passed, too few determined."""
+    """Demands that are not reached: a wrong pairing, a limit passed, too few determined."""
     out = []
     for plant in start.plants:
         chosen = of_plant(plant, results)

@@ -160,7 +160,7 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
         for plant in campaign.plants:
             print(f"\n{heading(plant)}\n{table.columns(HEADER, rows_of(campaign, state, plant))}")
     results = [state.get(job_of(c)) for c in chosen]
-    # What is tuned with its own gains and no limit has to come to rest.
+    # A loop tuned with its own gains and no limit has to come to rest.
     bad = [r for r in results if "failed" not in r and not r["job"]["error"] and not r["job"]["clipped"] and not r["job"]["noise"] and r["rest"] > 0.05]
     for r in bad[:10]:
         print(f"FAILED  {r['job']['plant']} {r['job']['method']}: rests {100 * r['rest']:.0f} % of a step beside a setpoint")

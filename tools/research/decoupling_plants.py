@@ -14,7 +14,7 @@ from reflux.errors import UserError
 
 # Setpoints are stepped by so much of span, or by what moves no MV by more than this.
 STEP, MOVE = 0.05, 0.25
-# What is changed of gains: those of inputs in turn, as valves and calibrations do, or the first element alone, as a wrong model does. (All
+# Changes of gains: those of inputs in turn, as valves and calibrations do, or the first element alone, as a wrong model does. (All
 # elements in a chequered pattern would change the sign of the determinant where relative gains are above 1.8, and no controller with
 # integral action bears that.)
 ERROR = 0.2

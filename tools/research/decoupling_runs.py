@@ -118,7 +118,7 @@ def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
 
 
 def from_log(bench: Bench, log: Log, begins: float, samples: int) -> SampledPlant:
-    """What tools/identify finds of the same record, in fractions of span."""
+    """Model that tools/identify finds from the same record, in fractions of span."""
     j, rows, columns = decoupling_plants.ordered(bench)
     at = int(round(begins / bench.period_s))
     y = np.array([scaled(log.numbers(f"{j['outputs'][i]['name']}.meas"), j["outputs"][i]) for i in rows]).T[at : at + samples]

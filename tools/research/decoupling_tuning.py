@@ -24,7 +24,7 @@ class Pi:
 
 @dataclass(frozen=True)
 class Seen:
-    """What one loop has before it: first order with dead time."""
+    """Process of one loop: first order with dead time."""
 
     gain: float
     lag_s: float

@@ -81,7 +81,7 @@ def sensing(name: str) -> Sensing:
 
 
 def truncated(of: Sensing) -> str:
-    """What stands inside the regions; the feed stage always has its own temperature."""
+    """Stages inside the regions; the feed stage always has its own temperature."""
     stages = [s for first, last in of.regions for s in range(first + 1, last) if s != trays.FEED_STAGE]
     return ",".join(str(s) for s in sorted(set(stages)))
 

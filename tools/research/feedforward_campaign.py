@@ -183,7 +183,7 @@ def sums_table(campaign: Feedforward, state: Any) -> tuple[list[str], list[list[
 
 
 def fixed_words(campaign: Feedforward, state: Any) -> str:
-    """How far lines in fixed point are from the same in float32."""
+    """Distance of lines in fixed point from the same in float32."""
     most = 0.0
     for line in campaign.lines:
         if line.case.core == "fixed":

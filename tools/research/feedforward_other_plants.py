@@ -25,7 +25,7 @@ METHODS = ("A", "B", "C", "D")
 
 @dataclass(frozen=True)
 class Shapes:
-    """Of the models: y by u and d, y by u, y by r, y by d, u by d."""
+    """Shapes of the models: y by u and d, y by u, y by r, y by d, u by d."""
 
     joint: high_order.Shape
     process: high_order.Shape
@@ -261,7 +261,7 @@ def pilot_paths(omega: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def pilot_controllers(back: np.ndarray) -> np.ndarray:
-    """Of T1 and T10, in their units."""
+    """Controllers of T1 and T10, in their units."""
     from research import state_study
     pi = state_study.PI(PILOT_TS)
     return np.array([gain * (1 + per / (1 - back)) for gain, per in zip(pi.gain, pi.per)])

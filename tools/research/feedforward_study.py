@@ -72,7 +72,7 @@ def preset_of(case: Case) -> str:
 
 
 def responses(case: Case, model: si.Model, record: sim.Record, first: int, last: int) -> np.ndarray:
-    """Of the model's only input, or the ratio of two [seeds, frequencies], begun at sample first."""
+    """Response to the model's only input, or the ratio of two [seeds, frequencies], begun at sample first."""
     joint = len(model.inputs) > 1
     if case.core == "double":
         theta = si.batch(model, record, first, last, case.forget, case.p0, case.lags_s, PAST)
@@ -131,7 +131,7 @@ def _signals(case: Case) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Adapter:
-    """What adapts the feedforward: called at each sample with what was recorded before it."""
+    """Adapts the feedforward: called at each sample with what was recorded before it."""
 
     def __init__(self, case: Case, seeds: int):
         self.case, self.seeds = case, seeds

@@ -33,7 +33,7 @@ NOISE = 0.05  # K, of the plant's thermometers
 PLANT = "pilot"
 NOMINAL = {"F": 5.0, "xF": 36.0, "Lr": 4.5, "Qrb": 0.8}
 REST_S, FIRST_S, EACH_S = HOUR / 2, 2 * HOUR, 2 * HOUR
-# What happens, one after the other, from FIRST_S on; after each everything is nominal again, likewise for EACH_S.
+# Events, one after the other, from FIRST_S on; after each everything is nominal again, likewise for EACH_S.
 STEPS = (
     ("F +10 %", "F", 5.5),
     ("F -10 %", "F", 4.5),
@@ -99,7 +99,7 @@ def plant(case: Case, folder: Path) -> str:
 
 @cache
 def table_lines() -> tuple[str, ...]:
-    """Of the column as it is shipped: a plant that differs is not what the filter has."""
+    """Lines of the column as it is shipped: a plant that differs is not what the filter has."""
     return simulator.table_lines(PLANT, 1)
 
 
@@ -187,7 +187,7 @@ def play(case: Case, points: tuple[int, ...]) -> Log:
 
 @dataclass(frozen=True)
 class Measured:
-    """Of stages 1 to 12: estimated less true mole fraction."""
+    """Errors of stages 1 to 12: estimated less true mole fraction."""
 
     most: tuple[float, ...]  # the largest, from half an hour on
     bias: tuple[float, ...]  # the mean of the last half hour of a step that is farthest from 0
@@ -274,7 +274,7 @@ def measure(case: Case) -> Measured:
 
 
 def worst(values: tuple[float, ...], trays: tuple[int, ...]) -> float:
-    """Of the trays, with its sign."""
+    """Largest error of the trays, with its sign."""
     return max((values[stage_of(t) - 1] for t in trays), key=abs)
 
 

@@ -1,4 +1,4 @@
-"""How a run used its manipulated variables: how often one sat at a limit of its own, and how far they travelled."""
+"""Use of the manipulated variables in a run: how often one sat at a limit of its own, and how far they travelled."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from reflux.schema import Table
 
 MINUTE = 60.0
 PAGE = "docs/self-tuning-experiments.md"
-# What a table tells of a line: sums beside those of the first line; or mean and worst of its seeds, and how the MVs were used.
+# Columns of a table: sums beside those of the first line; or mean and worst of its seeds, and how the MVs were used.
 FORMS = ("shares", "figures")
 WAYS = ("run", "search", "search setpoints", "best", "bound")
 
@@ -120,7 +120,7 @@ def load(top: Table, name: str) -> Comparison:
 
 
 def read_variant(at: Table, common: Variant) -> Variant:
-    """What a table says of all its lines, or a line of itself: lists come after those of the table, single values in their place."""
+    """Settings of a table for all its lines, or of a line for itself: lists come after those of the table, single values in their place."""
     lists = {key: (*getattr(common, key), *at.texts(key, [])) for key in ("set", "send", "events", "measure")}
     texts = {key: at.text(key, getattr(common, key)) for key in ("scenario", "against", "plant")}
     numbers = {key: at.number(key, getattr(common, key)) for key in ("amplitude", "noise", "gain", "from_min")}

@@ -106,7 +106,7 @@ def loop_with_integral(found: state_decoupler.Design, minutes: float, gain: np.n
 
 
 def overshoot(a: np.ndarray, drive: np.ndarray, row: int) -> float:
-    """Of an output after a unit step, over its final value; 0.05 min apart for 100 min."""
+    """Overshoot of an output after a unit step, over its final value; 0.05 min apart for 100 min."""
     n = len(a)
     step = expm(np.block([[a, drive[:, None]], [np.zeros((1, n + 1))]]) * 0.05)
     c = np.zeros(n + 1)

@@ -57,7 +57,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Linear:
-    """Of the pilot column at its nominal point: per minute, mole fractions, l/h, kW; disturbances F (l/h) and xF (%w)."""
+    """Matrices of the pilot column at its nominal point: per minute, mole fractions, l/h, kW; disturbances F (l/h) and xF (%w)."""
 
     a: np.ndarray
     b: np.ndarray
@@ -91,7 +91,7 @@ def outputs(stages: tuple[int, ...] = (TOP, BOTTOM)) -> np.ndarray:
 
 def design(pole: float, *, stages: tuple[int, ...] = (TOP, BOTTOM), scale: np.ndarray | None = None, period: float = 0.0,
            a: np.ndarray | None = None, point: str = "nominal", **more: Any) -> state_decoupler.Design:
-    """Of the firmware, in minutes. period: min, of the form in discrete time."""
+    """Law of the firmware, in minutes. period: min, of the form in discrete time."""
     m = linear(point)
     a, b, e, c = m.a if a is None else a, m.b, m.e, outputs(stages)
     if scale is not None:

@@ -29,7 +29,7 @@ FEED_STAGE = 19
 STATES: dict[str, dict[str, float]] = {"SS1": {"R": 61.62, "Q": 4143.046}, "SS2": {"R": 32.2787, "Q": 2804.458}}
 # Frau's gains, 1/h: kc, kc2, ko of the enriching and of the stripping section at SS2; at SS1 those of the first everywhere.
 ENRICHING, STRIPPING = (2.0, 4.0, 20.0), (4.0, 8.0, 20.0)
-# What her scenarios do to the feed at 1 h: new middle, amplitude of a sine of 20 min.
+# Changes of the feed in her scenarios at 1 h: new middle, amplitude of a sine of 20 min.
 SCENARIOS: dict[str, dict[str, tuple[float, float]]] = {
     "SC1": {
         "F": (95.0, 10),
@@ -139,7 +139,7 @@ def open_loop(state: str, mv: str, part: float, stages: tuple[int, ...], hours: 
 
 @lru_cache(maxsize=None)
 def step_slope(stage: int, mv: str, state: str) -> float:
-    """Of a stage that has none above it: the fastest change in the first hour after a step of 1 % of the input, K/h per unit."""
+    """Slope of a stage that has none above it: the fastest change in the first hour after a step of 1 % of the input, K/h per unit."""
     log = open_loop(state, mv, 0.01, (stage,), 1.0)
     t, y = log.numbers("time"), log.numbers(f"T{stage}.true")
     fastest = max(((b - a) / (tb - ta) for a, b, ta, tb in zip(y, y[1:], t, t[1:])), key=abs)

@@ -22,7 +22,7 @@ from research.trays import Case
 
 SCALINGS = ("printed", "consistent")
 IMPURITIES = ("iC4_D", "C3_B")
-# What a map changes, one thing at a time. A period of 5 min is beyond what form euler takes.
+# Changes of a map, one thing at a time. A period of 5 min is beyond what form euler takes.
 CHANGES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("as it is", {}),
     ("noise 0.05 K", {"noise": 0.05}),
@@ -84,7 +84,7 @@ def changed(change: dict[str, Any], pi: bool) -> dict[str, Any]:
 
 
 def job_of(case: Case) -> dict[str, Any]:
-    """What tells it from others; PIs are the same whatever law stands beside them."""
+    """Key that tells it from others; PIs are the same whatever law stands beside them."""
     told = asdict(case)
     if case.pi:
         told["law"] = told["form"] = "pi"

@@ -1,5 +1,5 @@
-"""What the source says of tray temperature control on its splitter, what a fresh reading of it with other property data had, and what
-comes out here. Written by the campaign of tray temperatures."""
+"""Compares the source's statements on tray temperature control of its splitter, a fresh reading of it with other property data, and our
+results. Written by the campaign of tray temperatures."""
 
 from __future__ import annotations
 

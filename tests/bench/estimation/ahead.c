@@ -62,7 +62,7 @@ static void settings_for(unsigned stages)
         b->loops = 0;
 }
 
-/* What the model has at its profile, with some scatter. */
+/* Sets readings to the model's values at its profile, with some scatter. */
 static void readings(const real_t *temperature)
 {
     for (unsigned k = 0; k < SEEN; k++)

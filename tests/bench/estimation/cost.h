@@ -1,4 +1,4 @@
-/* What the parts of the image share. */
+/* Declarations that the parts of the image share. */
 #ifndef REFLUX_BENCH_COST_H
 #define REFLUX_BENCH_COST_H
 
@@ -22,11 +22,11 @@ struct cost {
 };
 /* Paints the free stack. */
 void cost_paint_stack(void);
-/* What has been used of the stack since; the most counts. */
+/* Counts the stack used since; the largest use counts. */
 void cost_stack(struct cost *c);
-/* What lies between two calls of cost_now() with nothing in between is taken off. */
+/* Cost of two calls of cost_now() with nothing in between; it is taken off. */
 void cost_add(struct cost *c, uint32_t from, uint32_t to);
-/* What has been added up already. */
+/* Adds a cost that has been summed already. */
 void cost_sum(struct cost *c, uint32_t spent);
 /* Mean and most, then a line of the stack. */
 void cost_tell(const char *what, unsigned n, const struct cost *c, uint32_t bytes);

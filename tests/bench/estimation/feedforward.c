@@ -1,4 +1,4 @@
-/* What adaptive feedforward costs, by each of its methods: a tick of the kind `ff_tune` while it learns, tests and runs, and all the work
+/* Cost of adaptive feedforward, by each of its methods: a tick of the kind `ff_tune` while it learns, tests and runs, and all the work
  * between ticks from the responses to the element, with its largest piece. The plant is Siddha's loop in float, sampled once a
  * tick, under a PI. */
 #include <stdalign.h>

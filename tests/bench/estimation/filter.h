@@ -5,13 +5,13 @@
 
 #include "kinds/composition/composition_covariance.h"
 
-/* Of a splitter. extras: 0; 2, where nobody measures the feed's composition; 3, nor its flow. The workspace is the caller's. False: there is
+/* Makes the filter of a splitter. extras: 0; 2, where nobody measures the feed's composition; 3, nor its flow. The workspace is the caller's. False: there is
  * no such filter, or no room for it. */
 bool filter_begin(size_t stages, enum composition_method method,
                   enum composition_covariance covariance, size_t extras, void *memory,
                   uint32_t bytes);
 
-/* What the block does in a tick: takes gains where they are there, makes the step to t, asks for the next ones. */
+/* Does the block's work of a tick: takes gains where they are there, makes the step to t, asks for the next ones. */
 enum err filter_tick(const float *t);
 /* A piece of the job; true while there is more. */
 bool filter_piece(void);

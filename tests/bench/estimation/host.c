@@ -31,7 +31,7 @@ static const struct filter {
 static struct composition estimator;
 static struct dense_ekf dense;
 
-/* What is counted; the truth beside it is not. */
+/* Work that is counted; the truth beside it is not. */
 enum err measured(struct dense_ekf *ekf, const float *t);
 enum err measured_tick(const float *t);
 void measured_job(void);

@@ -1,4 +1,4 @@
-/* What an image of this folder has instead of an operating system: start, the timer that counts one for each instruction, the
+/* Support of an image without an operating system: start, the timer that counts one for each instruction, the
  * stack's paint, numbers that look random, lines on USART1. */
 #include "cost.h"
 

@@ -1,4 +1,4 @@
-/* What nobody tells the block in the campaign of compositions. */
+/* Changes that nobody tells the block in the campaign of compositions. */
 #ifndef REFLUX_CAMPAIGN_COURSES_H
 #define REFLUX_CAMPAIGN_COURSES_H
 

@@ -1,4 +1,4 @@
-/* How far a `composition` block with default settings is to be believed: a column of a table as the plant, which differs from the block's
+/* Measures how far a `composition` block with default settings is to be believed: a column of a table as the plant, which differs from the block's
  * model by what nobody tells the block. Four thermometers, the lowest of which a PI holds by the heat; in a second run a loop on the
  * estimated bottoms moves the setpoint of that PI, and returns it as the firmware does. Prints a line of each case:
  *
@@ -182,7 +182,7 @@ static void plant_step(struct bench *b, double heat, double reflux)
     evaluate(b);
 }
 
-/* What is not of the product: the second component in the distillate, the first in the bottoms. */
+/* Impurity of the product: the second component in the distillate, the first in the bottoms. */
 static double impurity(const struct bench *b, unsigned end)
 {
     const struct column *c = &b->plant.c.column;
@@ -262,7 +262,7 @@ static double held_by_heat(struct bench *b, double reading)
     return part;
 }
 
-/* How fast the temperature answers to the heat, and where it stands. */
+/* Finds how fast the temperature answers to the heat, and tunes the PI by it. */
 static void tune(struct bench *b)
 {
     static struct composition_block before;

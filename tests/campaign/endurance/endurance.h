@@ -26,14 +26,14 @@ struct course_plant {
 void course_begin(struct course_plant *p, enum course course, uint64_t samples, uint64_t seed);
 /* w, load and gain of the sample that comes now. */
 void course_prepare(struct course_plant *p);
-/* What is measured of y. */
+/* Returns the reading of y. */
 double course_reading(const struct course_plant *p);
 /* The plant goes a step on with u. */
 void course_step(struct course_plant *p, double u);
 /* Settings with which each estimator of the course works. */
 struct gmv_config course_config(enum course course);
 
-/* What went wrong first, and when. */
+/* The first thing that went wrong, and its sample. */
 struct verdict {
     uint64_t sample; /* 0: nothing went wrong */
     const char *what;

@@ -50,7 +50,7 @@ static void begin_forms(void)
         result[f].least = INFINITY;
 }
 
-/* What a form holds, in double; of an unsymmetric one the mean of both halves. */
+/* Copies the covariance of a form into double; of an unsymmetric one the mean of both halves. */
 static void look_at(unsigned form)
 {
     for (size_t i = 0; i < course.all; i++)

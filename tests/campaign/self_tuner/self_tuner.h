@@ -68,7 +68,7 @@ double random_normal(struct random_source *r);
 
 /* ---- sets.c ---- */
 
-/* What `delay` is chosen from: the dead time and the time constant of the right-half-plane zero, with half the second lag or without
+/* Times from which `delay` is chosen: the dead time and the time constant of the right-half-plane zero, with half the second lag or without
  * it; or the dead time alone. */
 enum delay_rule { DELAY_ALL, DELAY_ZERO, DELAY_DEAD };
 /* The n-th case of a set, "-rest" after its name: without moves between the first day and the last hours; false past its end. */

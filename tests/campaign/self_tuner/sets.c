@@ -63,7 +63,7 @@ static double log_uniform(struct random_source *r, double lo, double hi)
     return exp(random_uniform(r, log(lo), log(hi)));
 }
 
-/* Of every third the second lag is none, of every other one there is a zero, and half of all have loads. */
+/* Every third plant has no second lag, every other one has a zero, and half of all have loads. */
 static bool drawn_case(unsigned n, uint64_t seed, enum delay_rule rule, double slowest,
                        struct tuner_case *c)
 {

@@ -235,7 +235,7 @@ static void put_fault(const char *what)
         plant_event(one);
 }
 
-/* Whether there is one. */
+/* Runs one combination; true if there is one. */
 static bool one_combination(const struct law *law, const struct mode *mode,
                             const struct fault *fault)
 {

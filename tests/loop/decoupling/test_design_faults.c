@@ -240,7 +240,7 @@ static void accepted_while_the_loops_act_no_mv_jumps(void)
     is_whole();
 }
 
-/* Of 40 values of a model that is kept none is the same in the one that is found. */
+/* None of the 40 values of a kept model is the same in the one that is found. */
 static void a_model_that_was_saved_between_its_parts_does_not_count(void)
 {
     memory_port_erase_all();

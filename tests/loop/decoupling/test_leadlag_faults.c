@@ -15,7 +15,7 @@ void tearDown(void)
     plant_power_off();
 }
 
-/* What the disturbance calls for at rest: of u1 -0.4015, of u2 0.3212 for each unit of it. */
+/* Moves that the disturbance needs at rest: of u1 -0.4015, of u2 0.3212 for each unit of it. */
 static const char *const element[] = {"begin",
                                       "set block1.kind -",
                                       "set block1.kind leadlag",

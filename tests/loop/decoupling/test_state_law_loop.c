@@ -84,7 +84,7 @@ static void in_force(void)
 
 /* ---- the law ---- */
 
-/* What tools/state-feedback prints, kept in pilot-state.conf. */
+/* Gains that tools/state-feedback prints, kept in pilot-state.conf. */
 static void kept(const char *row, double *values, unsigned n)
 {
     char line[256];

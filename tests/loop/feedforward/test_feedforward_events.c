@@ -356,7 +356,7 @@ static void both_seconds(unsigned n, bool second_moves)
     }
 }
 
-/* Of the method `input`; the other disturbance rests. */
+/* Runs the method `input`; the other disturbance rests. */
 static void tune_one_after_the_other(void)
 {
     begin_unlike(&usual, 3);

@@ -23,7 +23,7 @@ static void wrong_element(const char *const *lines)
     tune_seconds(10);
 }
 
-/* What a step of the disturbance does to the MV at once, noise aside. */
+/* Effect of a step of the disturbance on the MV at once, noise aside. */
 static double added(void)
 {
     course.quiet = true;

@@ -79,7 +79,7 @@ static void one_that_is_worse_is_off_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.2 * bad, bad, mean_square(900));
 }
 
-/* Of what the element adds to the MV in a quarter of an hour: largest less least. */
+/* Range of what the element adds to the MV in a quarter of an hour: largest less least. */
 static double unrest_of_mv(void)
 {
     double least = INFINITY, most = -INFINITY;

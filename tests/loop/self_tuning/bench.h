@@ -9,7 +9,7 @@
 #define TICK_S  30.0
 #define TICK_MS 30000u
 
-/* Of single.conf and pair.conf. */
+/* Settings of the loops in single.conf and pair.conf. */
 #define TUNE_GAIN  0.8
 #define TUNE_TI_S  300.0
 #define OWN_GAIN   0.6

@@ -25,7 +25,7 @@ static struct moment now(double wanted)
     return (struct moment){commanded("Qrb"), wanted - reads("T10")};
 }
 
-/* What a PI moves between two samples, kW. */
+/* Move of a PI between two samples, kW. */
 static double pi_moves(double gain, double ti_s, struct moment before, struct moment after)
 {
     return gain * QRB_SPAN / T_SPAN *
@@ -106,7 +106,7 @@ static void when_the_law_takes_over_its_first_step_moves_nothing(void)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, before, commanded("Qrb"));
 }
 
-/* What feedforward adds is no move of the law's, and no error of the model. */
+/* The part that feedforward adds is no move of the law's, and no error of the model. */
 static void with_feedforward_on_its_mv_nothing_bumps_either(void)
 {
     column_at_rest(SINGLE, 0);

@@ -43,7 +43,7 @@ struct observer_settings {
     float unseen;   /* of what the plant gets besides what was sent */
 };
 
-/* What the work reads and writes; the tick leaves it alone until it is done. */
+/* Memory of the work; the tick leaves it alone until the work is done. */
 struct observer_design {
     real_t a[STATES], q[STATES][STATES], r[2];
     real_t p[STATES][STATES], gain[STATES][2];
@@ -97,7 +97,7 @@ static uint32_t observer_bytes(const struct block_setup *setup)
     return sizeof(struct observer);
 }
 
-/* What was sent the longest dead time ago comes out now. */
+/* The input of the longest dead time ago comes out now. */
 static uint16_t observer_history(const struct block_setup *setup)
 {
     uint16_t most = 0;
@@ -135,7 +135,7 @@ static enum err observer_check(const struct block_setup *setup, struct block_fau
     return ERR_OK;
 }
 
-/* Of elements k and k + 1, of those that have a gain. */
+/* Returns the shorter dead time of elements k and k + 1, of those that have a gain. */
 static uint16_t shortest_dead_time(const struct observer *o, unsigned k)
 {
     if (o->b[k] == 0 || (o->b[k + 1] != 0 && o->dead[k + 1] < o->dead[k]))
@@ -215,7 +215,7 @@ static real_t new_gain(real_t gain[2], const real_t pc[2], real_t s[2][2], real_
     return change;
 }
 
-/* What becomes of an error of a state: x <- A x, x <- x - L C x. With rounding between P and L it may be that it grows. */
+/* True if an error of a state dies away: x <- A x, x <- x - L C x. With rounding between P and L it may be that it grows. */
 static bool dies_away(const struct observer_design *d, unsigned state)
 {
     real_t x[STATES] = {0}, half = 0, rest = 0;
@@ -289,7 +289,7 @@ static void take_gain(struct observer *o, struct block_io *io)
 
 /* ---- steps ---- */
 
-/* What took effect of the MV of element k so many steps before the last. */
+/* Value of the MV of element k that took effect so many steps before the last. */
 static real_t sent(const struct block_io *io, unsigned k, unsigned before)
 {
     return num_to_float(applied_ticks_ago(io->input_applied[MOVED + k % 2], before + 1u));
@@ -380,7 +380,7 @@ static void observer_step(void *state, struct block_io *io)
         o->frozen--;
 }
 
-/* What it remembers may be of another plant, or hours old. The gain is not. */
+/* The state may be that of another plant, or hours old. The gain is not. */
 static void observer_follow(void *state, struct block_io *io)
 {
     (void)io;

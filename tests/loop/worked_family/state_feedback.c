@@ -171,7 +171,7 @@ static void state_feedback_follow(void *state, struct block_io *io)
     meet_outputs(s);
 }
 
-/* Who acts has changed, or whether outputs come out short: what is under way goes on from the outputs that are there. */
+/* The acting loops have changed, or outputs now come out short: the law goes on from the outputs that are there. */
 static void regroup(struct state_feedback *s, uint8_t acting)
 {
     bool together = acting == BOTH && !s->is_short;

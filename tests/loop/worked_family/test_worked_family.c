@@ -48,7 +48,7 @@ static void the_points_are_in_the_log_and_can_be_alarmed(void)
     TEST_ASSERT_TRUE(said("ALARM_ON xB_ahead.lo"));
 }
 
-/* What the readings do to d alone, where nothing comes unseen: a scalar filter for each measurement, whose gain has a formula. */
+/* Effect of the readings on d alone, where nothing comes unseen: a scalar filter for each measurement, whose gain has a formula. */
 static double scalar_gain(double noise, double drift)
 {
     double q = drift * drift, p = (q + sqrt(q * q + 4 * q * noise * noise)) / 2;

@@ -25,7 +25,7 @@ static struct moment now(double top, double bottom)
                            {top - reads("xD"), bottom - reads("xB")}};
 }
 
-/* What a PI step moves between two samples: gain times (change of the error + its share of ti). A setpoint that does not move. */
+/* Move of a PI between two samples: gain times (change of the error + its share of ti). A setpoint that does not move. */
 static double pi_moves(double gain, double ti_s, double before, double after)
 {
     return gain * (fabs(after - before) + TICK_S / ti_s * fabs(after));

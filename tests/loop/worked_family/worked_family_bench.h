@@ -10,7 +10,7 @@
 #define TICK_S  60.0
 #define TICK_MS 60000u
 
-/* Of worked_family.conf. */
+/* Settings of the loops in worked_family.conf. */
 #define TOP_GAIN      0.375 /* lb/min per %w */
 #define TOP_TI_S      497.0
 #define BOTTOM_GAIN   0.075
@@ -117,7 +117,7 @@ static inline void flash_from(const char *path)
     fclose(file);
 }
 
-/* Of both loops, from now on. */
+/* Errors of both loops from a moment on. */
 struct deviation {
     double top, bottom; /* integral of the absolute error, %w min */
 };

@@ -84,7 +84,7 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def sources_digest() -> str:
-    """Of everything a verdict depends on."""
+    """Hash of everything a verdict depends on."""
     sha = hashlib.sha256()
     for name in SOURCES:
         top = ROOT / name

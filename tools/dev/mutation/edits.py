@@ -1,4 +1,4 @@
-"""Where a C source could be wrong by one token or one statement, and what it would then say.
+"""Finds the places where a C source could be wrong by one token or one statement, and the wrong text.
 
 Four kinds. constant: a number one more or one less, a real number twice or half, true for false. comparison: another
 one, also && for ||, or a negation left out. arithmetic: another operator, also num_add for num_sub and their like, or a
@@ -168,7 +168,7 @@ class _Reader:
 
     @staticmethod
     def _chosen(tokens: list[Token], first: int, i: int) -> bool:
-        """Whether this colon belongs to a question mark of its statement."""
+        """True if this colon belongs to a question mark of its statement."""
         return any(t.text == "?" for t in tokens[first:i])
 
     def _table(self, tokens: list[Token]) -> None:
@@ -276,7 +276,7 @@ class _Reader:
 
     @staticmethod
     def _cast_or_head(tokens: list[Token], closing: int) -> bool:
-        """Whether this parenthesis ends a cast, or the head of an if or a loop."""
+        """True if this parenthesis ends a cast, or the head of an if or a loop."""
         depth = 0
         for k in range(closing, -1, -1):
             depth += (tokens[k].text == ")") - (tokens[k].text == "(")

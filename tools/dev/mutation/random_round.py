@@ -25,7 +25,7 @@ CAUGHT, SURVIVED, EQUIVALENT = "caught", "survived", "equivalent"
 
 @dataclass
 class Result:
-    """What became of one fault. by: the test that noticed; reach: the tests that reach the line, where none noticed."""
+    """Verdict on one fault. by: the test that noticed; reach: the tests that reach the line, where none noticed."""
 
     file: str
     function: str
@@ -92,7 +92,7 @@ class Round:
         return [t for t in passing if self.longest_s is None or bench.costs[t.name] <= self.longest_s]
 
     def prepare(self) -> None:
-        """What nearly every fault needs."""
+        """Builds the programs that nearly every fault needs."""
         bench = self.bench("float")
         bench.tree.build()
         self.costs["float"] = Costs(bench.tree)

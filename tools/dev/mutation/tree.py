@@ -122,7 +122,7 @@ class Tree:
     # --- what there is -------------------------------------------------------------------------------
 
     def tests(self) -> list[Test]:
-        """What ctest knows here and what runs something of this tree. Read from its files: of a program that is not
+        """Tests that ctest knows here and that run something of this tree. Read from its files: of a program that is not
         built yet ctest itself tells no command."""
         self.configure()
         out = []

@@ -76,7 +76,7 @@ class Bench:
         return target
 
     def differs(self, path: Path, plain: str, changed: str, place: Path) -> bool:
-        """Whether the machine code or data of anything in the firmware's libraries is another."""
+        """True if the machine code or data of anything in the firmware's libraries is another."""
         for unit in self.tree.units_of(path):
             if not unit.target.startswith("firmware/"):
                 continue

@@ -1,1 +1,1 @@
-"""What tools/test is made of: entries, tiers, expected times, the choice after a change, and the run."""
+"""Parts of tools/test: entries, tiers, expected times, the choice after a change, and the run."""

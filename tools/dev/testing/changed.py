@@ -161,7 +161,7 @@ def own_sources(test: Test) -> set[str]:
 
 
 def _module_of_command(name: str) -> Path:
-    """Where tools/NAME is; some path that is not there, if it is no command."""
+    """Path of tools/NAME; some path that is not there, if it is no command."""
     file = f"cmd_{name.replace('-', '_')}.py"
     return next(iter((ROOT / "tools").glob(f"*/{file}")), ROOT / "tools" / file)
 

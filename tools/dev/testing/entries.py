@@ -48,7 +48,7 @@ def needs(preset: str, *targets: str) -> Needs:
 
 
 def needs_of_firmware(*kinds: str) -> Needs:
-    """What scenarios on these firmwares run."""
+    """Programs that scenarios on these firmwares run."""
     return frozenset().union(*(needs(preset, *targets) for kind in kinds for preset, targets in launch.programs_of(kind)))
 
 
@@ -130,7 +130,7 @@ def page_tests() -> list[Test]:
 
 
 def reach_test() -> Test:
-    """Whether tests/reach.txt has every source that each test runs."""
+    """Test that tests/reach.txt has every source that each test runs."""
     return Test("tools.reach", [str(ROOT / "tools" / "coverage"), "--reach", "--check"], ["tools"], frozenset(),
                 {"TIMEOUT": HANG_S, "PROCESSORS": 2})
 

@@ -59,7 +59,7 @@ def quote(value: object) -> str:
 
 
 class Watch:
-    """What runs, what is done, and what is left."""
+    """Shows what runs, what is done, and what is left."""
 
     def __init__(self, tests: list[Test], seconds: dict[str, float], jobs: int):
         self.left = {t.name: seconds.get(t.name, times.UNKNOWN_S) for t in tests}

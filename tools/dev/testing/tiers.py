@@ -63,7 +63,7 @@ def split(tests: list[Test], labels: set[str], table: list[Row]) -> tuple[list[T
 
 
 def needs_of_full(tests: list[Test]) -> Needs:
-    """What the full tier builds besides: every image, and every program of the sanitizer presets, tests or not."""
+    """Targets that the full tier builds as well: every image, and every program of the sanitizer presets, tests or not."""
     labels = {label for test in tests for label in test.labels}
     out: Needs = needs_of_firmware(*boards.PRESETS) if "target" in labels else frozenset()
     if labels & {"unit", "loop", "fuzz"}:

@@ -1,4 +1,4 @@
-"""How long tests take: what the last run here measured, else what tests/times.txt keeps from a machine with two cores."""
+"""Duration of tests: as the last run here measured, else what tests/times.txt keeps from a machine with two cores."""
 
 from __future__ import annotations
 

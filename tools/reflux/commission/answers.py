@@ -1,4 +1,4 @@
-"""What the operator is asked for before a start-up: the values and what is allowed."""
+"""Answers of the operator before a start-up, and their limits."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Values:
         return min(self.values["at"] - self.values["min"], self.values["max"] - self.values["at"])
 
     def missing(self) -> str | None:
-        """What has no default and was not given yet."""
+        """Says which value has no default and was not given yet."""
         if self.fields is INPUT and self.values["tested"] and self.values["at"] is None:
             v = self.values
             return (f"{self.channel.name} at is wanted: the value at the plant's operating point, between {v['min']:g} "
@@ -167,7 +167,7 @@ class Values:
 
 @dataclass
 class Known:
-    """What is known of one element beforehand."""
+    """Prior knowledge of one element."""
 
     measurement: str
     input: str
@@ -178,7 +178,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Room:
-    """What the board takes."""
+    """Capacity of the board."""
 
     channels: int  # of each kind
     known: int     # elements of which something is known beforehand

@@ -80,7 +80,7 @@ def _known(answers: Answers, parameters: dict[str, str]) -> None:
 
 
 def set_lines(answers: Answers, parameters: dict[str, str], places: int) -> list[str]:
-    """What changes the board's configuration into this one."""
+    """Lines that change the board's configuration into this one."""
     lines = []
     for group, all_values in (("meas", answers.measurements), ("mv", answers.inputs)):
         taken = {v.place for v in all_values} | {i for i in range(1, places + 1) if f"{group}{i}.name" in parameters}

@@ -154,7 +154,7 @@ def progress_of(lines: list[str]) -> Progress:
 
 
 class Transcript:
-    """What Session writes its notes to: plant time before each line, telemetry into a file of its own, which is made one table at the end."""
+    """File to which Session writes its notes: plant time before each line, telemetry into a file of its own, which is made one table at the end."""
 
     def __init__(self, folder: Path):
         self.time_s = 0.0
@@ -256,7 +256,7 @@ class Board:
         return out
 
     def plant(self, patience_s: float) -> Plant:
-        """What is announced; waits for a plant that is just greeting."""
+        """Returns the announced plant; waits for one that is just greeting."""
         end = time.monotonic() + patience_s
         while True:
             try:
@@ -285,7 +285,7 @@ class Board:
         return out
 
     def channels(self) -> int:
-        """Of each kind that can be configured."""
+        """Number of channels of each kind that can be configured."""
         for line in self.ask("version"):
             match = re.match(r"limits: channels (\d+)", line)
             if match:
@@ -293,7 +293,7 @@ class Board:
         raise RunFailed("the board does not say how many channels it has (`version`)")
 
     def count(self, group: str, field_name: str) -> int:
-        """How many of an indexed group of parameters there are."""
+        """Number of members of an indexed group of parameters."""
         return sum(re.match(rf"{group}\d+\.{field_name} = ", line) is not None for line in self.ask(f"list {group}"))
 
     def allowed(self, name: str) -> tuple[float, float]:

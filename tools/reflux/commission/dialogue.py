@@ -187,7 +187,7 @@ FIRST_SHARE, MOST_SHARE = 0.02, 0.25  # of an input's span: the first step, and 
 
 
 def test_hours(answers: Answers) -> tuple[float, float]:
-    """Of plant time, for all tests: at the least times known, once; and with the longest steps in all rounds, each made again as
+    """Hours of plant time for all tests: at the least times known, once; and with the longest steps in all rounds, each made again as
     often as it may be."""
     window = answers.test["window"] * answers.tick_s
     longest = answers.test["longest"] or LONGEST_SAMPLES * answers.tick_s

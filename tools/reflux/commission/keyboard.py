@@ -1,4 +1,4 @@
-"""What somebody types: lines in answer to questions, and while the plant is tested single keys (a terminal) or lines
+"""Reads what somebody types: lines in answer to questions, and while the plant is tested single keys (a terminal) or lines
 (anything else), without keeping the board waiting."""
 
 from __future__ import annotations

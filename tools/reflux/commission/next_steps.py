@@ -1,4 +1,4 @@
-"""What to do where a start-up could not determine the pairs: longer tests, what else may settle it, and relay tests."""
+"""Advice where a start-up could not determine the pairs: longer tests, what else may settle it, and relay tests."""
 
 from __future__ import annotations
 

@@ -180,7 +180,7 @@ def row_at(times: list[float], at_s: float) -> int:
 
 
 def outcome_of(r: Record, status: list[str]) -> tuple[bool, str]:
-    """Whether loops are kept, and in words."""
+    """True if loops are kept, and the words for it."""
     try:
         p = progress_of(status)
     except RunFailed:

@@ -1,4 +1,4 @@
-"""What a start-up has found, from the listings of `commission` (docs/console.md), and as tables."""
+"""Results of a start-up, from the listings of `commission` (docs/console.md), and as tables."""
 
 from __future__ import annotations
 
