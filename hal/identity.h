@@ -17,8 +17,8 @@ enum hal_reset {
 
 /* Record of the last fault since power-on; in memory that survives a reset. */
 struct hal_fault {
-    uint32_t
-        exception; /* number of the exception: 3 hard, 4 memory, 5 bus, 6 usage; else unexpected */
+    /* number of the exception: 3 hard, 4 memory, 5 bus, 6 usage; else unexpected */
+    uint32_t exception;
     uint32_t pc, lr, psr;  /* where it happened; 0 when the stack was gone */
     uint32_t status, hard; /* CFSR and HFSR */
     uint32_t address;      /* that was reached for; 0 when the processor does not know */

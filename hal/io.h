@@ -52,8 +52,8 @@ struct io_sample {
     uint32_t reception; /* counts of hal_cycles() that taking it from the line cost */
     uint8_t n_measurements, n_readback; /* n_readback: 0 or the number of manipulated variables */
     struct io_reading measurement[IO_CHANNELS_MAX];
-    struct io_reading
-        readback[IO_CHANNELS_MAX]; /* applied value of the interval before this sample */
+    /* applied value of the interval before this sample */
+    struct io_reading readback[IO_CHANNELS_MAX];
 };
 
 struct io_command {

@@ -36,12 +36,12 @@ struct cold_stage {
 /* A vessel: reboiler or drum. Its product leaves by gravity through a valve. */
 struct cold_vessel {
     double area; /* m2 */
-    double
-        outlet; /* m: nothing leaves by pump or valve below this level, all that is wanted 1 cm above */
+    /* m: nothing leaves by pump or valve below this level, all that is wanted 1 cm above */
+    double outlet;
     double overflow; /* m: level of the overflow pipe, which leads to the product */
     double nominal;  /* m: level at which the product valve gives its full flow */
-    double
-        product_max; /* m3/s through the open product valve at the nominal level; sqrt(level) elsewhere */
+    /* m3/s through the open product valve at the nominal level; sqrt(level) elsewhere */
+    double product_max;
 };
 
 struct cold_config {
@@ -66,15 +66,15 @@ struct cold_config {
     double heater_metal;              /* J/K */
     double heater_wet, heater_dry;    /* W/K from the heater to the reboiler, covered and bare */
     double heater_bottom, heater_top; /* m: levels between which it is partly covered */
-    double heater_cut,
-        heater_cut_width;   /* K; its thermostat takes the power away over the width up to cut */
+    /* K; its thermostat takes the power away over the width up to cut */
+    double heater_cut, heater_cut_width;
     double condenser;       /* UA, W/K */
     double condenser_loss;  /* W/K from the water to the surroundings */
     double condenser_water; /* J/K of the water in it */
     double subcooling;      /* part of T_top - T_water that the condensate is cooled by */
     double water_max;       /* m3/s */
-    double
-        swell_vapour; /* mol/s of vapour at which the level reading stands half way up to its offset */
+    /* mol/s of vapour at which the level reading stands half way up to its offset */
+    double swell_vapour;
 };
 
 /* Valves as fractions of opening, 0 to 1. */
@@ -99,8 +99,8 @@ struct cold_stream {
 struct cold_outputs {
     double temperature[COLD_STAGES_MAX], holdup[COLD_STAGES_MAX], fraction[COLD_STAGES_MAX];
     double own[COLD_STAGES_MAX]; /* mol/s boiling off the stage's own liquid */
-    struct cold_stream vapour[COLD_STAGES_MAX],
-        liquid[COLD_STAGES_MAX]; /* leaving upwards, downwards */
+    /* leaving upwards, downwards */
+    struct cold_stream vapour[COLD_STAGES_MAX], liquid[COLD_STAGES_MAX];
     struct cold_stream feed, distillate, bottoms, leak, vent;
     double reflux_volume, distillate_volume, bottoms_volume, feed_volume, water_volume; /* m3/s */
     double level_reboiler, level_drum; /* m, true */

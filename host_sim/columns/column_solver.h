@@ -17,8 +17,8 @@
 struct column_solver; /* opaque */
 
 struct column_solver_options {
-    double
-        relative; /* integration tolerances on mole fractions; 0: 3e-6, a third of it where holdups move */
+    /* integration tolerances on mole fractions; 0: 3e-6, a third of it where holdups move */
+    double relative;
     double absolute; /* 0: 3e-8, likewise */
     double residual; /* largest dx/dt * 1 h left at a settled state, of any state; 0: 1e-9 */
 };

@@ -9,8 +9,8 @@ struct slopes {
     double reflux, distillate; /* by the drum's */
     double boilup, bottoms;    /* by the reboiler's */
     double internal;           /* internal reflux by reflux */
-    double
-        condensed; /* by the boil-up: 1 where subcooled reflux condenses all vapour there is, else 0 */
+    /* by the boil-up: 1 where subcooled reflux condenses all vapour there is, else 0 */
+    double condensed;
 };
 
 struct tray {

@@ -28,9 +28,9 @@ struct rosenbrock_problem {
 /* Work space and what is remembered. Fields are the module's own unless named otherwise. */
 struct rosenbrock {
     struct rosenbrock_problem problem;
-    double relative,
-        absolute;    /* tolerances: root mean square of error / (relative |y| + absolute) below 1 */
-    double shortest; /* of the stretch: below that a step counts as failed; 1e-9 */
+    /* tolerances: root mean square of error / (relative |y| + absolute) below 1 */
+    double relative, absolute;
+    double shortest;      /* of the stretch: below that a step counts as failed; 1e-9 */
     long steps, rejected; /* for reading */
     double next;          /* step that the error allows next, s; 0: not known */
     double first;         /* the same after the first step from a jump */

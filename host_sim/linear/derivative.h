@@ -14,15 +14,15 @@ enum derivative_side { DERIVATIVE_BOTH, DERIVATIVE_ABOVE, DERIVATIVE_BELOW };
 
 struct derivative_task {
     size_t n; /* functions */
-    size_t
-        first; /* the first so many are of one kind and compared with one another, the rest likewise */
+    /* number of functions of the first kind; functions are compared within their kind */
+    size_t first;
     /* f[n] at a distance from the point; false, with the reason, where there is none. */
     bool (*values)(void *context, long double distance, long double *f, char *err, size_t err_size);
     void *context;
     long double step;     /* the first h, above 0 */
     long double rounding; /* of the functions, relative to themselves and to 1 */
-    long double below,
-        above; /* how far the functions may be asked on either side, 0 or more; one above 0 */
+    /* how far the functions may be asked on either side, 0 or more; one above 0 */
+    long double below, above;
 };
 
 struct derivative_found {

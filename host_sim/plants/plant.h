@@ -25,16 +25,16 @@ struct plant_channel {
     enum plant_kind kind;
     const char *name; /* at most 15 characters: letters, digits, underscore */
     const char *unit; /* at most 11 characters, "-" for none */
-    double lo,
-        hi; /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
+    /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
+    double lo, hi;
     double nominal;    /* inputs start there; of the steady state, where create() makes one */
     double safe;       /* MVs: value taken on silence or an emergency */
     double slew;       /* MVs: fastest change, units per second, 0 = none. An actuator property */
     double lag_s;      /* measurements: first-order sensor time constant, 0 = none */
     double noise;      /* measurements: standard deviation of the sensor at --noise 1, units */
     double resolution; /* measurements: quantisation step, units, 0 = none */
-    double
-        every_s; /* measurements: an analyser, with a new value every so many seconds; 0 = none */
+    /* measurements: an analyser, with a new value every so many seconds; 0 = none */
+    double every_s;
     double delay_s; /* measurements: an analyser's value was taken so long before it is shown */
     const char *help;
 };

@@ -18,8 +18,8 @@
 
 struct head {
     uint32_t samples;
-    uint32_t
-        before; /* samples of rest, of which the last is the one at whose instant the step begins */
+    /* samples of rest, of which the last is the one at whose instant the step begins */
+    uint32_t before;
     uint32_t half;   /* of the double step */
     uint32_t window; /* samples looked at for rest: multiple of STEADY_BLOCKS, at most before */
     double h_s, amplitude, noise_floor;

@@ -44,8 +44,8 @@ static struct {
     unsigned turn; /* of CUT_LATER and CUT_EARLIER: readings */
     unsigned readings, start;
     unsigned wrong; /* this reading since the power is on gets a word wrong; CUT_NEVER */
-    bool
-        blend; /* what is programmed over unstable words leaves only the bits that all of their values leave */
+    /* what is programmed over unstable words leaves only the bits that all of their values leave */
+    bool blend;
     struct random_source random;
 } cut;
 

@@ -22,8 +22,8 @@ struct reflux_plant {
 struct reflux_loops {
     int32_t n;
     const int32_t *output, *input;
-    const double *gain,
-        *ti_s; /* gain with the action's sign: positive for a positive process gain */
+    /* gain with the action's sign: positive for a positive process gain */
+    const double *gain, *ti_s;
     double interval_s;
     const double *decoupler; /* n x n, or NULL */
 };

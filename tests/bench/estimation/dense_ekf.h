@@ -34,8 +34,8 @@ struct dense_ekf {
     uint8_t stage[BENCH_SENSORS];
     real_t h, noise2, model2;
     enum dense_form form;
-    uint32_t
-        steps; /* of Euler's in a sample: more than h |lambda|, of the largest eigenvalue of J */
+    /* of Euler's in a sample: more than h |lambda|, of the largest eigenvalue of J */
+    uint32_t steps;
 };
 
 /* Begins at the estimate, for the inputs, the sensors and the noise of an estimator of DENSE_STAGES stages. */

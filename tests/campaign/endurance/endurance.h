@@ -37,8 +37,8 @@ struct gmv_config course_config(enum course course);
 struct verdict {
     uint64_t sample; /* 0: nothing went wrong */
     const char *what;
-    double size,
-        rest; /* mean squares of the moves: over 50 samples, and as they were at the end of tune-in */
+    /* mean squares of the moves: over 50 samples, and as they were at the end of tune-in */
+    double size, rest;
     double error;   /* sum of |w - y| over the last tenth */
     uint64_t still; /* samples since the setpoint moved */
     double w;

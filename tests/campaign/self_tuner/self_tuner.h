@@ -86,8 +86,8 @@ struct tuner_result {
     double adopted_s, ended_s,
         found_s;   /* first; given up for good; from the first window beyond to the first alarm */
     double lawful; /* share of the week in which the law acts */
-    double g0_begun,
-        g0_rest; /* of the first loop: after the first day, before the last quarter of one */
+    /* of the first loop: after the first day, before the last quarter of one */
+    double g0_begun, g0_rest;
     unsigned adoptions, returns, beyond_most, beyond_moves_most; /* windows one after the other */
     unsigned by[8]; /* returns by alarm, in the order of enum gmv_alarm */
 };

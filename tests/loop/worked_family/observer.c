@@ -49,8 +49,8 @@ struct observer_design {
     real_t p[STATES][STATES], gain[STATES][2];
     uint16_t iterations;
     bool found; /* it stands still: now it is tried */
-    uint8_t next,
-        tried; /* with an error of each state: which comes next, how many have died away */
+    /* with an error of each state: which comes next, how many have died away */
+    uint8_t next, tried;
 };
 
 struct observer {
