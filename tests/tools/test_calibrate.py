@@ -4,6 +4,8 @@ import contextlib
 import io
 import unittest
 
+import support  # noqa: F401  (finds the tools)
+
 from reflux import cmd_calibrate
 from reflux.errors import UserError
 
