@@ -30,16 +30,16 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/bench",
         description="Measures speed, instructions per tick and memory, prints the tables and writes them to "
-        "tests/bench/results.md. What cannot be measured here is left out with its reason.")
+        "tests/bench/results.md. A table that cannot be measured here says why.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
-    p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
+    p.add_argument("--plants", action="store_true", help="only the simulated plants, print only")
     p.add_argument("--link", action="store_true", help="only the cost of the plant link per tick; prints it and writes no file")
-    p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
-    p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, printed and not written")
-    p.add_argument("--decoupling", action="store_true", help="only decouplers and pole placement, printed and not written")
-    p.add_argument("--feedforward", action="store_true", help="only adaptive feedforward, printed and not written")
-    p.add_argument("--image", action="store_true", help="only the sizes of images and their largest stack frames, printed and not written")
-    p.add_argument("--renew", action="store_true", help="with --estimation, --decoupling, --feedforward or --image: these tables are written into FILE, whose others stay as they are")
+    p.add_argument("--tick", action="store_true", help="only a tick without the link, print only")
+    p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, print only")
+    p.add_argument("--decoupling", action="store_true", help="only decouplers and pole placement, print only")
+    p.add_argument("--feedforward", action="store_true", help="only adaptive feedforward, print only")
+    p.add_argument("--image", action="store_true", help="only the sizes of images and their largest stack frames, print only")
+    p.add_argument("--renew", action="store_true", help="with --estimation, --decoupling, --feedforward or --image: write these tables into FILE and leave its others")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")

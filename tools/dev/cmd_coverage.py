@@ -25,7 +25,7 @@ def main(arguments: list[str]) -> int:
         f"of firmware/ they reach, by layer. Exit status 1 below {AIM_LINES:g} % of lines or {AIM_BRANCHES:g} % of "
         "branches. The report with every line goes to out/coverage/index.html.")
     p.add_argument("-j", "--jobs", type=int, default=max(2, os.cpu_count() or 2), metavar="N")
-    p.add_argument("--files", action="store_true", help="also each file")
+    p.add_argument("--files", action="store_true", help="list each file as well")
     p.add_argument("--reach", action="store_true",
                    help="instead: run every test of the default tier once and write the sources that it runs to tests/reach.txt")
     p.add_argument("--check", action="store_true", help="with --reach: write nothing; exit status 1 where the file lacks more than half a percent")

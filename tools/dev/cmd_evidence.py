@@ -93,7 +93,7 @@ def main(arguments: list[str]) -> int:
         description="Runs the programs that count things and writes docs/evidence.md. Naming sources runs only these; "
         "the others' figures are those of their last run: from build/evidence, or as the page has them.")
     p.add_argument("sources", nargs="*", metavar="SOURCE", help=f"{', '.join(SOURCES)} (default: all)")
-    p.add_argument("--page-only", action="store_true", help="run nothing, write the page from what is there")
+    p.add_argument("--page-only", action="store_true", help="run nothing; write the page from earlier results")
     p.add_argument("--out", type=named, default=PAGE, metavar="FILE")
     options = p.parse_args(arguments)
     for name in options.sources:

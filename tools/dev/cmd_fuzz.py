@@ -40,11 +40,11 @@ def main(arguments: list[str]) -> int:
         description=f"Runs fuzz targets under libFuzzer with sanitizers, one after the other: {', '.join(known)}. Inputs "
         "that end badly are kept in build/PRESET/crashes; replay them with build/PRESET/tests/fuzz/fuzz_NAME FILE.")
     p.add_argument("names", nargs="*", metavar="NAME", help="targets (default: all)")
-    p.add_argument("--runs", type=int, default=1_000_000, metavar="N", help="inputs tried of each (default 1000000)")
-    p.add_argument("--seconds", type=int, default=3600, metavar="S", help="at most this long for each (default 3600)")
+    p.add_argument("--runs", type=int, default=1_000_000, metavar="N", help="inputs for each target (default 1000000)")
+    p.add_argument("--seconds", type=int, default=3600, metavar="S", help="longest time for each target (default 3600)")
     p.add_argument("--seed", type=int, default=1, metavar="N")
     p.add_argument("--small", action="store_true",
-                   help="with the scalar type and the limits of the STM32F100 (preset and folder fuzz-small)")
+                   help="use the scalar type and the limits of the STM32F100 (preset and folder fuzz-small)")
     p.add_argument("--keep", action="store_true",
                    help="replace tests/fuzz/corpus/NAME by the smallest set of inputs that reaches as much")
     options = p.parse_args(arguments)

@@ -18,10 +18,10 @@ def main(arguments: list[str]) -> int:
         description="Proves on the linked image: no heap, no double precision, no streams, no setjmp, no recursion; "
         "worst-case stack with all interrupts on top fits; memory of each layer is within tests/target/budget.toml. "
         "Calls through pointers are listed in tests/target/indirect_calls.txt.")
-    p.add_argument("presets", nargs="*", metavar="PRESET", help=f"default: {' '.join(image_check.presets())}")
-    p.add_argument("--biggest", type=int, default=0, metavar="N", help="also the N biggest functions and objects")
-    p.add_argument("--path", action="store_true", help="also the calls on the way to the deepest stack")
-    p.add_argument("--no-build", action="store_true", help="take the images as they are")
+    p.add_argument("presets", nargs="*", metavar="PRESET", help=f"images to check (default: {' '.join(image_check.presets())})")
+    p.add_argument("--biggest", type=int, default=0, metavar="N", help="list the N biggest functions and objects as well")
+    p.add_argument("--path", action="store_true", help="list the calls on the way to the deepest stack as well")
+    p.add_argument("--no-build", action="store_true", help="do not build; use the images that are there")
     options = p.parse_args(arguments)
     if options.biggest < 0:
         raise UserError("--biggest must be 0 or more")

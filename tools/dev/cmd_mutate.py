@@ -42,12 +42,12 @@ def main(arguments: list[str]) -> int:
         "Everything is built and kept in build/mutants; a round that was interrupted goes on where it was.")
     p.add_argument("files", nargs="*", metavar="FILE",
                    help="only faults in source files whose path ends so; with --random also a folder, like firmware/num")
-    p.add_argument("--list", action="store_true", help="print the faults of tests/mutants.toml, try none")
-    p.add_argument("--random", type=int, metavar="N", help="N faults drawn by chance")
-    p.add_argument("--seed", type=int, default=1, metavar="S", help="which ones (default 1)")
+    p.add_argument("--list", action="store_true", help="print the faults of tests/mutants.toml and try none")
+    p.add_argument("--random", type=int, metavar="N", help="draw N faults by chance")
+    p.add_argument("--seed", type=int, default=1, metavar="S", help="seed of the draw (default 1)")
     p.add_argument("--again", action="store_true",
-                   help="only those of the round with this seed that were not noticed, in the sources and tests of now")
-    p.add_argument("-j", "--jobs", type=int, default=1, metavar="J", help="how many drawn faults at a time (default 1)")
+                   help="only those of the round with this seed that were not noticed, with the present sources and tests")
+    p.add_argument("-j", "--jobs", type=int, default=1, metavar="J", help="drawn faults tried at a time (default 1)")
     p.add_argument("--longest", type=float, metavar="SECONDS",
                    help="with --random or --again: leave out tests that take more processor time, for a first look")
     options = p.parse_args(arguments)

@@ -34,7 +34,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--changed", nargs="?", const="", metavar="COMMIT",
                    help="only tests that reach what differs from COMMIT (default: uncommitted changes, or the last commit)")
     p.add_argument("--within", type=float, default=WITHIN_S, metavar="SECONDS",
-                   help=f"with --changed: the shortest tests that together take so long, the others are named (default {WITHIN_S:g}; 0: no limit)")
+                   help=f"with --changed: run the shortest tests that fit into this time and name the others (default {WITHIN_S:g}; 0: no limit)")
     p.add_argument("-j", "--jobs", type=int, default=(os.cpu_count() or 2) + 1, metavar="N",
                    help="tests at a time (default: one more than processors, because some wait)")
     p.add_argument("-R", "--regex", metavar="REGEX", help="only tests whose names match")

@@ -15,8 +15,8 @@ from reflux.session import Refused, Session
 
 def add_options(p: argparse.ArgumentParser) -> None:
     """Adds the options that hand_over() uses."""
-    p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
-    p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
+    p.add_argument("--out", type=named, metavar="FILE", help="write the lines as a transaction for tools/console --run")
+    p.add_argument("--to", metavar="PORT", help="write them to a board, all or none; the board does not save them")
     keys.add_option(p, "with --to: ")
 
 

@@ -35,11 +35,11 @@ def correction(points: list[tuple[float, float]]) -> tuple[float, float]:
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(prog="tools/calibrate", description="Prints the console lines that calibrate a measurement.")
-    p.add_argument("measurement", metavar="meas<i>", help="as the board's parameters call it")
+    p.add_argument("measurement", metavar="meas<i>", help="the measurement's name in the board's parameters")
     p.add_argument("points", nargs="+", metavar="READING=TRUE",
-                   help="what the board shows, and what is true: two points, or one for the zero alone")
+                   help="value the board shows, and the true value: two points, or one for the zero alone")
     p.add_argument("--gain", type=float, default=1.0, help="calibration in force while the readings were taken (default: 1)")
-    p.add_argument("--zero", type=float, default=0.0, help="likewise (default: 0)")
+    p.add_argument("--zero", type=float, default=0.0, help="zero in force while the readings were taken (default: 0)")
     options = p.parse_args(arguments)
     if not re.fullmatch(r"meas[1-9]\d?", options.measurement):
         raise UserError(f'"{options.measurement}": the measurement is called meas1, meas2 and so on; `list all` at the console shows them')

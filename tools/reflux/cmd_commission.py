@@ -41,20 +41,20 @@ def parser() -> argparse.ArgumentParser:
                    "a plant of reflux-sim --list or a plant file, .json")
     p.add_argument("--firmware", choices=FIRMWARES, default="host", help="with --plant: a process, or the image in the "
                    "emulator (default host)")
-    p.add_argument("--speed", metavar="max|X", help="with --plant: times the clock on the wall (default: 200 samples a "
+    p.add_argument("--speed", metavar="max|X", help="with --plant: speed as a multiple of real time (default: 200 samples a "
                    "second, 1000 where nobody is asked)")
     p.add_argument("--tick", type=float, metavar="S", help="with --plant: sample interval (default: the plant's)")
-    p.add_argument("--seed", type=int, metavar="N", help="with --plant: of the sensor noise")
-    p.add_argument("--noise", type=float, metavar="X", help="with --plant: noise of all sensors, times their own")
-    p.add_argument("--no-build", action="store_true", help="with --plant: use what is built already")
+    p.add_argument("--seed", type=int, metavar="N", help="with --plant: seed of the sensor noise")
+    p.add_argument("--noise", type=float, metavar="X", help="with --plant: factor on the noise of all sensors")
+    p.add_argument("--no-build", action="store_true", help="with --plant: do not build; use what is there")
     keys.add_option(p)
-    p.add_argument("--file", type=named, metavar="FILE", help="answers from a .toml file instead of questions")
-    p.add_argument("--yes", action="store_true", help="take all defaults, and accept the proposal")
+    p.add_argument("--file", type=named, metavar="FILE", help="take the answers from a .toml file instead of asking")
+    p.add_argument("--yes", action="store_true", help="take all defaults and accept the proposal")
     p.add_argument("--write-file", type=named, metavar="FILE", help="write the answers given, for --file")
-    p.add_argument("--out", type=named, metavar="FOLDER", help="where transcript, telemetry and report go (default: "
+    p.add_argument("--out", type=named, metavar="FOLDER", help="folder for transcript, telemetry and report (default: "
                    "out/commission-PLANT, or out/commission)")
-    p.add_argument("--no-report", action="store_true", help="no report.html and no plots")
-    p.add_argument("--report", type=named, metavar="FOLDER", help="make the report of such a folder again; runs nothing")
+    p.add_argument("--no-report", action="store_true", help="write no report.html and no plots")
+    p.add_argument("--report", type=named, metavar="FOLDER", help="make the report of such a folder again; run nothing")
     return p
 
 

@@ -32,31 +32,31 @@ def parser() -> argparse.ArgumentParser:
 
 def _lines_parser(p: argparse.ArgumentParser) -> None:
     p.add_argument("--sd", type=float, required=True, metavar="K", help="standard deviation of a thermometer's readings at rest")
-    p.add_argument("--resolution", type=float, default=0.0, metavar="K", help="of the readings (default 0)")
-    p.add_argument("--feed-range", type=float, default=0.0, metavar="X", help="mole fraction: highest less lowest that the feed has (default 0: as the table says)")
-    p.add_argument("--feed-stays", type=float, default=4.0, metavar="H", help="hours from one change of the feed to the next, in the mean (default 4)")
-    p.add_argument("--flow-accuracy", type=float, default=0.0, metavar="PART", help="of the feed's flow meter, either way: 0.02 is +-2 %% (default 0)")
-    p.add_argument("--model-error", type=float, default=0.01, metavar="X", help="mole fraction by which the model is off with the right feed, standard deviation "
+    p.add_argument("--resolution", type=float, default=0.0, metavar="K", help="resolution of the readings (default 0)")
+    p.add_argument("--feed-range", type=float, default=0.0, metavar="X", help="range of the feed's mole fraction, highest less lowest (default 0: as the table has it)")
+    p.add_argument("--feed-stays", type=float, default=4.0, metavar="H", help="mean hours from one change of the feed to the next (default 4)")
+    p.add_argument("--flow-accuracy", type=float, default=0.0, metavar="PART", help="accuracy of the feed's flow meter: 0.02 is +-2 %% (default 0)")
+    p.add_argument("--model-error", type=float, default=0.01, metavar="X", help="standard deviation of the model's error with the right feed, mole fraction "
                    "(default 0.01)")
-    p.add_argument("--model-time", type=float, default=1.0, metavar="H", help="hours in which the column forgets (tools/column says it; default 1)")
+    p.add_argument("--model-time", type=float, default=1.0, metavar="H", help="slowest time constant of the column, hours (tools/column prints it; default 1)")
     p.add_argument("--analyser", type=float, metavar="X", help="standard deviation of an analysis, mole fraction")
-    p.add_argument("--analyser-resolution", type=float, default=0.0, metavar="X", help="of the analyses (default 0)")
-    p.add_argument("--offset", type=float, metavar="X", help="by how much the model may be off at the analyser's place, mole fraction")
-    p.add_argument("--method", choices=METHODS, default="ekf", help="default ekf")
+    p.add_argument("--analyser-resolution", type=float, default=0.0, metavar="X", help="resolution of the analyses (default 0)")
+    p.add_argument("--offset", type=float, metavar="X", help="largest error of the model at the analyser's place, mole fraction")
+    p.add_argument("--method", choices=METHODS, default="ekf", help="filter of the block (default ekf)")
     p.add_argument("--block", type=int, default=3, metavar="N", help="number of the block (default 3)")
 
 
 def _check_parser(p: argparse.ArgumentParser) -> None:
     p.add_argument("run", type=named, metavar="RUN", help="a folder that tools/run has written, or telemetry of a board's console (tools/console --log)")
     p.add_argument("--conf", type=named, action="append", default=[], metavar="FILE", help="console lines of the configuration, in place of the run's; repeatable")
-    p.add_argument("--block", type=int, metavar="N", help="which block, where several are of the kind composition")
+    p.add_argument("--block", type=int, metavar="N", help="number of the block, where several are of the kind composition")
     p.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the block in the replay, as method=ekf or noise=0.3; repeatable")
-    p.add_argument("--from", dest="first", type=float, metavar="H", help="hours of plant time (default: half an hour after the block's monitor begins to count)")
-    p.add_argument("--to", dest="last", type=float, metavar="H", help="default: the end of the run")
+    p.add_argument("--from", dest="first", type=float, metavar="H", help="begin at this hour of plant time (default: half an hour after the block's monitor begins to count)")
+    p.add_argument("--to", dest="last", type=float, metavar="H", help="end at this hour (default: the end of the run)")
     p.add_argument("--try", dest="tries", action="store_true", help="replay with the proposed numbers as well, until they fit or none do")
     p.add_argument("--format", choices=("text", "json"), default="text")
-    p.add_argument("--out", type=named, metavar="PNG", help="the picture; default: consistency.png beside the log, none with --format json")
-    p.add_argument("--no-build", action="store_true", help="use what is built already")
+    p.add_argument("--out", type=named, metavar="PNG", help="file of the picture (default: consistency.png beside the log; with --format json none)")
+    p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
 
 
 def main(arguments: list[str]) -> int:

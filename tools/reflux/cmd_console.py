@@ -30,11 +30,11 @@ def parser() -> argparse.ArgumentParser:
         description="Without an option for something else: a terminal on the board's console; ^] leaves. PORT is a "
         "serial device (/dev/ttyUSB0, /dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH.")
     p.add_argument("port", nargs="?", metavar="PORT")
-    p.add_argument("--host", action="store_true", help="start the firmware as a process of this computer instead")
-    p.add_argument("--plant", metavar="NAME", help="with --host: and a simulated plant at its link, such as pilot")
-    p.add_argument("--speed", default="10", metavar="max|X", help="of that plant, times the clock on the wall "
+    p.add_argument("--host", action="store_true", help="start the firmware as a process on this computer instead")
+    p.add_argument("--plant", metavar="NAME", help="with --host: also start a simulated plant at its link, such as pilot")
+    p.add_argument("--speed", default="10", metavar="max|X", help="speed of that plant as a multiple of real time "
                    "(default 10)")
-    p.add_argument("--no-build", action="store_true", help="with --host: use what is built already")
+    p.add_argument("--no-build", action="store_true", help="with --host: do not build; use what is there")
     p.add_argument("--log", type=named, metavar="FILE", help="append everything to FILE")
     keys.add_option(p)
     what = p.add_mutually_exclusive_group()
@@ -44,9 +44,9 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument("--restore", type=named, metavar="FILE", help="send such a file, then compare")
     what.add_argument("--plot", metavar="T1,T10", help="plot channels as they come: a window, or a PNG file where "
                       "there is no display; ^C ends it")
-    what.add_argument("--spark", metavar="T1,T10", help="the same as lines in the terminal")
+    what.add_argument("--spark", metavar="T1,T10", help="plot channels as lines in the terminal")
     p.add_argument("--keep-going", action="store_true", help="with --run: go on after a refusal")
-    p.add_argument("--png", type=named, metavar="FILE", help="with --plot: this file, no window")
+    p.add_argument("--png", type=named, metavar="FILE", help="with --plot: draw into this file, without a window")
     p.add_argument("--every", type=float, default=2.0, metavar="S", help="with --plot: seconds between two PNGs "
                    "(default 2)")
     p.add_argument("--seconds", type=float, metavar="S", help="with --plot or --spark: end after this time")

@@ -24,33 +24,33 @@ def parser() -> argparse.ArgumentParser:
         prog="tools/decouple",
         description="Designs a decoupler, and with --loops pp a controller for each loop, from a model in discrete time, and prints the settings of the board "
         "(docs/polynomial-decoupler.md).")
-    p.add_argument("model", help="what tools/identify --format json printed (NAME.json), what a board lists of an experiment (NAME.txt), or a "
+    p.add_argument("model", help="output of tools/identify --format json (NAME.json), a board's listing of an experiment (NAME.txt), or a "
                    "linear plant of host_sim/plants by name or file")
-    p.add_argument("--method", choices=METHODS, default="polynomial", help="polynomial (default): none of the interaction is left; static: K^-1; partial, one-way "
+    p.add_argument("--method", choices=METHODS, default="polynomial", help="polynomial (default): removes all of the interaction; static: K^-1; partial, one-way "
                    "and directions: less of it")
-    p.add_argument("--factor", metavar="F[,F...]", help="with partial: how much of the decoupler, 0 to 1; one, or for every element row by row")
+    p.add_argument("--factor", metavar="F[,F...]", help="with partial: part of the decoupler, 0 to 1; one number, or one for every element, row by row")
     p.add_argument("--rank", metavar="Y,Y", help="with one-way: outputs, first the one that no other loop disturbs")
-    p.add_argument("--condition", type=float, metavar="X", help="with directions: the most that a weak direction gets, of what the strongest needs")
+    p.add_argument("--condition", type=float, metavar="X", help="with directions: largest input of a weak direction, as a multiple of the strongest one's")
     p.add_argument("--loops", choices=("none", "pp"), default="none", help="pp: a controller for each loop by pole placement (kind rst)")
-    p.add_argument("--overshoot", type=float, default=0.1, help="of a setpoint step, 0 to 0.5 (default 0.1)")
-    p.add_argument("--settling", metavar="S[,S...]", help="of a setpoint step, s; one for all loops or for each")
+    p.add_argument("--overshoot", type=float, default=0.1, help="overshoot after a setpoint step, 0 to 0.5 (default 0.1)")
+    p.add_argument("--settling", metavar="S[,S...]", help="settling time after a setpoint step, s; one for all loops or one for each")
     p.add_argument("--observer", type=float, default=0.0, help="pole that filters measurements, 0 to 0.95 (default 0)")
     p.add_argument("--condition-hi", type=float, metavar="X", help="largest condition number of a controller's equations, 10 to 1e6 (default 1e4)")
-    p.add_argument("--period", type=float, metavar="S", help="of sampling, for a continuous plant")
-    p.add_argument("--pairs", metavar="Y=U,...", help="which output with which input, in the order of the loops (default: the order of the model)")
-    p.add_argument("--spans", metavar="NAME=SPAN,...|PLANT", help="of all channels, where the model has none; or a plant that has them")
-    p.add_argument("--units", choices=("spans", "eu"), default="spans", help="of what is printed: fractions of span as on the board, or engineering units. The lines "
+    p.add_argument("--period", type=float, metavar="S", help="sampling period for a continuous plant")
+    p.add_argument("--pairs", metavar="Y=U,...", help="pairs of output and input, in the order of the loops (default: the order of the model)")
+    p.add_argument("--spans", metavar="NAME=SPAN,...|PLANT", help="spans of all channels where the model has none, or a plant that has them")
+    p.add_argument("--units", choices=("spans", "eu"), default="spans", help="units of the output: fractions of span as on the board, or engineering units. The lines "
                    "for the board are always in spans")
-    p.add_argument("--zero-hi", type=float, metavar="X", help="largest zero of det B that is allowed (default 1)")
-    p.add_argument("--determinant-lo", type=float, metavar="X", help="least part of det B at rest that has to be left of its terms (default 0.02)")
+    p.add_argument("--zero-hi", type=float, metavar="X", help="largest allowed zero of det B (default 1)")
+    p.add_argument("--determinant-lo", type=float, metavar="X", help="smallest det B at rest, as a part of its terms (default 0.02)")
     p.add_argument("--element-hi", type=float, metavar="X", help="largest element of G (default 100)")
     p.add_argument("--first-block", type=int, default=1, metavar="N", help="number of the first block (default 1)")
-    p.add_argument("--loop-names", metavar="NAME,...", help="of the loops on the board, for blocks (default: names of the outputs)")
-    p.add_argument("--loop-numbers", metavar="N,...", help="of the loops on the board, for static decouplers and --tick (default 1, 2, ..)")
-    p.add_argument("--tick", type=float, metavar="S", help="with --loops pp: base tick of the board, of which the period is so many: divisors of the loops")
+    p.add_argument("--loop-names", metavar="NAME,...", help="names of the board's loops, for blocks (default: names of the outputs)")
+    p.add_argument("--loop-numbers", metavar="N,...", help="numbers of the board's loops, for static decouplers and --tick (default 1, 2, ..)")
+    p.add_argument("--tick", type=float, metavar="S", help="with --loops pp: base tick of the board, from which the divisors of the loops follow")
     board_settings.add_options(p)
     p.add_argument("--format", choices=("text", "json"), default="text")
-    p.add_argument("--no-build", action="store_true", help="use what is built already")
+    p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
     return p
 
 

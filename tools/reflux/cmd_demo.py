@@ -16,11 +16,11 @@ def main(arguments: list[str]) -> int:
         "STM32F405 image, and lets that image, in the emulator, hold a simulated distillation column for three and "
         "a half hours of plant time. Writes out/demo/report.html, plots and log.csv. Exit status 1 when a loop "
         "misses its limits.")
-    p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="instead of the image in the emulator")
-    p.add_argument("--console-port", metavar="PORT", help="with --firmware serial")
-    p.add_argument("--link-port", metavar="PORT", help="with --firmware serial")
+    p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="firmware to run instead of the image in the emulator")
+    p.add_argument("--console-port", metavar="PORT", help="with --firmware serial: port of the console")
+    p.add_argument("--link-port", metavar="PORT", help="with --firmware serial: port of the plant link")
     p.add_argument("--out", type=named, default=out_root() / "demo", metavar="FOLDER")
-    p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
+    p.add_argument("--seed", type=int, metavar="N", help="seed of the sensor noise")
     options = p.parse_args(arguments)
     for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():
         setattr(options, name, value)

@@ -26,11 +26,11 @@ def main(arguments: list[str]) -> int:
         description="Finds the board (ST-Link by st-flash, USB boot loader by dfu-util, ST-Link by OpenOCD), says what "
         "it will do, asks, writes the image, reads it back, compares, and starts it. Stored parameters are kept: "
         "their sectors are not touched.")
-    p.add_argument("--image", type=named, metavar="FILE", help=f"default: the one of preset {PRESET}")
-    p.add_argument("--probe", choices=sorted(probes.PROBES), help="only this way (default: the first that works)")
-    p.add_argument("--serial", metavar="NUMBER", help="of the ST-Link or boot loader, when there are more than one")
+    p.add_argument("--image", type=named, metavar="FILE", help=f"file to write (default: the image of preset {PRESET})")
+    p.add_argument("--probe", choices=sorted(probes.PROBES), help="use only this program (default: the first that works)")
+    p.add_argument("--serial", metavar="NUMBER", help="serial number of the ST-Link or boot loader, when there are several")
     p.add_argument("--yes", action="store_true", help="do not ask")
-    p.add_argument("--dry-run", action="store_true", help="say what would be done and stop")
+    p.add_argument("--dry-run", action="store_true", help="print what the tool would do, and stop")
     options = p.parse_args(arguments)
     image = options.image or default_image()
     about = inspect(image)

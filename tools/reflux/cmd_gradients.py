@@ -31,10 +31,10 @@ def main(arguments: list[str]) -> int:
         "column",
         metavar="NAME_OR_FILE",
         nargs="?",
-        help="a column that comes along, or the path of a file (docs/columns.md)",
+        help="a column of host_sim/plants by name, or the path of a file (docs/columns.md)",
     )
     p.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="an input's value instead of its nominal one"
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="value of an input instead of its nominal one; repeatable"
     )
     p.add_argument(
         "--profile",
@@ -42,12 +42,12 @@ def main(arguments: list[str]) -> int:
         metavar="CSV",
         help="a profile of your own: stage, T[K] or T[degC], x.NAME; with K.NAME no column is needed",
     )
-    p.add_argument("--feed", type=int, metavar="STAGE", help="feed stage of that profile, where no column says it")
+    p.add_argument("--feed", type=int, metavar="STAGE", help="feed stage of that profile, where no column gives it")
     p.add_argument(
         "--keys",
         type=_two,
         metavar="LIGHT,HEAVY",
-        help="key components; default: the neighbours between which the column cuts",
+        help="key components (default: the neighbours between which the column cuts)",
     )
     p.add_argument(
         "--loop",

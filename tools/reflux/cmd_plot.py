@@ -15,10 +15,10 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(prog="tools/plot", description="Plots columns of a log into a PNG file (docs/logs.md).")
     p.add_argument("log", type=named, metavar="LOG", help="a log of any tool, or a folder that holds one")
     p.add_argument("columns", nargs="*", metavar="COLUMN",
-                   help="names without their unit, such as T1.meas (default: measurements, setpoints, outputs)")
-    p.add_argument("-o", "--out", type=named, metavar="PNG", help="default: plot.png beside the log")
+                   help="columns by their names without unit, such as T1.meas (default: measurements, setpoints, outputs)")
+    p.add_argument("-o", "--out", type=named, metavar="PNG", help="file of the picture (default: plot.png beside the log)")
     p.add_argument("--list", action="store_true", help="print the columns of the log and stop")
-    p.add_argument("--csv", type=named, metavar="FILE", help="no picture: write the log as one table")
+    p.add_argument("--csv", type=named, metavar="FILE", help="write the log as one table instead of a picture")
     options = p.parse_args(arguments)
     path = log_of(options.log)
     log = read(path)

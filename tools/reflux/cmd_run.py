@@ -26,15 +26,15 @@ def parser() -> argparse.ArgumentParser:
                    "fixed-point numbers, as stm32f100 always is; memory: inside the simulator; serial: a board on two serial ports")
     p.add_argument("--console-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB0")
     p.add_argument("--link-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB1")
-    p.add_argument("--out", type=named, metavar="FOLDER", help="where results go (default: out/NAME)")
-    p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
-    p.add_argument("--noise", type=float, metavar="X", help="noise of all sensors, times their own")
-    p.add_argument("--speed", metavar="max|X", help="as fast as it goes, or X times the clock on the wall")
-    p.add_argument("--quiet", action="store_true", help="no progress, no table")
-    p.add_argument("--no-report", action="store_true", help="no report.html and no plots")
-    p.add_argument("--no-build", action="store_true", help="use what is built already")
+    p.add_argument("--out", type=named, metavar="FOLDER", help="folder for the results (default: out/NAME)")
+    p.add_argument("--seed", type=int, metavar="N", help="seed of the sensor noise")
+    p.add_argument("--noise", type=float, metavar="X", help="factor on the noise of all sensors")
+    p.add_argument("--speed", metavar="max|X", help="as fast as possible (max), or a multiple of real time")
+    p.add_argument("--quiet", action="store_true", help="print no progress and no table")
+    p.add_argument("--no-report", action="store_true", help="write no report.html and no plots")
+    p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
     p.add_argument("--compare", nargs=2, metavar=("A", "B"),
-                   help="compare two logs (or output folders) bit for bit; runs nothing")
+                   help="compare two logs (or output folders) bit for bit; run nothing")
     return p
 
 

@@ -65,13 +65,13 @@ def main(arguments: list[str]) -> int:
         "kept in the build folder, so that an interrupted campaign goes on where it was. A whole campaign writes "
         "its tables into out/campaign. Exit status 1 when a run fails or misses its limits.")
     p.add_argument("name", metavar="NAME", help=f"one of: {', '.join(known())}")
-    p.add_argument("--fraction", type=float, default=1.0, metavar="X", help="only this part of the seeds")
-    p.add_argument("--check", action="store_true", help="write no result tables, only tell whether all is well")
-    p.add_argument("--out", type=named, metavar="FOLDER", help="for the tables (default out/campaign)")
+    p.add_argument("--fraction", type=float, default=1.0, metavar="X", help="run only this part of the seeds")
+    p.add_argument("--check", action="store_true", help="write no tables; only say whether all limits hold")
+    p.add_argument("--out", type=named, metavar="FOLDER", help="folder for the tables (default out/campaign)")
     p.add_argument("--keep", action="store_true", help="write the tables into tests/campaign/results and the pages that show them, to be committed")
     p.add_argument("--again", action="store_true", help="forget the finished runs")
     p.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
-    p.add_argument("--no-build", action="store_true", help="use what is built already")
+    p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
     options = p.parse_args(arguments)
     if not 0 < options.fraction <= 1:
         raise UserError("--fraction must be more than 0 and at most 1")
