@@ -118,7 +118,7 @@ bool line_known(const char *where, char *err, size_t err_size)
         (strncmp(where, "pty:", 4) == 0 && where[4]) ||
         (strncmp(where, "socket:", 7) == 0 && where[7]))
         return true;
-    (void)snprintf(err, err_size, "'%s' is no line: pty, pty:LINK, socket:PATH or stdio is wanted",
+    (void)snprintf(err, err_size, "'%s' is not a line: use pty, pty:LINK, socket:PATH or stdio",
                    where);
     return false;
 }

@@ -75,11 +75,11 @@ int main(int argc, char **argv)
         else if (strcmp(name, "--watchdog") == 0) {
             options.watchdog = strcmp(value, "on") == 0;
             if (!options.watchdog && strcmp(value, "off") != 0) {
-                (void)fprintf(stderr, "reflux-host: --watchdog %s: on or off is wanted\n", value);
+                (void)fprintf(stderr, "reflux-host: --watchdog %s: must be on or off\n", value);
                 return 2;
             }
         } else if (!parse_boot_id(value, &options.boot_id)) {
-            (void)fprintf(stderr, "reflux-host: --boot-id %s: 0 .. 4294967295 is wanted\n", value);
+            (void)fprintf(stderr, "reflux-host: --boot-id %s: must be 0 .. 4294967295\n", value);
             return 2;
         }
     }

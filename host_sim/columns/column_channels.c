@@ -40,7 +40,7 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
     if (unit == NULL) {
         char names[200];
         column_unit_names(measures, names, sizeof(names));
-        (void)walk_fail(w, "\"%s\" is no unit of %s; must be one of %s", name, what, names);
+        (void)walk_fail(w, "\"%s\" is not a unit of %s; must be one of %s", name, what, names);
         unit = column_unit_find("-", MEASURE_NUMBER);
     }
     column_need_unit(r, unit);
@@ -69,9 +69,9 @@ static void check_value(struct column_reader *r, const struct column_driven *d, 
     double hi = feed ? config->temperature_max : q->hi;
     double to_unit = 1.0 / d->unit->in;
     if (!(si >= lo * (1.0 - 1e-12) && si <= hi * (1.0 + 1e-12))) {
-        (void)walk_fail(r->walk, "%g %s is no %s; must be %g to %g%s", value, d->unit->name,
-                        q->name, lo * to_unit - d->unit->offset, hi * to_unit - d->unit->offset,
-                        feed ? ", by $.temperature_range" : "");
+        (void)walk_fail(r->walk, "%g %s is not valid for %s; must be %g to %g%s", value,
+                        d->unit->name, q->name, lo * to_unit - d->unit->offset,
+                        hi * to_unit - d->unit->offset, feed ? ", by $.temperature_range" : "");
     }
 }
 

@@ -200,8 +200,7 @@ static void read_structure(struct column_reader *r)
     double version = walk_number(w, r->root, "column", 0.0, 1e6, NAN);
     if (version != 1.0) {
         size_t mark = walk_key(w, "column");
-        (void)walk_fail(w, "%g is no version of this format that is known here; must be 1",
-                        version);
+        (void)walk_fail(w, "%g is not a known version of this format; must be 1", version);
         walk_up(w, mark);
     }
     c->stages = read_count(w, r->root, "stages", 4, COLUMN_STAGES_MAX);

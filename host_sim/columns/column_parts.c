@@ -230,7 +230,7 @@ size_t column_component(struct column_reader *r, const json_t *name)
     for (size_t j = 0; j < config->components; j++) {
         sim_append(names, sizeof(names), " %s", config->component[j].name);
     }
-    (void)walk_fail(w, "\"%.40s\" is no component; there is%s", text, names);
+    (void)walk_fail(w, "\"%.40s\" is not a component; there is%s", text, names);
     return 0;
 }
 

@@ -17,7 +17,7 @@ static size_t find_seen(struct column_reader *r, const char *name)
     }
     if (found == t->n_seen) {
         found = 0;
-        (void)walk_fail(r->walk, "\"%s\" is no output and no truth", name);
+        (void)walk_fail(r->walk, "\"%s\" is neither an output nor a truth", name);
     } else if (t->seen[found].sight == SIGHT_LOG_FRACTION) {
         (void)walk_fail(r->walk, "%s is a logarithm; must be met by the fraction itself", name);
     }
@@ -45,10 +45,11 @@ static size_t find_driven(struct column_reader *r, const char *name)
     }
     if (found == t->n_driven) {
         found = 0;
-        (void)walk_fail(r->walk,
-                        "\"%s\" is no input, and no constant reflux, heat or boilup that could be "
-                        "trimmed",
-                        name);
+        (void)walk_fail(
+            r->walk,
+            "\"%s\" is not an input, and not a constant reflux, heat or boilup that could be "
+            "trimmed",
+            name);
     } else if (t->driven[found].drive == DRIVE_DISTILLATE ||
                t->driven[found].drive == DRIVE_BOTTOMS) {
         (void)walk_fail(r->walk, "%s follows from the nominal state and cannot be trimmed", name);

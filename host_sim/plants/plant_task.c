@@ -227,7 +227,7 @@ static int work(char *err, size_t err_size)
     bool profile = strcmp(task.task, "--profile") == 0;
     if (profile && task.class->column == NULL) {
         (void)sim_fail(err, err_size,
-                       "--profile: %s is no column that comes from a file; it has no "
+                       "--profile: %s is not a column that comes from a file; it has no "
                        "stages to show",
                        task.class->name);
         return EXIT_BAD_INPUT;

@@ -23,16 +23,16 @@ TOOL = board.ROOT / "tools" / "commission"
 FAST = "120000"  # 2000 samples of a minute a second
 
 BAD_FILES = {
-    "limit is NaN": ("[measurement.xD]\nlimit = nan\n", "measurement.xD: xD limit is nan; a number in %w is wanted"),
-    "limit past the span": ("[measurement.xD]\nlimit = 33\n", "more than 0 and up to its span, 32 %w, is wanted"),
+    "limit is NaN": ("[measurement.xD]\nlimit = nan\n", "measurement.xD: xD limit is nan; it must be a number in %w"),
+    "limit past the span": ("[measurement.xD]\nlimit = 33\n", "it must be more than 0 and up to its span, 32 %w"),
     "no such measurement": ("[measurement.xQ]\nlimit = 1\n", "measurement.xQ: there is no such measurement; there are"),
     "no such field": ("[input.R]\nstride = 1\n", "R has no stride; there is lo, hi, safe, min, max, at, tested"),
-    "step past the limits": ("[input.R]\nat = 1.95\nstep = 2.5\n", "R step is 2.5; more than 0 and up to 1.95 lb/min"),
+    "step past the limits": ("[input.R]\nat = 1.95\nstep = 2.5\n", "R step is 2.5; it must be more than 0 and up to 1.95 lb/min"),
     "no room": ("[input.R]\nat = 4.0\n", "R at 4 lb/min leaves no room to step both ways"),
     "limits crossed": ("[input.R]\nmin = 3\nmax = 2\n", "R min is 3 and max is 2; min must be below max"),
-    "known twice wrong": ('[[known]]\nmeasurement = "R"\ninput = "xD"\ntime_s = 9\n', "R is no measurement"),
-    "confidence": ("[test]\nconfidence = 1.5\n", "confidence is 1.5; 0.5 .. 0.9999 is wanted"),
-    "half a round": ("[test]\nrounds = 1.5\n", "a whole number is wanted"),
+    "known twice wrong": ('[[known]]\nmeasurement = "R"\ninput = "xD"\ntime_s = 9\n', "R is not a measurement"),
+    "confidence": ("[test]\nconfidence = 1.5\n", "confidence is 1.5; it must be 0.5 .. 0.9999"),
+    "half a round": ("[test]\nrounds = 1.5\n", "it must be a whole number"),
     "another plant": ('[plant]\nname = "pilot"\n', 'plant.name is "pilot"; the plant that is connected is wood-berry'),
     "another interval": ("[plant]\ntick_s = 5\n", "the plant samples every 60 s"),
     "answer": ('[proposal]\nanswer = "perhaps"\n', 'known are: accept, reject'),
@@ -87,11 +87,11 @@ class Alone(Tool):
                  "rounds 2.5", "guard circle", "rounds 2 guard line", "", "maybe", "yes",
                  "accpt", "", "edit", "loop1.gain x", "loop17.gain 1", "loop1.b 0.9", "", "accept"]
         out, _err = self.simulated("--write-file", str(answers), text="\n".join(lines) + "\n")
-        for told in ("xD limit is abc; a number in %w is wanted", "xD limit is -inf; a number in %w is wanted, a finite one",
-                     "there is no xQ here; there are xD, xB", "names and values in turn are wanted",
-                     "xD critical is maybe; yes or no is wanted", "R step is 3; more than 0 and up to 1.95 lb/min is wanted",
-                     "Q is no input; there are R, S", "rounds is 2.5; a whole number is wanted",
-                     "guard is circle; model or line is wanted", "accpt is no answer", "Type the whole word",
+        for told in ("xD limit is abc; it must be a number in %w", "xD limit is -inf; it must be a number in %w, a finite one",
+                     "there is no xQ here; there are xD, xB", "give names and values in turn",
+                     "xD critical is maybe; it must be yes or no", "R step is 3; it must be more than 0 and up to 1.95 lb/min",
+                     "Q is not an input; there are R, S", "rounds is 2.5; it must be a whole number",
+                     "guard is circle; it must be model or line", "accpt is not an answer", "Type the whole word",
                      "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops did as predicted and stay",
                      "Nothing is stored: `save`"):
             self.assertIn(told, out)
@@ -218,7 +218,7 @@ class OnABoard(Tool):
                 self.assertEqual(err.count("\n"), 1)
         # A board in its safe state tells no operating point.
         _out, err = self.tool(self.firmware.console, "--yes", "--no-report", expect=2)
-        self.assertIn("R at is wanted: the value at the plant's operating point, between 0 and 4 lb/min", err)
+        self.assertIn("give R at, the value at the plant's operating point, between 0 and 4 lb/min", err)
         with board.console(self.firmware) as console:
             self.assertIn("commission", console.do("help commission")[0])
             self.assertEqual([line for line in console.do("diff defaults") if line.startswith("set")], [])

@@ -191,7 +191,7 @@ class Ports(unittest.TestCase):
 
     def test_what_is_no_port_is_said_in_one_line(self) -> None:
         for where, expected in (("/nowhere", "there is no /nowhere"), ("socket:/nowhere", "No such file"),
-                                (str(CONFIGURATION), "is no serial device")):
+                                (str(CONFIGURATION), "is not a serial device")):
             out = subprocess.run([str(TOOL), where], text=True, capture_output=True, check=False)
             self.assertEqual((out.returncode, out.stderr.count("\n")), (2, 1), out.stderr)
             self.assertIn(expected, out.stderr)

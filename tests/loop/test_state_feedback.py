@@ -56,7 +56,7 @@ class Tool(unittest.TestCase):
     def test_what_cannot_be_is_refused_with_the_reason(self) -> None:
         self.refused([*WANTED, "--states", "T1,T10"], "stand for too little")
         self.refused(changed(outputs="T1,T99"), "T99", "there are")
-        self.refused(changed(inputs="Lr,Q"), "Q is no input")
+        self.refused(changed(inputs="Lr,Q"), "Q is not an input")
         self.refused(changed(outputs="T1"), "1 and 2")
         self.refused(changed(poles="0.03,-0.03"), "below 0")
         self.refused(changed(poles="fast,-0.03"), "numbers")

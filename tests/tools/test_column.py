@@ -84,8 +84,8 @@ class Files(FolderTest):
         self.assertEqual(column_file.steepest(bare, [400, 390, 389, 370, 360, 359]), ("T1",))
 
     def test_what_is_no_column_is_said_in_one_line(self) -> None:
-        for text, words in (("{", "not JSON"), ("[]", "is no plant"), ('{"plant": 1}', "is no column"),
-                            ('{"column": 1, "name": "x", "stages": {}}', "is no sound column")):
+        for text, words in (("{", "not JSON"), ("[]", "is not a plant"), ('{"plant": 1}', "is not a column"),
+                            ('{"column": 1, "name": "x", "stages": {}}', "is not a sound column")):
             with self.assertRaises(UserError) as caught:
                 column_file.read(str(self.file("bad.json", text)))
             self.assertIn(words, str(caught.exception))
@@ -118,7 +118,7 @@ class Command(FolderTest):
         for arguments, words in ((("pilot", "--outputs", "T99"), "--outputs T99: pilot has no such output; there is T1 "),
                                  (("pilot", "--inputs", "T1"), "--inputs T1: pilot has no such input; there is Lr "),
                                  (("pilot", "--set", "Lr=99"), "Lr = 99 l/h is outside 0 to 12"),
-                                 (("wood-berry",), "is no column")):
+                                 (("wood-berry",), "is not a column")):
             status, _, err = call("column", *arguments, "--out", picture)
             self.assertEqual((status, err.count("\n")), (2, 1), err)
             self.assertIn(words, err)

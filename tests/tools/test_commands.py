@@ -226,7 +226,7 @@ def main() -> int:
     options = p.parse_args()
     unknown = [name for name in options.pages if name not in PAGES]
     if unknown:
-        p.error(f"{unknown[0]} is no page with commands; --list prints them")
+        p.error(f"{unknown[0]} is not a page with commands; --list prints them")
     if options.list:
         print("\n".join(PAGES))
         return 0

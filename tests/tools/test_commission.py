@@ -214,7 +214,7 @@ class Answers(FolderTest):
             ("h", {"at": 4.0}, "leaves no room to step both ways"), ("h", {"step": 1.5}, "up to 1 kW"),
             ("h", {"min": -1.0}, "0 .. 4 kW"), ("h", {"time": 0.0}, "more than 0"),
             ("h", {"time": True}, "a number in s or auto"),
-            ("h", {"max": 3.0, "min": 3.0}, "min must be below max"), ("h", {"safe": 9}, "0 .. 4 kW is wanted"),
+            ("h", {"max": 3.0, "min": 3.0}, "min must be below max"), ("h", {"safe": 9}, "it must be 0 .. 4 kW"),
             ("h", {"limit": 1}, "h has no limit"), ("x", {"limit": 2}, "up to its span, 1 -"),
         ):
             with self.subTest(name=name, given=given):
@@ -260,11 +260,11 @@ class Answers(FolderTest):
 
     def test_pairs_that_cannot_be_are_told_with_their_key(self) -> None:
         known = '[[known]]\nmeasurement = "T"\ninput = "h"\n'
-        for text, told in (('[known]\npairs = [["T", "h"], ["x", "h"]]\n', "known.pairs: x h is no pair: T h is one already"),
-                           ('[known]\npairs = ["T", "h"]\n', 'known.pairs: pairs are wanted, such as [["T", "h"]]'),
-                           ('[known]\npairs = [["h", "T"]]\n', "known.pairs: h is no measurement"),
-                           ('[known]\npair = 1\n', "known.pairs: pairs are wanted"),
-                           (f'{known}time_s = 9\n{known.replace("T", "x")}pair = true\n', "T h is known, and is no pair")):
+        for text, told in (('[known]\npairs = [["T", "h"], ["x", "h"]]\n', "known.pairs: x h is not a pair: T h is one already"),
+                           ('[known]\npairs = ["T", "h"]\n', 'known.pairs: give pairs, such as [["T", "h"]]'),
+                           ('[known]\npairs = [["h", "T"]]\n', "known.pairs: h is not a measurement"),
+                           ('[known]\npair = 1\n', "known.pairs: give pairs"),
+                           (f'{known}time_s = 9\n{known.replace("T", "x")}pair = true\n', "T h is known, and is not a pair")):
             with self.assertRaises(UserError) as caught:
                 a = oven()
                 a.channel("c").change({"at": 5})

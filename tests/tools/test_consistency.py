@@ -263,13 +263,13 @@ class Recorded(FolderTest):
         self.assertIn("T9.meas", words)
 
     def test_no_number_that_is_called_good_is_refused_with_its_time_and_one_that_is_called_bad_is_not(self) -> None:
-        self.assertIn("T1.meas is no number in the sample at 40 s", self.refused(rows("4,40,nan,0,360,0,5\n")))
-        self.assertIn("T1.meas is no number in the sample at 40 s", self.refused(rows("4,40,,0,360,0,5\n")))
-        self.assertIn("Q.applied is no number in the sample at 40 s", self.refused(rows("4,40,350,0,360,0,nan\n")))
+        self.assertIn("T1.meas is not a number in the sample at 40 s", self.refused(rows("4,40,nan,0,360,0,5\n")))
+        self.assertIn("T1.meas is not a number in the sample at 40 s", self.refused(rows("4,40,,0,360,0,5\n")))
+        self.assertIn("Q.applied is not a number in the sample at 40 s", self.refused(rows("4,40,350,0,360,0,nan\n")))
         self.assertEqual(self.read(rows("4,40,nan,3,360,0,5\n"))[0].readings[4][0], (0.0, 3))
 
     def test_times_that_are_no_ticks_are_refused(self) -> None:
-        self.assertIn("no multiple of the tick", self.refused(rows("4,43,350,0,360,0,5\n")))
+        self.assertIn("not a multiple of the tick", self.refused(rows("4,43,350,0,360,0,5\n")))
         self.assertIn("no two samples", self.refused(HEADER + "0,0,350,0,360,0,5\n"))
 
     def test_a_configuration_without_an_estimator_is_refused(self) -> None:

@@ -150,7 +150,7 @@ class FlashTest(FolderTest):
         self.assertIn("Failed to connect to target", err)
 
     def test_files_that_are_no_images(self) -> None:
-        for data, expected in ((b"\x7fELF" + bytes(2000), "the .bin file is wanted"), (b"", "0 bytes"),
+        for data, expected in ((b"\x7fELF" + bytes(2000), "use the .bin file"), (b"", "0 bytes"),
                                (bytes(800 * 1024), "an image has 512 to 786432")):
             self.image.write_bytes(data)
             status, _, err = self.flash("--yes", FAKE_STLINK=STLINK)

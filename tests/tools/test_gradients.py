@@ -298,12 +298,12 @@ class OtherColumns(FolderTest):
 
     def test_nonsense_is_refused(self) -> None:
         for arguments, words in (
-            (("wood-berry",), "is no column"),
+            (("wood-berry",), "is not a column"),
             ((), "names no column"),
             (("splitter", "--loop", "Q33"), "must be MV:STAGE"),
-            (("splitter", "--loop", "F:33"), "is no reflux, heat or boil-up"),
+            (("splitter", "--loop", "F:33"), "is not a reflux, heat or boil-up"),
             (("splitter", "--loop", "Q:37"), "has no stage above"),
-            (("splitter", "--keys", "C3,C9"), "no component"),
+            (("splitter", "--keys", "C3,C9"), "not a component"),
             (("splitter", "--set", "Q"), "NAME=NUMBER"),
             (("splitter", "--step", "2"), "below 0.5"),
         ):

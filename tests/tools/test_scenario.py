@@ -104,12 +104,12 @@ class Commands(FolderTest):
             (["run", "smoke", "--firmware", "serial"], "needs --console-port and --link-port"),
             (["run", "smoke", "--link-port", "/dev/null"], "go with --firmware serial only"),
             (["run", "--compare", "/nonexistent", bad], "no such file"),
-            (["test", "units"], '"units" is no label'),
+            (["test", "units"], '"units" is not a label'),
             (["campaign", "none"], 'no campaign "none"'),
             (["campaign", "pilot-noise", "--fraction", "0"], "--fraction must be more than 0"),
             (["plot", bad], "not a log"),
-            (["bench", "--before", "deadbeef"], "--before deadbeef is no commit here"),
-            (["bench", "--tick", "--before", "deadbeef"], "--before deadbeef is no commit here"),
+            (["bench", "--before", "deadbeef"], "--before deadbeef is not a commit here"),
+            (["bench", "--tick", "--before", "deadbeef"], "--before deadbeef is not a commit here"),
         ):
             with self.subTest(arguments):
                 status, _out, err = call(*arguments)

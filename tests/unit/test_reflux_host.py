@@ -19,7 +19,7 @@ class Options(unittest.TestCase):
     def test_lines_of_no_known_form_are_refused(self):
         for line in ("", "tty", "ptyx", "pty:", "socket", "socket:", "/dev/ttyUSB0", "stdio:", "PTY"):
             for option in ("--console", "--link"):
-                self.ends(2, f"'{line}' is no line: pty, pty:LINK, socket:PATH or stdio is wanted", option, line)
+                self.ends(2, f"'{line}' is not a line: use pty, pty:LINK, socket:PATH or stdio", option, line)
 
     def test_other_options_are_refused(self):
         for because, *arguments in (("unknown option --frob", "--frob", "1"), ("--link wants a value", "--link"),

@@ -272,8 +272,8 @@ static void what_cannot_be_made_is_said_in_words(void)
         {{.components = SUBSET, .truncated = "4-"}, "splitter", "--truncated 4-: must be"},
         {{.components = SUBSET, .truncated = "-4"}, "splitter", "--truncated -4: must be"},
         {{.components = SUBSET, .truncated = "12-22"}, "splitter", "--truncated 12-22: must leave"},
-        {{.components = NULL}, "wood-berry", "--table: wood-berry is no column"},
-        {{.components = NULL}, "pilot-cold", "--table: pilot-cold is no column"},
+        {{.components = NULL}, "wood-berry", "--table: wood-berry is not a column"},
+        {{.components = NULL}, "pilot-cold", "--table: pilot-cold is not a column"},
     };
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct table_lines lines;

@@ -54,7 +54,7 @@ def check(before: str) -> None:
         try:
             run("", ["git", "-C", str(ROOT), "rev-parse", "--verify", f"{before}^{{commit}}"])
         except RunFailed:
-            raise UserError(f"--before {before} is no commit here") from None
+            raise UserError(f"--before {before} is not a commit here") from None
 
 
 def per_tick(counted: Counted, program: Path, way: str) -> int:

@@ -98,7 +98,7 @@ def main(arguments: list[str]) -> int:
     options = p.parse_args(arguments)
     for name in options.sources:
         if name not in SOURCES:
-            raise UserError(f'"{name}" is no source; known are: {", ".join(SOURCES)}')
+            raise UserError(f'"{name}" is not a source; known are: {", ".join(SOURCES)}')
     if not options.page_only:
         packages.need("host", "target", "test", "evidence")
     results = {name: load(name) for name in SOURCES}

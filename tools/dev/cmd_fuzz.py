@@ -53,7 +53,7 @@ def main(arguments: list[str]) -> int:
     preset = "fuzz-small" if options.small else "fuzz"
     for name in options.names:
         if name not in known:
-            raise UserError(f'"{name}" is no fuzz target; there are: {", ".join(known)}')
+            raise UserError(f'"{name}" is not a fuzz target; there are: {", ".join(known)}')
     if options.runs < 1 or options.seconds < 1 or options.seed < 1:
         raise UserError("--runs, --seconds and --seed must be 1 or more")
     chosen = options.names or known

@@ -27,7 +27,7 @@ def main(arguments: list[str]) -> int:
         raise UserError("--biggest must be 0 or more")
     for preset in options.presets:
         if preset not in image_check.presets():
-            raise UserError(f'"{preset}" is no preset of an image; there are {", ".join(image_check.presets())}')
+            raise UserError(f'"{preset}" is not a preset of an image; there are {", ".join(image_check.presets())}')
     if not options.no_build:
         packages.need("host", "target")
     reports = []

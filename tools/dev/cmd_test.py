@@ -44,7 +44,7 @@ def main(arguments: list[str]) -> int:
     options = p.parse_args(arguments)
     for label in options.labels:
         if label not in LABELS:
-            raise UserError(f'"{label}" is no label; known are: {", ".join(LABELS)}')
+            raise UserError(f'"{label}" is not a label; known are: {", ".join(LABELS)}')
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
     if not options.within >= 0.0:

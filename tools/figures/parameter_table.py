@@ -20,7 +20,7 @@ def main() -> int:
     made = subprocess.run(["cmake", "--build", str(build), "--target", "parameter_table"],
                           stdout=subprocess.DEVNULL)
     if made.returncode:
-        print(f"parameter_table.py: {build} is no build folder that can make `parameter_table`; "
+        print(f"parameter_table.py: {build} is not a build folder that can make `parameter_table`; "
               "configure one with `cmake --preset host`", file=sys.stderr)
         return 1
     table = subprocess.run([str(build / "parameter_table")], check=True, capture_output=True,

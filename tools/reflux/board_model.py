@@ -43,7 +43,7 @@ def number_of(text: str, name: str, path: Path) -> float:
     except ValueError:
         value = float("nan")
     if not np.isfinite(value):
-        raise UserError(f"{shown(path)}: {name} is {text}, which is no number")
+        raise UserError(f"{shown(path)}: {name} is {text}, which is not a number")
     return value
 
 

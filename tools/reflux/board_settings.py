@@ -68,7 +68,7 @@ def settings_of(lines: Iterable[str]) -> list[str]:
     wanted = [line.strip() for line in lines if line.strip() and not line.strip().startswith("#")]
     for line in wanted:
         if not line.startswith("set ") or len(line.split(None, 2)) != 3:
-            raise ValueError(f"'{line}' is no `set NAME VALUE`")
+            raise ValueError(f"'{line}' is not of the form `set NAME VALUE`")
     if not wanted:
         raise ValueError("there is nothing to set")
     return wanted

@@ -72,7 +72,7 @@ def inspect(image: Path) -> str:
     stack, start = struct.unpack_from("<II", data)
     if stack not in RAM or not start & 1 or not probes.FLASH < start < probes.FLASH + len(data):
         raise UserError(f"{shown(image)} does not begin with the vectors of an image linked for {probes.FLASH:#010x} "
-                        "(the .bin file is wanted, not the .elf)")
+                        "(use the .bin file, not the .elf)")
     if zlib.crc32(data[:-4]).to_bytes(4, "little") != data[-4:]:
         raise UserError(f"{shown(image)} does not end with the checksum of what is before it: it is damaged, or not from "
                         "a build of this firmware; the board would let nothing act")

@@ -168,7 +168,7 @@ def judge(found: Found, options: argparse.Namespace, t: Thresholds) -> dict[str,
     of, x = found.diagram, found.profile.x
     for name in options.keys or ():
         if name not in of.names:
-            raise UserError(f"--keys: {name} is no component; there are {', '.join(of.names)}")
+            raise UserError(f"--keys: {name} is not a component; there are {', '.join(of.names)}")
     keys = options.keys or (sensor_rules.keys_of(x[-1], x[0], of.names, found.heavier) if found.heavier else None)
     choices = [
         sensor_rules.choose(of, found.feed, section, keys or of.names, t) for section in ("enriching", "stripping")
@@ -278,7 +278,7 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
         value = found.inputs.get(mv)
         if not moves or not value:
             raise UserError(
-                f"--loop {text}: {mv} is no reflux, heat or boil-up of this column; it has {', '.join(kinds)}"
+                f"--loop {text}: {mv} is not a reflux, heat or boil-up of this column; it has {', '.join(kinds)}"
             )
         both = (*stages, stages[-1])[:2]
         at = found.steady

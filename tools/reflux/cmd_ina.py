@@ -186,7 +186,7 @@ def changed(session: Session, what: str, words: list[str], text: str) -> np.ndar
         return np.array([number(w, text) for w in words[1:]]).reshape(n, n)
     if what == "normalise" and len(words) == 1:
         return arrays.normalise(session.g)[0]
-    raise UserError(f"'{text}' is no operation:\n{HELP}".rstrip())
+    raise UserError(f"'{text}' is not an operation:\n{HELP}".rstrip())
 
 
 def only(words: list[str], text: str) -> str:

@@ -105,7 +105,7 @@ def matrix(data: dict[str, Any], name: str, columns: int) -> np.ndarray:
 
 def place(names: list[str], name: str, what: str) -> int:
     if name not in names:
-        raise UserError(f"{name} is no {what} of the plant; there are {', '.join(names)}")
+        raise UserError(f"{name} is not an {what} of the plant; there are {', '.join(names)}")
     return names.index(name)
 
 
@@ -138,7 +138,7 @@ def picked(data: dict[str, Any], outputs: list[str], inputs: list[str], disturba
     for i in {*rows, *seen}:
         for j in moved:
             if abs(d[i, j]) > SEEN or abs(dead[i, j]) > SEEN:
-                raise UserError(f"{data['outputs'][i]} by {names[j]} has a dead time or acts at once: it is no state")
+                raise UserError(f"{data['outputs'][i]} by {names[j]} has a dead time or acts at once: it is not a state")
     return Plant(a, b[:, moved], b[:, known], c[rows], c[seen])
 
 

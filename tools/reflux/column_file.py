@@ -23,11 +23,11 @@ class ColumnFile:
 def read(name: str) -> ColumnFile:
     data, path = plant_file.load(name)
     if "column" not in data:
-        raise UserError(f"{shown(path)}: is no column (docs/columns.md): it has no key \"column\"")
+        raise UserError(f"{shown(path)}: is not a column (docs/columns.md): it has no key \"column\"")
     try:
         return _column(data)
     except (KeyError, TypeError, ValueError) as error:
-        raise UserError(f"{shown(path)}: is no sound column; reflux-sim --list {shown(path)} says what is wrong "
+        raise UserError(f"{shown(path)}: is not a sound column; reflux-sim --list {shown(path)} says what is wrong "
                         f"({type(error).__name__} {error})") from None
 
 

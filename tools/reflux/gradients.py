@@ -191,7 +191,7 @@ def read_csv(path: Path) -> Profile:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise UserError(f'{shown(path)}: stage {line}, {key}: "{text}" is no number')
+            raise UserError(f'{shown(path)}: stage {line}, {key}: "{text}" is not a number')
         return value
 
     temperature, x, k = [], [], []
@@ -204,7 +204,7 @@ def read_csv(path: Path) -> Profile:
         t = number(row, units[0], n) + (KELVIN if units[0] == "T[degC]" else 0.0)
         fractions = [number(row, f"x.{name}", n) for name in names]
         if not 50 <= t <= 1500:
-            raise UserError(f"{shown(path)}: stage {n}: {t:g} K is no temperature of a column; is the unit right?")
+            raise UserError(f"{shown(path)}: stage {n}: {t:g} K is not a temperature of a column; is the unit right?")
         if min(fractions) < 0 or abs(sum(fractions) - 1) > SUM_OFF:
             raise UserError(
                 f"{shown(path)}: stage {n}: mole fractions are 0 or more and add up to 1, these to {sum(fractions):g}"

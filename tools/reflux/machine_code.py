@@ -29,7 +29,7 @@ def loaded(path: Path) -> list[tuple[bytes, int, int, bytes]]:
     """Name, address, size and bytes of each loaded section of a 64-bit little-endian ELF file."""
     image = path.read_bytes()
     if image[:6] != b"\x7fELF\x02\x01":
-        raise RunFailed(f"{path} is no 64-bit little-endian ELF file")
+        raise RunFailed(f"{path} is not a 64-bit little-endian ELF file")
     table, = struct.unpack_from("<Q", image, 40)
     size, count, names_at = struct.unpack_from("<HHH", image, 58)
     rows = [struct.unpack_from("<IIQQQQ", image, table + k * size) for k in range(count)]

@@ -67,7 +67,7 @@ def placed(path: Path) -> tuple[list[Placed], dict[str, int]]:
     try:
         lines = lines[lines.index("Linker script and memory map"):]
     except ValueError:
-        raise RunFailed(f"{path} is no map file") from None
+        raise RunFailed(f"{path} is not a map file") from None
     found: list[Placed] = []
     whole = dict.fromkeys(set(KINDS.values()), 0)
     kind: str | None = None

@@ -37,7 +37,7 @@ def load(name: str) -> tuple[dict[str, Any], Path]:
     path = place_of(name)
     data = textfile.read_json(path)
     if not isinstance(data, dict):
-        raise UserError(f"{shown(path)}: is no plant: it should hold an object")
+        raise UserError(f"{shown(path)}: is not a plant: it should hold an object")
     for key in ("inputs", "disturbances", "outputs", "truths"):
         channels = data.get(key)
         for k, channel in enumerate(channels if isinstance(channels, list) else []):

@@ -43,7 +43,7 @@ class Port:
             self._serial = _open_serial(path, where)
             self._fd = self._serial.fileno()
         else:
-            raise UserError(f"{path} is no serial device, pseudo-terminal or socket")
+            raise UserError(f"{path} is not a serial device, pseudo-terminal or socket")
 
     def fileno(self) -> int:
         return self._fd
@@ -126,7 +126,7 @@ def _open_serial(path: str, where: str) -> Any:
     import serial  # only for real ports
     baud = where.split("@")[1] if "@" in where else str(BAUD)
     if not baud.isdigit():
-        raise UserError(f'{where}: "{baud}" is no baud rate')
+        raise UserError(f'{where}: "{baud}" is not a baud rate')
     try:
         return serial.Serial(path, int(baud), timeout=0, exclusive=True)
     except (serial.SerialException, ValueError) as error:

@@ -211,7 +211,7 @@ def _tick(time_s: list[float], log: Log) -> float:
         raise UserError(f"{log.source}: ticks of {tick:g} s; innovations of single ticks can be read from 1 s on")
     for k, step in enumerate(steps):
         if abs(step / tick - round(step / tick)) > 0.01:
-            raise UserError(f"{log.source}: {step:g} s pass before the sample at {time_s[k + 1]:g} s, which is no multiple of the tick of {tick:g} s")
+            raise UserError(f"{log.source}: {step:g} s pass before the sample at {time_s[k + 1]:g} s, which is not a multiple of the tick of {tick:g} s")
     return tick
 
 
@@ -222,7 +222,7 @@ def _readings(log: Log, measured: list[Channel], value: str, quality: str) -> li
         marks = log.numbers(channel.name + quality) if log.has(channel.name + quality) else [float(GOOD)] * len(values)
         for k, (x, mark) in enumerate(zip(values, marks)):
             if math.isnan(mark) or not math.isfinite(x) and mark < BAD:
-                raise UserError(f"{log.source}: {channel.name}{value} is no number in the sample at {log.text('time')[k]} s, and its quality does not say "
+                raise UserError(f"{log.source}: {channel.name}{value} is not a number in the sample at {log.text('time')[k]} s, and its quality does not say "
                                 "bad; leave the row out, or give it quality 3")
         columns.append([(x if math.isfinite(x) else 0.0, int(mark)) for x, mark in zip(values, marks)])
     return [list(row) for row in zip(*columns)]
@@ -242,6 +242,6 @@ def _outputs(log: Log, driven: list[Channel]) -> list[list[float]]:
         values = log.numbers(name)
         for k, x in enumerate(values):
             if not math.isfinite(x):
-                raise UserError(f"{log.source}: {name} is no number in the sample at {log.text('time')[k]} s")
+                raise UserError(f"{log.source}: {name} is not a number in the sample at {log.text('time')[k]} s")
         columns.append([*values[1:], values[-1]] if name.endswith(".applied") else values)
     return [list(row) for row in zip(*columns)]

@@ -219,7 +219,7 @@ def _flat_numbers(table: Table) -> dict[str, float]:
 
 def check_channel(name: str, where: str) -> str:
     if not CHANNEL.fullmatch(name):
-        raise UserError(f'{where}: "{name}" is no channel name (1 to 15 letters, digits or _)')
+        raise UserError(f'{where}: "{name}" is not a channel name (1 to 15 letters, digits or _)')
     return name
 
 

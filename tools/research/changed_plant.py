@@ -17,9 +17,9 @@ def read(name: str) -> dict[str, Any]:
     try:
         whole = json.loads((ROOT / "host_sim" / "plants" / f"{name}.json").read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise UserError(f"{name} is no plant of host_sim/plants") from None
+        raise UserError(f"{name} is not a plant of host_sim/plants") from None
     if "column" not in whole:
-        raise UserError(f"{name} is no column")
+        raise UserError(f"{name} is not a column")
     return dict(whole)
 
 

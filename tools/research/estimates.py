@@ -71,7 +71,7 @@ class Case:
 def sensing(name: str) -> Sensing:
     match = re.fullmatch(r"sE\[(\w+)((?:,\d+)+)\](?:T\[((?:\d+,\d+)(?:,\d+,\d+)*)\])?", name)
     if not match:
-        raise UserError(f'"{name}" is no structure; as sE[C3,30,31,33] or sE[C3,30]T[1,12]')
+        raise UserError(f'"{name}" is not a structure; use one such as sE[C3,30,31,33] or sE[C3,30]T[1,12]')
     ends = [int(x) for x in match[3].split(",")] if match[3] else []
     return Sensing(
         match[1],

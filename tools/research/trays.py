@@ -68,7 +68,7 @@ def structure(name: str) -> Structure:
     """sC[Q,33], sC[Q,5][R,33], sC[Q,33,34], sC[Q,33]_{R/F}"""
     match = re.fullmatch(r"sC((?:\[[RQ](?:,\d+){1,2}\])+)(_\{R/F\})?", name)
     if not match:
-        raise UserError(f'"{name}" is no structure; as sC[Q,33], sC[Q,5][R,33], sC[Q,33,34] or sC[Q,33]_{{R/F}}')
+        raise UserError(f'"{name}" is not a structure; use one such as sC[Q,33], sC[Q,5][R,33], sC[Q,33,34] or sC[Q,33]_{{R/F}}')
     pairings = []
     for inner in re.findall(r"\[([^]]*)\]", match[1]):
         mv, *stages = inner.split(",")

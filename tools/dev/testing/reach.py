@@ -39,7 +39,7 @@ def load(path: Path = TABLE) -> dict[str, frozenset[str]]:
                 bits = int(words[1], 16)
                 out[words[0]] = frozenset(s for k, s in enumerate(sources) if bits >> k & 1)
         except (ValueError, IndexError):
-            raise UserError(f"{shown(path)}:{number}: a source, or a test and a hexadecimal number, is wanted") from None
+            raise UserError(f"{shown(path)}:{number}: must be a source, or a test and a hexadecimal number") from None
     return out
 
 

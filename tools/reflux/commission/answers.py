@@ -126,8 +126,7 @@ class Values:
         if v["limit"] is None:
             v["limit"] = rounded(LIMIT_SHARE * span)
         if not 0 < v["limit"] <= span:
-            raise Wrong(f"{name} limit is {v['limit']:g}; more than 0 and up to its span, {span:g} {self.channel.unit}, "
-                        "is wanted")
+            raise Wrong(f"{name} limit is {v['limit']:g}; it must be more than 0 and up to its span, {span:g} {self.channel.unit}")
 
     def _check_input(self) -> None:
         v, name, unit = self.values, self.channel.name, self.channel.unit
@@ -147,8 +146,8 @@ class Values:
         _within(v["at"], v["min"], v["max"], f"{name} at", unit)
         room, least = self.room(), ROOM_SHARE * (v["hi"] - v["lo"])
         if v["tested"] and room < least:
-            raise Wrong(f"{name} at {v['at']:g} {unit} leaves no room to step both ways; {v['min'] + least:g} .. "
-                        f"{v['max'] - least:g} is wanted, or other min and max, or {name} tested no")
+            raise Wrong(f"{name} at {v['at']:g} {unit} leaves no room to step both ways; set {name} at to {v['min'] + least:g} .. "
+                        f"{v['max'] - least:g}, or change min and max, or set {name} tested no")
         if v["step"] != AUTO:
             _within(v["step"], 0, min(room, 0.5 * (v["hi"] - v["lo"])), f"{name} step", unit, above=True,
                     why=f" (it goes both ways from {v['at']:g}, within {v['min']:g} .. {v['max']:g})")
@@ -160,7 +159,7 @@ class Values:
         """Says which value has no default and was not given yet."""
         if self.fields is INPUT and self.values["tested"] and self.values["at"] is None:
             v = self.values
-            return (f"{self.channel.name} at is wanted: the value at the plant's operating point, between {v['min']:g} "
+            return (f"give {self.channel.name} at, the value at the plant's operating point, between {v['min']:g} "
                     f"and {v['max']:g} {self.channel.unit}")
         return None
 
@@ -212,23 +211,23 @@ class Answers:
         f = known[name]
         if f.words:
             if value not in f.words:
-                raise Wrong(f"{name} is {value}; {' or '.join(f.words)} is wanted")
+                raise Wrong(f"{name} is {value}; it must be {' or '.join(f.words)}")
             self.test[name] = value
             return
         number = _value("number", value, name, f.unit)
         low, high = self.ranges[name]
         _within(number, low, high, name, f.unit)
         if f.whole and number != int(number):
-            raise Wrong(f"{name} is {number:g}; a whole number is wanted")
+            raise Wrong(f"{name} is {number:g}; it must be a whole number")
         self.test[name] = int(number) if f.whole else number
 
     def add_known(self, measurement: str, input_name: str, time_s: Any = 0.0, gain: Any = 0.0, pair: Any = False) -> None:
         where = f"{measurement} {input_name}"
         if measurement not in [v.channel.name for v in self.measurements]:
-            raise Wrong(f"{measurement} is no measurement; there are "
+            raise Wrong(f"{measurement} is not a measurement; there are "
                         f"{', '.join(v.channel.name for v in self.measurements)}")
         if input_name not in [v.channel.name for v in self.inputs]:
-            raise Wrong(f"{input_name} is no input; there are {', '.join(v.channel.name for v in self.inputs)}")
+            raise Wrong(f"{input_name} is not an input; there are {', '.join(v.channel.name for v in self.inputs)}")
         known = Known(measurement, input_name, _value("number", time_s, f"{where} time", "s"),
                       _value("number", gain, f"{where} gain", ""), _value("yes", pair, f"{where} pair", ""))
         _within(known.time_s, 0, TIME_MOST, f"{where} time", "s")
@@ -239,7 +238,7 @@ class Answers:
             return
         for other in rest:
             if known.pair and other.pair and (other.measurement == measurement or other.input == input_name):
-                raise Wrong(f"{where} is no pair: {other.measurement} {other.input} is one already; `{other.measurement} "
+                raise Wrong(f"{where} is not a pair: {other.measurement} {other.input} is one already; `{other.measurement} "
                             f"{other.input} pair no` would take it back")
         if len(rest) >= self.known_room:
             raise Wrong(f"the board keeps {self.known_room} of these; `{rest[0].measurement} {rest[0].input} time 0 gain "
@@ -252,7 +251,7 @@ class Answers:
     def missing(self) -> str | None:
         other = next((k for k in self.known if not k.pair), None)
         if other and self.known_pairs():
-            return (f"{other.measurement} {other.input} is known, and is no pair: where pairs are given, the board takes every "
+            return (f"{other.measurement} {other.input} is known, and is not a pair: where pairs are given, the board takes every "
                     "element that is known for one")
         if not any(v.values["tested"] for v in self.measurements):
             return "no measurement is tested: `NAME tested yes` for at least one"
@@ -268,8 +267,8 @@ def _value(kind: str, value: Any, where: str, unit: str) -> Any:
             return value
         if value in ("yes", "no"):
             return value == "yes"
-        raise Wrong(f"{where} is {value}; yes or no is wanted")
-    wanted = f"a number{of} or {AUTO} is wanted" if kind == "auto" else f"a number{of} is wanted"
+        raise Wrong(f"{where} is {value}; it must be yes or no")
+    wanted = f"it must be a number{of} or {AUTO}" if kind == "auto" else f"it must be a number{of}"
     if kind == "auto" and value == AUTO:
         return AUTO
     if isinstance(value, bool):
@@ -288,7 +287,7 @@ def _within(value: float, low: float, high: float, where: str, unit: str, above:
         return
     of = f" {unit}" if unit and unit != "-" else ""
     wanted = f"more than {low:g} and up to {high:g}{of}" if above else f"{low:g} .. {high:g}{of}"
-    raise Wrong(f"{where} is {value:g}; {wanted} is wanted{why}")
+    raise Wrong(f"{where} is {value:g}; it must be {wanted}{why}")
 
 
 def rounded(value: float) -> float:

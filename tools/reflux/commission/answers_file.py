@@ -56,7 +56,7 @@ def _read_known(top: Table, answers: Answers) -> None:
         pairs = table.data.pop("pairs", None)
         for pair in pairs if isinstance(pairs, list) else [None]:
             if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
-                raise UserError(f'{table.path("pairs")}: pairs are wanted, such as [["{answers.measurements[0].channel.name}", '
+                raise UserError(f'{table.path("pairs")}: give pairs, such as [["{answers.measurements[0].channel.name}", '
                                 f'"{answers.inputs[0].channel.name}"]]')
             _guarded(table, "pairs", lambda p=pair: answers.add_known(*p, pair=True))
         table.done()

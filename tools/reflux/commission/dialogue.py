@@ -84,7 +84,7 @@ def named(words: list[str], start: int) -> dict[str, str]:
     """name value name value ..."""
     rest = words[start:]
     if not rest or len(rest) % 2:
-        raise Wrong("names and values in turn are wanted, such as `limit 3`")
+        raise Wrong("give names and values in turn, such as `limit 3`")
     return dict(zip(rest[::2], rest[1::2]))
 
 
@@ -129,7 +129,7 @@ def ask_all(keyboard: Keyboard, answers: Answers) -> None:
 
 def _know(answers: Answers, words: list[str]) -> None:
     if len(words) < 2:
-        raise Wrong("a measurement, an input, and what is known are wanted")
+        raise Wrong("give a measurement, an input, and what you know")
     given = named(words, 2)
     if strange := set(given) - {"time", "gain", "pair"}:
         raise Wrong(f"there is no {min(strange)}; there are time, gain and pair")
@@ -236,7 +236,7 @@ def decide(keyboard: Keyboard) -> str:
         word = keyboard.ask("accept (it is tried on the plant), edit, or reject? > ").lower()
         if word in ("accept", "edit", "reject"):
             return word
-        say(f"  {word} is no answer; type accept, edit or reject" if word else
+        say(f"  {word} is not an answer; type accept, edit or reject" if word else
             "  This puts loops into automatic. Type the whole word: accept, edit or reject.")
 
 
@@ -246,5 +246,5 @@ def check_edit(line: str) -> str:
     if words[:1] == ["set"]:
         words = words[1:]
     if len(words) != 2 or "." not in words[0]:
-        raise UserError(f"{line}: a parameter and its value are wanted, such as `loop1.gain 1.2`")
+        raise UserError(f"{line}: give a parameter and its value, such as `loop1.gain 1.2`")
     return f"set {words[0]} {words[1]}"
