@@ -92,7 +92,7 @@ class Alone(Tool):
                      "xD critical is maybe; it must be yes or no", "R step is 3; it must be more than 0 and up to 1.95 lb/min",
                      "Q is not an input; there are R, S", "rounds is 2.5; it must be a whole number",
                      "guard is circle; it must be model or line", "accpt is not an answer", "Type the whole word",
-                     "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops did as predicted and stay",
+                     "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops matched the prediction and stay",
                      "Nothing is stored: `save`"):
             self.assertIn(told, out)
         # The critical input comes first.
@@ -106,7 +106,7 @@ class Alone(Tool):
         self.report_is_whole()
         again, _err = self.simulated("--file", str(answers), "--no-report")
         self.assertRegex(again, r"xD +R +900 +- +no\nxB +S +- +-20 +no")
-        self.assertIn("loops did as predicted and stay", again)
+        self.assertIn("loops matched the prediction and stay", again)
         self.assertFalse((self.out / "report.html").exists())
 
     def report_is_whole(self) -> None:
@@ -133,7 +133,7 @@ class Alone(Tool):
     def test_what_is_left_over_is_named_with_the_reason_and_is_an_exit_status_of_its_own(self) -> None:
         plant = self.file("spare.json", json.dumps(SPARE))
         out, _err = self.tool("--plant", str(plant), "--no-build", "--speed", "20000", "--yes", expect=3)
-        self.assertIn("loops did as predicted and stay", out)
+        self.assertIn("loops matched the prediction and stay", out)
         why = "left over: input u2: no gain of it stands out of its errors"
         self.assertEqual(out.splitlines()[-1], why)
         page = (self.out / "report.html").read_text()

@@ -319,7 +319,7 @@ class Reports(FolderTest):
         (e,) = r.experiments
         self.assertEqual((e.input, e.first, e.step, e.last, e.done), ("h", 0, 20, 140, True))
         self.assertEqual(e.remarks, ["turned round: T would have gone 10 degC from rest"])
-        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loops kept: they did as predicted"))
+        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loops kept: they matched the prediction"))
         import numpy as np
         t, u = np.array(r.time), np.array(r.column("h.cmd"))
         model = 20.0 + figures.response(t, u, r.model.elements["T", "h"])
@@ -343,7 +343,7 @@ class Reports(FolderTest):
             (self.TESTED, "idle", False, "the proposal was rejected"),
             (self.TESTED, "ready", False, "the proposal was not accepted"),
             ((*self.TESTED, "! 1420.000 alarm TRIAL_FAILED T 0.5 loops are taken back: overshot"), "returned", False,
-             "taken back: T overshot"),
+             "rolled back: T overshot"),
             ((*self.STEPPED, "! 700.000 alarm COMMISSION_ENDED - 0 given up, inputs as before: asked for"), "ended", False,
              "ended: asked for"),
             (("! 0.000 info COMMISSION_BEGUN - 1 begun",), "testing", False, "it went no further than: testing"),

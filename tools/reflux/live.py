@@ -89,7 +89,7 @@ class SparkView:
         for name in self.channels.names:
             values = list(self.channels.values[name])
             room = max(10, (os.get_terminal_size().columns if self.terminal else 80) - width - 26)
-            now = f"{values[-1]:.5g}" if values else "-"
+            now = f"{values[-1]:.4g}" if values else "-"
             out.append(f"{name:{width}s} {now:>9s} {self.channels.units[name]:8s} {sparkline(values, room)}")
         return out
 

@@ -254,7 +254,7 @@ def pair(gains: np.ndarray) -> list[tuple[int, int]] | None:
 # ---- results ----
 
 HEADER = ["plant", "seeds", "right", "not determined", "wrong", "ended early", "rounds", "time", "time 95 %",
-          "worst limit", "kept", "taken back", "stable", "moments wrong"]
+          "worst limit", "kept", "rolled back", "stable", "moments wrong"]
 ERROR_HEADER = ["plant", "K", "K 95 %", "T", "T 95 %", "L", "L 95 %"]
 
 
@@ -310,12 +310,12 @@ def error_table(start: Start, results: list[dict[str, Any]]) -> tuple[list[str],
 
 
 def reasons(start: Start, results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
-    """Why start-ups ended early and trials were taken back, each with its count."""
+    """Why start-ups ended early and trials were rolled back, each with its count."""
     rows = []
     for plant in start.plants:
         found: dict[tuple[str, str], int] = {}
         for r in of_plant(plant, results):
-            for what, why in (("ended early", r.get("why")), ("taken back", r.get("trial_why")),
+            for what, why in (("ended early", r.get("why")), ("rolled back", r.get("trial_why")),
                               ("no end", (r["failures"] or [None])[0])):
                 if why:
                     found[what, why] = found.get((what, why), 0) + 1
@@ -360,13 +360,13 @@ the exact gains (`tests/reference/linear_pairing.csv` has those of the linear pl
 Time is plant time of the tests in slowest time constants, for start-ups that came to a verdict; the worst limit is the
 largest share of a limit that the plant itself (without noise and drift of the instruments) has reached during the
 tests; *moments wrong* counts how often the moments of the last round alone, paired by the same rule, give another
-pairing than the right one. Kept and taken back: the trial of what was accepted; a plant whose proposal is taken back
+pairing than the right one. Kept and rolled back: the trial of what was accepted; a plant whose proposal is rolled back
 is in manual again, as it was before. *Stable* counts the accepted proposals, kept or not, whose sampled loops are stable
 on the plant itself with its own orders and dead times: all eigenvalues of the closed loop are inside the unit circle.
 
 {table.markdown(*distribution(start, results))}
 
-Why start-ups ended early, and trials were taken back:
+Why start-ups ended early, and trials were rolled back:
 
 {table.markdown(*reasons(start, results))}
 

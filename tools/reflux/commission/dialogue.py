@@ -27,7 +27,7 @@ def plant_lines(plant: Plant, state: State) -> str:
     rows = []
     for kind, channels in (("measurement", plant.measurements), ("input", plant.inputs)):
         for c in channels:
-            now = f"{state.values[c.name]:.5g}" if c.name in state.values else "-"
+            now = f"{state.values[c.name]:.4g}" if c.name in state.values else "-"
             rows.append([kind, c.name, c.unit, f"{c.lo:g} .. {c.hi:g}", now,
                          f"{c.safe:g}" if kind == "input" else ""])
     return table.columns(["kind", "name", "unit", "span", "now", "safe"], rows)

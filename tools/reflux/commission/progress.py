@@ -24,7 +24,7 @@ def span_of_time(seconds: float) -> str:
 
 
 def in_words(event: Event, answers: Answers) -> str | None:
-    """None: nothing that anybody wants to know."""
+    """Words for an event; None for one that nobody needs to see."""
     def amount(share: float) -> str:
         try:
             v = answers.channel(event.subject)
@@ -36,25 +36,25 @@ def in_words(event: Event, answers: Answers) -> str | None:
     words: dict[str, Callable[[], str]] = {
         "COMMISSION_BEGUN": lambda: f"begun: {x:g} input{'s' if x != 1 else ''} to test, once the plant is at rest",
         "TEST_STEP": lambda: f"{name}: at rest; step of {amount(x)}",
-        "TEST_CUT": lambda: f"{name} would go {amount(x)} from rest: the step is turned round",
+        "TEST_CUT": lambda: f"{name} would go {amount(x)} from rest: the step turns round",
         "TEST_DONE": lambda: f"{name}: tested, half a double step took {span_of_time(x)}",
-        "TEST_LONGER": lambda: f"{name}: an output had not come to rest; tested again, {span_of_time(x)} for each half",
-        "TEST_SMALLER": lambda: f"{name}: too large a step; tested again with about {amount(x)}",
-        "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): every input is tested again",
+        "TEST_LONGER": lambda: f"{name}: an output was not at rest; testing again, {span_of_time(x)} for each half",
+        "TEST_SMALLER": lambda: f"{name}: the step was too large; testing again with about {amount(x)}",
+        "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): testing every input again",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"the pairing is not determined, probability {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
         "TRIAL_BEGUN": lambda: f"{x:g} proposed loops on trial: at rest first, then each setpoint is stepped",
-        "TRIAL_KEPT": lambda: f"{x:g} loops did as predicted and stay",
-        "TRIAL_FAILED": lambda: f"taken back: {reason(event)}; the old settings return",
+        "TRIAL_KEPT": lambda: f"{x:g} loops matched the prediction and stay",
+        "TRIAL_FAILED": lambda: f"rolled back: {reason(event)}; the old settings return",
     }
     if event.code in words:
         return words[event.code]()
     if event.code == "SETPOINT":
-        return f"{name}: setpoint {x:.5g}"
+        return f"{name}: setpoint {x:.4g}"
     if event.code in QUIET or event.level == "action" or event.code == "CONFIG_APPLIED":
         return None
-    return f"{event.level}: {'' if name == '-' else name + ' '}{event.text} {x:g}"
+    return f"{event.level}: {'' if name == '-' else name + ' '}{event.text} {x:.4g}"
 
 
 def reason(event: Event) -> str:

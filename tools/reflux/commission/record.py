@@ -154,9 +154,9 @@ def experiments_of(r: Record) -> list[Experiment]:
             far = f"{event.value * channel.span:.3g} {channel.unit}" if channel else f"{100 * event.value:.3g} % of span"
             remarks.append(f"turned round: {event.subject} would have gone {far} from rest")
         elif event.code == "TEST_LONGER" and out:
-            out[-1].remarks.append("not at rest at the end: tested again, longer")
+            out[-1].remarks.append("not at rest at the end: repeated with more time")
         elif event.code == "TEST_SMALLER" and out:
-            out[-1].remarks.append("not linear: tested again with smaller steps")
+            out[-1].remarks.append("not linear: repeated with smaller steps")
         elif step and event.code in ("TEST_DONE", "COMMISSION_ENDED"):
             at, end = row_at(r.time, step.at_s), row_at(r.time, event.at_s)
             if end - at > 1:
@@ -189,9 +189,9 @@ def outcome_of(r: Record, status: list[str]) -> tuple[bool, str]:
         why = event.text.partition(": ")[2] or event.text
         who = "" if event.subject == "-" else event.subject + " "
         if event.code == "TRIAL_KEPT":
-            return True, f"{event.value:g} loops kept: they did as predicted"
+            return True, f"{event.value:g} loops kept: they matched the prediction"
         if event.code == "TRIAL_FAILED":
-            return False, f"taken back: {who}{why}"
+            return False, f"rolled back: {who}{why}"
         if event.code == "COMMISSION_ENDED":
             return False, f"ended: {who}{why}"
         if event.code in ("PROPOSAL", "NOT_DETERMINED"):

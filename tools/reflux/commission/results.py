@@ -344,7 +344,7 @@ def model_rows(m: Model) -> tuple[list[str], list[list[str]]]:
 
 def input_rows(m: Model) -> tuple[list[str], list[list[str]]]:
     header = ["input", "held", "amplitude", "unit", "half a double step [s]", "rounds", "nearest a limit", "remarks"]
-    return header, [[i.name, f"{i.held:.5g}", table.figure(i.amplitude), i.unit, table.figure(i.half_s), str(i.rounds),
+    return header, [[i.name, f"{i.held:.4g}", table.figure(i.amplitude), i.unit, table.figure(i.half_s), str(i.rounds),
                      f"{100 * i.worst:.0f} %", i.remarks or "-"] for i in m.inputs]
 
 

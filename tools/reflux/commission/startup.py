@@ -383,7 +383,7 @@ class Startup:
         loops = results.trial_of(self.board.ask("commission trial"))
         say(table.columns(*results.trial_rows(loops)))
         if p.phase != "kept":
-            raise RunFailed(f"the proposal was taken back: {p.text or p.phase}; the old settings are in force")
+            raise RunFailed(f"the proposal was rolled back: {p.text or p.phase}; the old settings are in force")
 
     def leave(self) -> None:
         say()
