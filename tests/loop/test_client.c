@@ -1,4 +1,4 @@
-/* A client in C and without text: what it asks goes through operate/, what comes of it over the bytes of the plant link. */
+/* A client in C and without text: its requests go through operate/, the results over the bytes of the plant link. */
 #include <math.h>
 
 #include "client_bench.h"

@@ -29,7 +29,7 @@ static void a_transaction_belongs_to_who_opened_it(void)
     plant_side_step();
     TEST_ASSERT_EQUAL_DOUBLE(1600, has("loop1.ti"));
 
-    /* Who has gone away with one does not keep the others from theirs. */
+    /* A client that has gone away with one does not keep the others from theirs. */
     console_does("begin");
     console_does("set loop1.ti 1800");
     DO(operate_abandon(&client, &answer));

@@ -126,7 +126,7 @@ static void is_refused(const struct table_lines *lines, unsigned most, const cha
     TEST_ASSERT_TRUE(said("table of splitter"));
 }
 
-/* What a host says that computes the checksum of whatever it is given. */
+/* Lines of a host that computes the checksum of whatever it is given. */
 static struct table_lines wrong_at(unsigned place, float value)
 {
     struct table_lines lines = splitter;

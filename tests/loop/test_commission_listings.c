@@ -1,4 +1,4 @@
-/* What `commission` shows before anything is known, with a proposal, and after the trial. */
+/* Listings of `commission` before anything is known, with a proposal, and after the trial. */
 #include "commission_wood_berry.h"
 
 void setUp(void) {}
@@ -73,7 +73,7 @@ static void before_it_begins_every_listing_says_so_and_no_more(void)
     TEST_ASSERT_EQUAL(1, n_reply);
 }
 
-/* What is told beforehand counts for its input and its measurement, and for no other. */
+/* Prior knowledge counts for its input and its measurement, and for no other. */
 static void the_plan_counts_what_is_set_for_each_channel(void)
 {
     ask_ok("begin");

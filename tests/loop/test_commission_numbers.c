@@ -1,4 +1,4 @@
-/* What automatic start-up says on the whole firmware, kept word by word: when each event comes, its subject and its value, how
+/* Words of automatic start-up on the whole firmware, kept word by word: when each event comes, its subject and its value, how
  * it ends, and every listing at its end. Wood and Berry's column with and without noise and with settings that ask for
  * every way of testing, ways to end before the time, relay tests, and other plants of the library.
  *

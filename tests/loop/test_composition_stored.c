@@ -1,4 +1,4 @@
-/* What firmware before the Kalman filters stored of a `composition` block, read by this one: the flash of a board with
+/* Reads what firmware before the Kalman filters stored of a `composition` block: the flash of a board with
  * host_sim/scenarios/splitter-estimate.conf and `set block3.noise 0.3`, kept in tests/reference/stored/splitter-estimate.bin. It was made by reflux-host of
  * revision 05e59d3 with --nvm; what follows at its end is erased. */
 #include "plant_board.h"

@@ -295,7 +295,7 @@ static void check_end(const struct fault *fault, const struct mode *mode, const 
     }
 }
 
-/* What became of the test: where it has ended, the outputs are where they were held, unless something stronger has them. */
+/* Judges the test: where it has ended, the outputs are where they were held, unless something stronger has them. */
 static void check_test(const struct fault *fault, const char *where)
 {
     bool cut = fault->state == LOST || fault->state == TRIPPED;

@@ -267,7 +267,7 @@ static void check_loops(const struct mode *mode, enum end end, const char *where
                              where);
 }
 
-/* Of those that are not BLOCK_GAVE_UP the event has its own columns: name and subject. */
+/* Events that are not BLOCK_GAVE_UP have their own columns: name and subject. */
 static void check_told(const struct fault *fault, const struct mode *mode, const char *where)
 {
     bool gave_up = fault->state == OWN;

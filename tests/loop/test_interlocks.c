@@ -61,7 +61,7 @@ static void plant_again(void)
 
 /* ---- when it begins ---- */
 
-/* What comes before a reading past the limit, or beside it. */
+/* Faults before a reading past the limit, or beside it. */
 static const struct history {
     const char *name;
     double reading; /* past the limit of 140, or of 80 */
@@ -157,7 +157,7 @@ static void try_one(const struct history *h, const struct variant *v)
     if (strcmp(v->on_bad, "off") == 0) /* and not before its time */
         TEST_ASSERT_TRUE_MESSAGE(at > delay, where);
     TEST_ASSERT_TRUE_MESSAGE(active(), where);
-    /* What is not valid does not end it. */
+    /* An invalid reading does not end it. */
     board.quality[T10] = QUALITY_BAD;
     board.values[T10] = 115;
     samples(10);

@@ -66,7 +66,7 @@ static void next_sample(void)
     give(&f);
 }
 
-/* Where output j stands by hand. */
+/* Value of output j by hand. */
 static unsigned by_hand(unsigned j)
 {
     return 1000 + j; /* whole numbers are exact fractions of the span, which is a power of two */
@@ -140,7 +140,7 @@ static void configured(void)
     plant.torn = 0;
 }
 
-/* Whether every one of n applies was answered with ok, and every command whole. */
+/* True if every one of n applies was answered with ok and every command was whole. */
 static bool all_whole(unsigned n, void (*lock_with)(void))
 {
     bool good = true;

@@ -144,7 +144,7 @@ static void add_channel(const char *name, const char *unit, float lo, float hi)
     c->hi = hi;
 }
 
-/* What the settings name; points are the estimators'. */
+/* Names in the settings; points are the estimators'. */
 static void take_channels(void)
 {
     const struct plan *plan = service_plan(app_door(app_instance())->service);

@@ -1,4 +1,4 @@
-/* What `status`, `loop`, `stats`, `tune` and the rows of `log` say, to the letter and the last digit. Values are such that
+/* Replies of `status`, `loop`, `stats`, `tune` and rows of `log`, to the letter and the last digit. Values are such that
  * float and Q7.24 hold them exactly. */
 #include "board_bench.h"
 

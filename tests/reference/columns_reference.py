@@ -87,7 +87,7 @@ class Column:
         if nominal:
             self._find_nominal()
 
-    # What drives it
+    # Inputs
 
     def drive(self, values, fixed=None):
         """The quantities in their own units by `is`, as (value, unit), and the mole fractions of the feed."""
@@ -292,7 +292,7 @@ class Column:
             s.down[..., i] = left
         s.bottoms = s.down[..., 0]
 
-    # What is seen
+    # Outputs
 
     def value(self, s, spec):
         kind, unit = spec["is"], spec.get("unit", "-")

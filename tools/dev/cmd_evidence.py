@@ -57,7 +57,7 @@ SECTIONS = (
             "found at ten further starts. A sample; `test_storage_power all` and `test_storage_unstable all` try every "
             "case (docs/storage.md).", "tests", r"storage\b.*\d.*"),
     Section("Storage and interrupted ticks, every case", "What `tools/test` runs a sample of. Words of an interrupted "
-            "operation read now so, now so: every set answered `ok` is found at ten further starts with saves between. A "
+            "operation read differently each time: every set answered `ok` is found at ten further starts with saves between. A "
             "timer's signal runs the tick anywhere in the main loop: no plan in force is torn.", "long",
             r"(storage\b.*\d.*|.*\bapplies\b.*\d.*)"),
     Section("Link under attack", "A live run over a line that damages what passes: no bad frame is acted on.",

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Starts both columns up at an operating point over thirty seeds, and writes what comes of it and how the loops do after a feed
+"""Starts both columns up at an operating point over thirty seeds, and writes the results and how the loops do after a feed
 disturbance to tests/campaign/results/commissioning-columns.md; with another number of seeds only to the terminal.
 
 usage: column_table.py [SEEDS]      (needs reflux-sim-memory of the host build; nothing is built here)
