@@ -1,5 +1,5 @@
 # The whole firmware on the board in memory: console, plant link, restart.
-foreach(part acting_loops belief calibration repeats sensor_mistakes analyser_console session standstill odd_plant interrupted told console console_fuzz telemetry safe_start)
+foreach(part acting_loops belief calibration repeats sensor_mistakes analyser_console session standstill odd_plant interrupted plant_mismatch console console_fuzz telemetry safe_start)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS reflux_hal_memory reflux_app reflux_link)

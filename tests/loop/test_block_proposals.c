@@ -2,8 +2,8 @@
 #include "app/app.h"
 #include "board_bench.h"
 #include "operate/operate.h"
-#define TOLD_BESIDE_ELEMENTS
-#include "told_kinds.h"
+#define VERBS_BESIDE_ELEMENTS
+#include "verb_kinds.h"
 
 static struct session client;
 static struct answer answer;

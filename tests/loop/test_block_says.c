@@ -1,6 +1,6 @@
 /* Events and alarms of blocks through the whole firmware: announced, listed, kept, set and stored. */
 #include "board_bench.h"
-#include "told_kinds.h"
+#include "verb_kinds.h"
 
 void setUp(void)
 {

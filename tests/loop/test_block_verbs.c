@@ -2,7 +2,7 @@
 #include "app/app.h"
 #include "board_bench.h"
 #include "operate/operate.h"
-#include "told_kinds.h"
+#include "verb_kinds.h"
 
 static struct session client;
 static struct answer answer;

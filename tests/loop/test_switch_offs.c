@@ -5,8 +5,8 @@
 #include "board_bench.h"
 #include "operate/operate.h"
 #include "storage/storage.h"
-#define TOLD_BESIDE_ELEMENTS
-#include "told_kinds.h"
+#define VERBS_BESIDE_ELEMENTS
+#include "verb_kinds.h"
 
 /* Block 1 watches T1, block 2 the loops' inputs; ff1 adds half of the feed to the reflux, ff2 to the heat. */
 void setUp(void)

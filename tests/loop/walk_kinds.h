@@ -11,9 +11,9 @@
 #include "unity.h"
 #include "worked_family/kinds.h"
 
-#define block_kinds      told_table
-#define block_kind_count told_table_count
-#include "told_kinds.h"
+#define block_kinds      verb_table
+#define block_kind_count verb_table_count
+#include "verb_kinds.h"
 #undef block_kinds
 #undef block_kind_count
 #define block_kinds      exciting_table

@@ -1,7 +1,7 @@
 /* Events of blocks: an event for each occurrence, and alarms on it. The kinds are of this test alone. */
 #include "plan/plan_build.h"
 #include "settings/block_pool.h"
-#include "told_bench.h"
+#include "verb_bench.h"
 
 void setUp(void)
 {
@@ -12,13 +12,13 @@ void tearDown(void) {}
 /* T1 is 85 of 60 .. 160; the limit is half of that, 110. */
 static void alarmed(void)
 {
-    told();
+    watch_and_pair();
     put("alarm1.on", "block1.high");
 }
 
 static void an_event_is_told_once_for_each_occurrence_with_its_value(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     reading(T1, 120);
     ticks(5);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_ALARM, "block1.high"));
@@ -92,7 +92,7 @@ static void a_momentary_one_comes_and_goes_and_is_kept_by_its_latch(void)
 
 static void pair_alarmed(void)
 {
-    told();
+    watch_and_pair();
     put("alarm2.on", "block2.spent");
 }
 
@@ -161,7 +161,7 @@ static void what_it_raised_ends_when_it_gives_up_without_an_input(void)
 
 static void without_its_second_input_it_gives_up_for_that(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     put_block(PAIR, "pair", "top bottom", "T5 feed", "");
     apply();
     mode(TOP, LOOP_AUTO);
@@ -199,7 +199,7 @@ static void refused(const char *on)
 
 static void an_alarm_on_what_no_block_says_is_refused(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     refused("block1.spent");
     refused("block1.");
     refused("block1.highe");

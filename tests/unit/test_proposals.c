@@ -1,5 +1,5 @@
 /* Proposals of blocks in the tick: one place, which the main loop frees. The kinds are of this test alone. */
-#include "told_bench.h"
+#include "verb_bench.h"
 
 #include "supervise/proposals.h"
 
@@ -35,7 +35,7 @@ static void an_id_of_the_contract_is_the_parameter_it_is_called_after(void)
         {proposed_setting(PROPOSED_FF_DEAD, 0), "ff1.dead"},
         {(proposed_own(1) & ~PROPOSED_SELF) | WATCH, "block1.limit"},
     };
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     for (unsigned i = 0; i < sizeof all / sizeof all[0]; i++) {
         struct parameter by_id, by_name;
         char name[40] = "";
@@ -51,7 +51,7 @@ static void an_id_of_the_contract_is_the_parameter_it_is_called_after(void)
 
 static void what_a_step_proposes_waits_for_the_main_loop_and_is_not_written_over(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 3);
     tick();
     TEST_ASSERT_EQUAL(PROPOSAL_GIVEN, bench.s.proposal.state);
@@ -70,14 +70,14 @@ static void what_a_step_proposes_waits_for_the_main_loop_and_is_not_written_over
 
 static void a_step_that_proposes_nothing_leaves_the_place_free(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     ticks(3);
     TEST_ASSERT_EQUAL(PROPOSAL_FREE, bench.s.proposal.state);
 }
 
 static void of_two_in_one_tick_the_first_has_the_place(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     mode(TOP, LOOP_AUTO);
     put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 3);
     put_proposal(&pair_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 1), 4);
@@ -91,7 +91,7 @@ static void of_two_in_one_tick_the_first_has_the_place(void)
 
 static void what_is_its_own_is_named_with_its_number(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     mode(TOP, LOOP_AUTO);
     put_proposal(&pair_proposes, proposed_own(1), 0.25f);
     put_proposal(&pair_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 1), 4);
@@ -110,7 +110,7 @@ static void what_is_its_own_is_named_with_its_number(void)
 
 static void a_block_that_gives_up_in_that_step_proposes_nothing(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     mode(TOP, LOOP_AUTO);
     tick();
     put_proposal(&pair_proposes, proposed_own(1), 0.25f);
@@ -122,7 +122,7 @@ static void a_block_that_gives_up_in_that_step_proposes_nothing(void)
 /* A kind that does not mention the manner means the one that waits. */
 static void one_that_says_nothing_of_its_manner_waits_although_the_one_before_did_not(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     watch_proposes.manner = PROPOSAL_AT_ONCE;
     put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 3);
     tick();

@@ -1,5 +1,5 @@
 /* Verbs of blocks in the tick: who runs, with what, and what refuses. The kinds are of this test alone. */
-#include "told_bench.h"
+#include "verb_bench.h"
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -21,7 +21,7 @@ static bool verb(uint8_t block, uint8_t which, const float *number)
 
 static void a_verb_acts_on_the_state_and_an_event_tells_that_it_has(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     TEST_ASSERT_TRUE(verb(WATCH, FREEZE, NULL));
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_VERB, "block1.freeze"));
     reading(T1, 95);
@@ -35,7 +35,7 @@ static void a_verb_acts_on_the_state_and_an_event_tells_that_it_has(void)
 static void its_number_reaches_it_and_so_does_that_there_is_none(void)
 {
     float number = 12.5f;
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     TEST_ASSERT_TRUE(verb(WATCH, TUNE, &number));
     TEST_ASSERT_EQUAL_FLOAT(12.5f, watch_state->tuned);
     TEST_ASSERT_EQUAL_FLOAT(12.5f, last(EVENT_BLOCK_VERB)->value);
@@ -46,7 +46,7 @@ static void its_number_reaches_it_and_so_does_that_there_is_none(void)
 
 static void what_the_block_refuses_is_told_with_its_word(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     (void)verb(WATCH, FREEZE, NULL);
     TEST_ASSERT_FALSE(verb(WATCH, FREEZE, NULL));
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_VERB, NULL));
@@ -57,7 +57,7 @@ static void what_the_block_refuses_is_told_with_its_word(void)
 static void a_controller_is_told_also_in_manual_but_not_while_it_is_off(void)
 {
     float number = 3;
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     TEST_ASSERT_TRUE(verb(PAIR, 0, &number));
     TEST_ASSERT_EQUAL_UINT(1, pair_state->tunings);
     request(REQUEST_BLOCK, PLAN_NONE, PAIR, 0, 0);
@@ -70,7 +70,7 @@ static void a_controller_is_told_also_in_manual_but_not_while_it_is_off(void)
 
 static void what_is_not_there_is_refused(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     TEST_ASSERT_FALSE(verb(WATCH, TUNE + 1, NULL));
     TEST_ASSERT_FALSE(verb(2, 0, NULL)); /* no such block */
     TEST_ASSERT_FALSE(verb(CONFIG_BLOCKS, 0, NULL));
@@ -84,7 +84,7 @@ static void what_is_not_there_is_refused(void)
 
 static void one_that_was_asked_of_another_plan_is_refused(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     struct request r = {
         .kind = REQUEST_VERB, .output = WATCH, .mode = FREEZE, .plan = bench.s.plan->serial};
     apply();
@@ -95,7 +95,7 @@ static void one_that_was_asked_of_another_plan_is_refused(void)
 
 static void why_a_block_is_off_is_remembered(void)
 {
-    bench_start_with(told);
+    bench_start_with(watch_and_pair);
     mode(TOP, LOOP_AUTO);
     mode(BOTTOM, LOOP_AUTO);
     tick();

@@ -1,16 +1,16 @@
 /* The bench of the supervisor with a block that watches T1 and one that serves top and bottom. */
-#ifndef REFLUX_TESTS_TOLD_BENCH_H
-#define REFLUX_TESTS_TOLD_BENCH_H
+#ifndef REFLUX_TESTS_VERB_BENCH_H
+#define REFLUX_TESTS_VERB_BENCH_H
 
 #include "exchange/block_settings.h"
 #include "put_block.h"
 #include "supervisor_bench.h"
-#include "told_kinds.h"
+#include "verb_kinds.h"
 
 enum { WATCH, PAIR };
 enum { SEEN = 4 };
 
-static inline void told(void)
+static inline void watch_and_pair(void)
 {
     put_all((const char *const[]){"meas5.name", "seen", "meas5.unit", "degC", "meas5.lo", "60",
                                   "meas5.hi", "160", "meas3.hold", "2", NULL});

@@ -1,20 +1,20 @@
 /* Kinds of blocks that are told something and say something, beside the firmware's PID: for tests of verbs, events, alarms
  * and proposals. Included in one file of a test, it stands in for app/kinds.c. */
-#ifndef REFLUX_TESTS_TOLD_KINDS_H
-#define REFLUX_TESTS_TOLD_KINDS_H
+#ifndef REFLUX_TESTS_VERB_KINDS_H
+#define REFLUX_TESTS_VERB_KINDS_H
 
 #include <string.h>
 
 #include "block/block.h"
 #include "kinds/pid/pid.h"
 #include "kinds/two_position/two_position.h"
-#ifdef TOLD_BESIDE_ELEMENTS
+#ifdef VERBS_BESIDE_ELEMENTS
 #include "kinds/feedforward/feedforward.h"
 #include "kinds/leadlag/leadlag.h"
 #endif
 
-static uint32_t told_bytes(const struct block_setup *setup);
-static enum err told_check(const struct block_setup *setup, struct block_fault *fault);
+static uint32_t verb_bytes(const struct block_setup *setup);
+static enum err verb_check(const struct block_setup *setup, struct block_fault *fault);
 
 /* ---- an estimator of one point, which is its input; it can be frozen ---- */
 
@@ -22,7 +22,7 @@ struct watch_settings {
     float limit; /* of its input, fraction of span */
 };
 
-struct told {
+struct verb_state {
     num_t limit, held;
     bool frozen, begun;
     float tuned;      /* by the verb; 0: it was given no number */
@@ -32,7 +32,7 @@ struct told {
     num_t u[2];
 };
 
-static struct told *watch_state, *pair_state;
+static struct verb_state *watch_state, *pair_state;
 static bool pair_is_spent, pair_gives_up; /* in its next step */
 enum { WATCH_HIGH, WATCH_CROSSED };
 /* Proposal of the next step of a watch or of a pair, and how often it found no room. */
@@ -43,7 +43,7 @@ static bool watch_withdraws, pair_withdraws; /* in the next step */
 static struct block_switch_off watch_switches_off, pair_switches_off;
 static void (*watch_described)(void); /* where an inner value is read; NULL: nobody looks */
 
-static void told_propose(struct block_io *io, struct block_proposal *proposes)
+static void verb_propose(struct block_io *io, struct block_proposal *proposes)
 {
     if (!proposes->n)
         return;
@@ -55,7 +55,7 @@ static void told_propose(struct block_io *io, struct block_proposal *proposes)
     proposes->n = 0;
 }
 
-static void told_switch_off(struct block_io *io, struct block_switch_off *switches_off)
+static void verb_switch_off(struct block_io *io, struct block_switch_off *switches_off)
 {
     if (!switches_off->n || !io->switch_off)
         return;
@@ -74,13 +74,13 @@ static const struct block_parameter watch_parameters[] = {
      .initial = 0.5f},
 };
 
-static uint32_t told_bytes(const struct block_setup *setup)
+static uint32_t verb_bytes(const struct block_setup *setup)
 {
     (void)setup;
-    return sizeof(struct told);
+    return sizeof(struct verb_state);
 }
 
-static enum err told_check(const struct block_setup *setup, struct block_fault *fault)
+static enum err verb_check(const struct block_setup *setup, struct block_fault *fault)
 {
     (void)setup;
     (void)fault;
@@ -92,22 +92,22 @@ static enum err watch_configure(void *state, const struct block_setup *setup, bo
     const struct watch_settings *c = setup->settings;
     watch_state = state;
     if (!retune)
-        memset(state, 0, sizeof(struct told));
+        memset(state, 0, sizeof(struct verb_state));
     watch_state->limit = num_from_float(c->limit);
     return ERR_OK;
 }
 
 static void watch_step(void *state, struct block_io *io)
 {
-    struct told *w = watch_state = state;
+    struct verb_state *w = watch_state = state;
     if (!w->frozen || !w->begun)
         w->held = io->input[0];
     w->begun = true;
     w->steps++;
     io->point[0] = w->held;
     io->point_quality[0] = io->quality[0];
-    told_propose(io, &watch_proposes);
-    told_switch_off(io, &watch_switches_off);
+    verb_propose(io, &watch_proposes);
+    verb_switch_off(io, &watch_switches_off);
     io->withdraws = watch_withdraws;
     watch_withdraws = false;
     bool above = num_lt(w->limit, io->input[0]);
@@ -124,7 +124,7 @@ static const struct block_event watch_events[] = {
 
 static const char *watch_freeze(void *state, const float *number)
 {
-    struct told *w = watch_state = state;
+    struct verb_state *w = watch_state = state;
     (void)number;
     if (w->frozen)
         return "frozen";
@@ -134,15 +134,15 @@ static const char *watch_freeze(void *state, const float *number)
 
 static const char *watch_thaw(void *state, const float *number)
 {
-    struct told *w = watch_state = state;
+    struct verb_state *w = watch_state = state;
     (void)number;
     w->frozen = false;
     return NULL;
 }
 
-static const char *told_tune(void *state, const float *number)
+static const char *verb_tune(void *state, const float *number)
 {
-    struct told *w = watch_state = state;
+    struct verb_state *w = watch_state = state;
     w->tuned = number ? *number : -1.0f;
     w->tunings++;
     return NULL;
@@ -158,12 +158,12 @@ static const struct block_verb watch_verbs[] = {
      .hi = 100,
      .may_lack_number = true,
      .access = ACCESS_ENGINEER,
-     .run = told_tune},
+     .run = verb_tune},
 };
 
 static const char *watch_describe(const void *state, size_t i, float *value)
 {
-    const struct told *w = state;
+    const struct verb_state *w = state;
     if (watch_described)
         watch_described();
     *value = num_to_float(i ? w->limit : w->held);
@@ -182,8 +182,8 @@ static const struct block_kind watch_kind = {
     .verbs = 3,
     .event = watch_events,
     .events = 2,
-    .bytes = told_bytes,
-    .check = told_check,
+    .bytes = verb_bytes,
+    .check = verb_check,
     .configure = watch_configure,
     .step = watch_step,
     .describe = watch_describe,
@@ -211,18 +211,18 @@ static enum err pair_configure(void *state, const struct block_setup *setup, boo
     (void)setup;
     pair_state = state;
     if (!retune)
-        memset(state, 0, sizeof(struct told));
+        memset(state, 0, sizeof(struct verb_state));
     return ERR_OK;
 }
 
 static void pair_step(void *state, struct block_io *io)
 {
-    struct told *p = pair_state = state;
+    struct verb_state *p = pair_state = state;
     p->steps++;
     for (unsigned k = 0; k < 2; k++)
         io->out[k] = p->u[k];
-    told_propose(io, &pair_proposes);
-    told_switch_off(io, &pair_switches_off);
+    verb_propose(io, &pair_proposes);
+    verb_switch_off(io, &pair_switches_off);
     io->withdraws = pair_withdraws;
     pair_withdraws = false;
     io->raised = pair_is_spent;
@@ -235,13 +235,13 @@ static const struct block_event pair_events[] = {{"spent", BLOCK_ALARM, "it has 
 
 static void pair_follow(void *state, struct block_io *io)
 {
-    struct told *p = pair_state = state;
+    struct verb_state *p = pair_state = state;
     for (unsigned k = 0; k < 2; k++)
         p->u[k] = io->out[k];
 }
 
 static const struct block_verb pair_verbs[] = {
-    {.name = "tune", .number = "s", .help = "to that time", .lo = 1, .hi = 100, .run = told_tune},
+    {.name = "tune", .number = "s", .help = "to that time", .lo = 1, .hi = 100, .run = verb_tune},
 };
 
 static const struct block_kind pair_kind = {
@@ -257,8 +257,8 @@ static const struct block_kind pair_kind = {
     .verbs = 1,
     .event = pair_events,
     .events = 1,
-    .bytes = told_bytes,
-    .check = told_check,
+    .bytes = verb_bytes,
+    .check = verb_check,
     .configure = pair_configure,
     .step = pair_step,
     .back_calculate = pair_follow,
@@ -267,7 +267,7 @@ static const struct block_kind pair_kind = {
 
 const struct block_kind *const block_kinds[] = {&pid_kind,         &two_position_kind, &watch_kind,
                                                 &pair_kind,
-#ifdef TOLD_BESIDE_ELEMENTS
+#ifdef VERBS_BESIDE_ELEMENTS
                                                 &feedforward_kind, &leadlag_kind
 #endif
 };
