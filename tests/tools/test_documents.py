@@ -92,6 +92,24 @@ class WorkedFamily(unittest.TestCase):
             self.assertIn(f"RUN_TEST({name});", texts)
 
 
+class Decisions(unittest.TestCase):
+    """The pages of docs/decisions: an idea, the decision with its date, the measurement, and what would change it."""
+
+    def test_each_page_has_its_parts_and_stands_in_the_index(self) -> None:
+        index = (ROOT / "docs" / "decisions" / "README.md").read_text(encoding="utf-8")
+        pages = [path for path in every(ROOT / "docs" / "decisions", "*.md") if path.name != "README.md"]
+        self.assertGreaterEqual(len(pages), 6)
+        for path in pages:
+            with self.subTest(path.name):
+                text = path.read_text(encoding="utf-8")
+                for part in ("Idea.", "Decision.", "Measurement.", "We would reconsider"):
+                    self.assertIn(f"**{part}**", text)
+                self.assertIn(f"]({path.name})", index)
+                dates = re.findall(r"\b20\d\d-\d\d-\d\d\b", text)
+                self.assertTrue(dates)
+                self.assertIn(f"{dates[0]} |", next(line for line in index.splitlines() if path.name in line))
+
+
 class Figures(unittest.TestCase):
     def test_each_script_says_how_it_is_used_and_draws_nothing(self) -> None:
         """All in this process: the libraries that draw take most of a second to load."""
