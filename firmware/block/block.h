@@ -34,6 +34,7 @@
 #include "block/proposal.h"
 #include "block/settings.h"
 #include "num/num.h"
+#include "signal/integral_clamp.h"
 
 enum block_stage { STAGE_ESTIMATE, STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
 
@@ -43,9 +44,6 @@ enum block_bad_input {
     BAD_INPUT_MANUAL, /* its members go to manual; of an element the loops on its MVs */
     BAD_INPUT_IS_TOLD /* it is told by their quality, and has a fall-back of its own */
 };
-
-/* Directions in which the integral of a member may not move, because what it drives is at a limit. */
-enum integral_clamp { INTEGRAL_FREE = 0, INTEGRAL_CLAMP_UP = 1, INTEGRAL_CLAMP_DOWN = 2 };
 
 /* What the configuration says of a member, beside the kind's own settings. */
 struct block_member {

@@ -7,7 +7,7 @@
 #if CONFIG_BLOCKS
 
 #include "kinds/gmv/gmv_detune.h"
-#include "kinds/pid/pid.h"
+#include "signal/pid.h"
 
 struct gmv_block {
     struct gmv_supervise watch;

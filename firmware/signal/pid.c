@@ -1,4 +1,4 @@
-#include "kinds/pid/pid.h"
+#include "signal/pid.h"
 
 #include <stddef.h>
 #include <string.h>
