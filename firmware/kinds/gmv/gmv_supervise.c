@@ -72,18 +72,12 @@ void gmv_supervise_retune(struct gmv_supervise *s, const struct gmv_supervise_co
 
 /* ---- who may learn ---- */
 
-static float magnitude_of(float x)
-{
-    return x < 0 ? -x : x;
-}
-
 static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_seen *seen,
                                     unsigned i)
 {
     const struct gmv_supervise_config *c = &s->config;
-    s->still[i] = magnitude_of(seen->moved[i]) >= GMV_STANDS_STILL
-                      ? 0
-                      : s->still[i] + (s->still[i] < UINT32_MAX);
+    s->still[i] =
+        real_abs(seen->moved[i]) >= GMV_STANDS_STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
     if (!(seen->good & (1u << i)))
         s->spoilt[i] = c->reach + 1u;
     else if (s->spoilt[i])
@@ -321,11 +315,10 @@ static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     float most = 0;
     for (unsigned i = 0; i < s->config.loops; i++) {
-        float away = magnitude_of(seen->away[i]);
+        float away = real_abs(seen->away[i]);
         float needed = s->config.negative[i] ? -seen->away[i] : seen->away[i];
-        bool jammed = (seen->acting & (1u << i)) &&
-                      magnitude_of(seen->moved[i]) < GMV_STANDS_STILL &&
-                      magnitude_of(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
+        bool jammed = (seen->acting & (1u << i)) && real_abs(seen->moved[i]) < GMV_STANDS_STILL &&
+                      real_abs(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
                       needed * seen->lacked[i] < 0;
         s->jammed[i] = jammed ? s->jammed[i] + 1u : 0;
         if (s->jammed[i] > 4u * s->config.reach + 32u)

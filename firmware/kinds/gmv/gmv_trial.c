@@ -214,14 +214,9 @@ static float known_prediction(const struct gmv_trial *t, unsigned i, unsigned no
     return sum;
 }
 
-static float size_of_number(float x)
-{
-    return x < 0 ? -x : x;
-}
-
 static float safely_divided(float a, float b)
 {
-    return size_of_number(b) < 1e-6f ? 0 : a / b;
+    return real_abs(b) < 1e-6f ? 0 : a / b;
 }
 
 /* The equations of those that act, as gmv_solve does it without limits. */
@@ -237,7 +232,7 @@ static void solve_trial(const struct gmv_trial *t, float m[GMV_LOOPS][GMV_LOOPS]
     a = real_abs(m[0][0]) > real_abs(m[0][1]) ? real_abs(m[0][0]) : real_abs(m[0][1]);
     b = real_abs(m[1][0]) > real_abs(m[1][1]) ? real_abs(m[1][0]) : real_abs(m[1][1]);
     float det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    if (!(size_of_number(det) >= t->determinant * a * b) || det == 0)
+    if (!(real_abs(det) >= t->determinant * a * b) || det == 0)
         return;
     move[0] = (rhs[0] * m[1][1] - rhs[1] * m[0][1]) / det;
     move[1] = (rhs[1] * m[0][0] - rhs[0] * m[1][0]) / det;
@@ -311,9 +306,9 @@ static void sum_answer(struct gmv_trial *t, unsigned now)
             s->noise += pv * pv;
             s->moves += move * move;
         } else if (now < GMV_TRIAL_KEPT + LOAD_AT) {
-            s->setpoint += size_of_number(t->setpoint[i] - pv);
+            s->setpoint += real_abs(t->setpoint[i] - pv);
         } else {
-            s->load += size_of_number(t->setpoint[i] - pv);
+            s->load += real_abs(t->setpoint[i] - pv);
         }
     }
 }
@@ -325,8 +320,8 @@ static float size_of_upset(const struct gmv_trial *t, unsigned now)
     for (unsigned i = 0; i < t->loops; i++) {
         float move = steps_before(t->u[i], now, 0) - steps_before(t->u[i], now, 1);
         if (t->loop[i].acts)
-            sum += size_of_number(steps_before(t->y[i], now, 0)) +
-                   size_of_number(t->loop[i].law_g[i][0] * move);
+            sum +=
+                real_abs(steps_before(t->y[i], now, 0)) + real_abs(t->loop[i].law_g[i][0] * move);
     }
     return sum;
 }
