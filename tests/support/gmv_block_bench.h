@@ -7,8 +7,9 @@
 #include <string.h>
 
 #include "block_defaults.h"
-#include "kinds/gmv/gmv_block.h"
+#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_kind.h"
+#include "kinds/gmv/gmv_settings.h"
 
 #define GMV_BENCH_DEPTH  64
 #define GMV_BENCH_INPUTS (GMV_LOOPS + GMV_DISTURBANCES)

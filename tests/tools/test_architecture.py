@@ -1,7 +1,9 @@
 """The layers of docs/architecture.md are those of CMake; no file includes what its place does not allow, no modules include
-each other in a circle, and a static function has its name for itself."""
+each other in a circle, and a static function has its name for itself. A struct of state has one owner, and no files include or
+call each other in a circle but those of data/known_circles.txt."""
 
 import re
+import tomllib
 import unittest
 from collections import defaultdict
 from pathlib import Path
@@ -12,9 +14,15 @@ from reflux.paths import every
 
 PAGE = ROOT / "docs" / "architecture.md"
 FIRMWARE = ROOT / "firmware"
+DATA = Path(__file__).parent / "data"
+OWNERS = DATA / "owners.toml"
+KNOWN_CIRCLES = DATA / "known_circles.txt"
 
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+STRUCT = re.compile(r"^struct (\w+) \{\n(.*?)^\};", re.MULTILINE | re.DOTALL)
+FUNCTION = re.compile(r"^([A-Za-z_][^;{}#=]*)\n\{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
+NAME = re.compile(r"\b(\w+)\(")
 STATIC = re.compile(r"^(?:[A-Z_]+ )*static (?:[^=;(){}]*[\s*])?(\w+)\(", re.MULTILINE)
 
 
@@ -47,15 +55,46 @@ def odd_includes(texts: dict[str, str]) -> list[str]:
             if "/" not in name or ".." in name.split("/") or "." in name.split("/")]
 
 
-def module(path: str) -> str:
-    return path.rsplit(".", 1)[0]
+def modules(texts: dict[str, str], of: dict[str, str]) -> dict[str, str]:
+    """x.c and x.h are one module, x, and so is the header that defines a struct of x.c."""
+    found = {path: path.rsplit(".", 1)[0] for path in texts}
+    for name, (path, _) in definitions(texts, of).items():
+        found[path] = of[name].rsplit(".", 1)[0]
+    return found
 
 
-def circles(texts: dict[str, str]) -> list[list[str]]:
-    """Modules (x.c with x.h) of which each reaches every other by includes. Tarjan, SIAM J. Comput. 1 (1972) 146."""
+def includes(texts: dict[str, str], of: dict[str, str]) -> dict[str, set[str]]:
+    """Modules that each module includes."""
+    module = modules(texts, of)
     uses = defaultdict(set)
     for path, text in texts.items():
-        uses[module(path)] |= {module(n) for n in INCLUDE.findall(text) if n in texts and module(n) != module(path)}
+        uses[module[path]] |= {module[n] for n in INCLUDE.findall(text) if n in texts} - {module[path]}
+    return uses
+
+
+def functions(text: str) -> list[tuple[str, str]]:
+    """Head and body of each function, by braces that stand alone in the first column."""
+    return [(head, body) for head, body in FUNCTION.findall(text) if "(" in head]
+
+
+def calls(texts: dict[str, str], of: dict[str, str]) -> dict[str, set[str]]:
+    """Modules whose functions each module calls by name. Calls through a table are none of these."""
+    module = modules(texts, of)
+    defined = defaultdict(set)
+    for path, text in texts.items():
+        for head, _ in functions(text):
+            if path.endswith(".h") or not re.search(r"\bstatic\b", head):
+                defined[NAME.search(head).group(1)].add(module[path])
+    uses = defaultdict(set)
+    for path, text in texts.items():
+        for _, body in functions(text):
+            for name in set(NAME.findall(body)):
+                uses[module[path]] |= defined.get(name, set()) - {module[path]}
+    return uses
+
+
+def circles(uses: dict[str, set[str]]) -> list[list[str]]:
+    """Modules of which each reaches every other. Tarjan, SIAM J. Comput. 1 (1972) 146."""
     index: dict[str, int] = {}
     low: dict[str, int] = {}
     open_ones: list[str] = []
@@ -79,6 +118,72 @@ def circles(texts: dict[str, str]) -> list[list[str]]:
     for one in sorted(uses):
         if one not in index:
             visit(one)
+    return sorted(found)
+
+
+def circles_of_files(texts: dict[str, str], of: dict[str, str]) -> list[list[str]]:
+    uses = includes(texts, of)
+    for one, others in calls(texts, of).items():
+        uses[one] |= others
+    return circles(uses)
+
+
+def known_circles(text: str) -> list[list[str]]:
+    """A circle in each line, its modules in order."""
+    return sorted(line.split() for line in text.splitlines() if line and not line.startswith("#"))
+
+
+def owners(text: str) -> dict[str, str]:
+    """The owner of each struct: `name = "file.c"` in the table of its folder."""
+    return {struct: f"{folder}/{owner}" for folder, rows in tomllib.loads(text).items() for struct, owner in rows.items()}
+
+
+def definitions(texts: dict[str, str], of: dict[str, str]) -> dict[str, tuple[str, str]]:
+    """File and body of the definition of each of these structs."""
+    return {name: (path, body) for path, text in texts.items() for name, body in STRUCT.findall(text) if name in of}
+
+
+def seen_from(texts: dict[str, str], path: str) -> set[str]:
+    """A file and all that it includes, directly or not."""
+    seen, open_ones = set(), [path]
+    while open_ones:
+        one = open_ones.pop()
+        if one not in seen and one in texts:
+            seen.add(one)
+            open_ones += INCLUDE.findall(texts[one])
+    return seen
+
+
+def touched_fields(text: str, names: set[str], before: str) -> list[str]:
+    """Uses of a field of a variable or member of one of these names: name->field, name[i].field."""
+    if not names:
+        return []
+    return [m.group(0) for m in re.finditer(rf"{before}(?:{'|'.join(sorted(names))})(?:\[[^\]]*\])*(?:->|\.)\w+", text)]
+
+
+def broken_ownership(texts: dict[str, str], of: dict[str, str]) -> list[str]:
+    """A struct is defined by its owner, or by a header that only owners of its structs, and of structs that hold them, include.
+    Others that see it because a struct of theirs holds it touch no field."""
+    where = definitions(texts, of)
+    found = [f"{name}: nobody defines it" for name in of if name not in where]
+    headers = {path for path, _ in where.values()}
+    for header in sorted(headers):
+        allowed = {of[name] for name, (path, _) in where.items() if path == header}
+        if header.endswith(".c"):
+            found += [f"{header}: has a struct of {owner}" for owner in sorted(allowed - {header})]
+            continue
+        found += [f"{path}: includes {header}" for path, text in texts.items()
+                  if header in INCLUDE.findall(text) and path not in allowed | headers]
+    for path, text in texts.items():
+        visible = seen_from(texts, path)
+        for name, (home, _) in where.items():
+            if home not in visible or path in (home, of[name]):
+                continue
+            typed = re.compile(rf"\bstruct {name}\b[\s*]*(?:const\s+)?(\w+)")
+            members = {m for _, body in where.values() for m in typed.findall(body)}
+            for head, body in functions(text):
+                found += [f"{path}: {use}" for use in touched_fields(body, set(typed.findall(head + body)), r"(?<![\w.>])")]
+                found += [f"{path}: {use}" for use in touched_fields(body, members, r"(?:->|\.)")]
     return found
 
 
@@ -93,6 +198,7 @@ def equal_names(texts: dict[str, str]) -> dict[str, list[str]]:
 class Lint(unittest.TestCase):
     def setUp(self) -> None:
         self.texts = sources(FIRMWARE)
+        self.owners = owners(OWNERS.read_text(encoding="utf-8"))
 
     def test_every_include_names_a_folder_and_a_file(self) -> None:
         self.assertEqual(odd_includes(self.texts), [])
@@ -101,7 +207,15 @@ class Lint(unittest.TestCase):
         self.assertEqual(layers_of_page(PAGE.read_text(encoding="utf-8")), layers_of_cmake(FIRMWARE))
 
     def test_no_modules_include_each_other_in_a_circle(self) -> None:
-        self.assertEqual(circles(self.texts), [])
+        self.assertEqual(circles(includes(self.texts, self.owners)), [])
+
+    def test_no_files_include_or_call_each_other_in_a_circle_but_those_known(self) -> None:
+        found, known = circles_of_files(self.texts, self.owners), known_circles(KNOWN_CIRCLES.read_text(encoding="utf-8"))
+        self.assertEqual([c for c in found if c not in known], [], "new circles")
+        self.assertEqual([c for c in known if c not in found], [], f"no circles any more: take them out of {KNOWN_CIRCLES.name}")
+
+    def test_only_its_owner_touches_the_fields_of_a_struct(self) -> None:
+        self.assertEqual(broken_ownership(self.texts, self.owners), [])
 
     def test_a_static_function_has_its_name_for_itself(self) -> None:
         self.assertEqual(equal_names(self.texts), {})
@@ -138,11 +252,53 @@ class Found(FolderTest):
     def test_a_circle_through_a_source(self) -> None:
         texts = self.texts(a__x_h='#include "a/y.h"\n', a__x_c='#include "a/x.h"\n', a__y_h="", a__z_h="",
                            a__y_c='#include "a/y.h"\n#include "a/z.h"\n', a__z_c='#include "a/x.h"\n')
-        self.assertEqual(circles(texts), [["a/x", "a/y", "a/z"]])
+        self.assertEqual(circles(includes(texts, {})), [["a/x", "a/y", "a/z"]])
 
     def test_no_circle_where_two_meet_below(self) -> None:
         texts = self.texts(a__x_h='#include "a/y.h"\n#include "a/z.h"\n', a__y_h='#include "a/z.h"\n', a__z_h="")
-        self.assertEqual(circles(texts), [])
+        self.assertEqual(circles(includes(texts, {})), [])
+
+    def test_a_header_of_state_is_part_of_its_owner(self) -> None:
+        texts = self.texts(a__x_h='#include "a/z.h"\n', a__z_h='#include "a/x_state.h"\n',
+                           a__x_state_h="struct x {\n    int n;\n};\n")
+        self.assertEqual(circles(includes(texts, {})), [])
+        self.assertEqual(circles(includes(texts, {"x": "a/x.c"})), [["a/x", "a/z"]])
+
+    def test_a_circle_through_a_call(self) -> None:
+        texts = self.texts(a__x_h='void x(void);\n#include "a/y.h"\n', a__x_c='#include "a/x.h"\nvoid x(void)\n{\n    y();\n}\n',
+                           a__y_h="void y(void);\n", a__y_c="void x(void);\nvoid y(void)\n{\n    x();\n}\n")
+        self.assertEqual(circles(includes(texts, {})), [])
+        self.assertEqual(circles_of_files(texts, {}), [["a/x", "a/y"]])
+
+    def test_no_circle_through_a_table_or_a_function_of_the_file_itself(self) -> None:
+        texts = self.texts(a__x_c="static void f(void)\n{\n}\nvoid x(void)\n{\n    f();\n    y();\n}\n",
+                           a__y_c="static void f(void)\n{\n}\nvoid (*const table[])(void) = {x};\n"
+                                "void y(void)\n{\n    f();\n    table[0]();\n}\n")
+        self.assertEqual(circles_of_files(texts, {}), [])
+
+    def owned(self, **files: str) -> list[str]:
+        """Two structs, of which one holds the other."""
+        texts = {"a__x_state_h": "struct x {\n    int n;\n};\n",
+                 "a__x_c": '#include "a/x_state.h"\nint f(struct x *x)\n{\n    return x->n;\n}\n',
+                 "a__y_state_h": '#include "a/x_state.h"\nstruct y {\n    struct x part[2];\n    int m;\n};\n',
+                 "a__y_c": '#include "a/y_state.h"\nint g(struct y *y)\n{\n    return f(&y->part[0]) + y->m;\n}\n'}
+        return broken_ownership(self.texts(**texts | files), owners('["a"]\nx = "x.c"\ny = "y.c"\n'))
+
+    def test_owners_that_keep_to_themselves(self) -> None:
+        self.assertEqual(self.owned(), [])
+
+    def test_a_stranger_that_includes_the_header_of_a_state(self) -> None:
+        self.assertEqual(self.owned(a__z_c='#include "a/x_state.h"\n', a__w_h='#include "a/y_state.h"\n'),
+                         ["a/z.c: includes a/x_state.h", "a/w.h: includes a/y_state.h"])
+
+    def test_an_owner_that_touches_fields_of_what_its_struct_holds(self) -> None:
+        self.assertEqual(self.owned(a__y_c='#include "a/y_state.h"\nint g(struct y *y)\n{\n    return y->part[1].n;\n}\n'
+                                           "int h(const struct x *some)\n{\n    return some->n;\n}\n"),
+                         ["a/y.c: ->part[1].n", "a/y.c: some->n"])
+
+    def test_a_struct_that_nobody_or_somebody_else_defines(self) -> None:
+        self.assertEqual(self.owned(a__x_state_h="", a__y_c="struct x {\n    int n;\n};\n"), ["a/y.c: has a struct of a/x.c"])
+        self.assertEqual(self.owned(a__x_state_h="", a__y_c=""), ["x: nobody defines it"])
 
     def test_static_functions_however_they_are_declared(self) -> None:
         texts = self.texts(

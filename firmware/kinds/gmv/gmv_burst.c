@@ -2,11 +2,17 @@
 
 #include <string.h>
 
-#define SHORT_MEMORY 16.0f  /* steps */
-#define LONG_MEMORY  256.0f /* steps, also how many it wants before it says anything */
-#define TURNS_MEMORY 64.0f  /* steps */
+#include "kinds/gmv/gmv_burst_state.h"
+#include "num/real.h"
+
+/* Steps of the two means; nothing is judged before LONG_MEMORY steps. */
+#define SHORT_MEMORY 16.0f
+#define LONG_MEMORY  256.0f
+/* Turns that make a burst, and the steps within which they are counted. */
+#define TURNS_MEMORY 64.0f
 #define TURNS        4.0f
-#define LEAST_MOVE   0.005f /* of span, r.m.s.: smaller moves wear nothing out */
+/* Smaller moves, r.m.s., wear nothing out; fraction of span. */
+#define LEAST_MOVE 0.005f
 
 void gmv_burst_begin(struct gmv_burst *b)
 {
@@ -26,15 +32,20 @@ bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float rati
         b->turns += moved * b->last < 0;
         b->last = moved;
     }
-    b->soon += (square - b->soon) / SHORT_MEMORY;
+    b->recent += (square - b->recent) / SHORT_MEMORY;
     if (b->rests < settled)
         return false;
     b->seen += b->seen < UINT32_MAX;
     float memory = (float)b->seen < LONG_MEMORY ? (float)b->seen : LONG_MEMORY;
-    float most = 4 * b->long_ + LEAST_MOVE * LEAST_MOVE;
-    bool usual = square <= most || (float)b->seen < LONG_MEMORY;
-    b->long_ +=
-        ((usual ? square : most) - b->long_) / memory; /* a burst is to stand out for long */
-    return (float)b->seen >= LONG_MEMORY && b->soon > ratio * b->long_ &&
-           b->soon > LEAST_MOVE * LEAST_MOVE && b->turns >= TURNS;
+    float most = 4 * b->usual + LEAST_MOVE * LEAST_MOVE;
+    bool ordinary = square <= most || (float)b->seen < LONG_MEMORY;
+    /* Clipped, so that a burst stands out for long. */
+    b->usual += ((ordinary ? square : most) - b->usual) / memory;
+    return (float)b->seen >= LONG_MEMORY && b->recent > ratio * b->usual &&
+           b->recent > LEAST_MOVE * LEAST_MOVE && b->turns >= TURNS;
+}
+
+float gmv_burst_size(const struct gmv_burst *b)
+{
+    return real_sqrt(b->recent);
 }

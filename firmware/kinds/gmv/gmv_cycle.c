@@ -2,13 +2,17 @@
 
 #include <string.h>
 
+#include "kinds/gmv/gmv_cycle_state.h"
 #include "num/real.h"
 
-#define WINDOW    32u /* steps */
-#define WINDOWS   2u  /* one after the other */
+/* Steps of a window, windows in a row, crossings in each. */
+#define WINDOW    32u
+#define WINDOWS   2u
 #define CROSSINGS 3u
-#define LEAST     0.005f /* of span, r.m.s.: a smaller swing is nobody's concern */
-#define SURPRISES 25.0f  /* times the mean square of what could not be predicted */
+/* A smaller swing does not matter; fraction of span, r.m.s. */
+#define LEAST 0.005f
+/* A swing is as many times the mean square of the prediction errors. */
+#define SURPRISES 25.0f
 /* Between its limits an MV makes a loop swing that a linear model does not predict as well. */
 #define LARGE           0.01f
 #define LARGE_SURPRISES 4.0f

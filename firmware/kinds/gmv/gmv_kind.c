@@ -1,51 +1,26 @@
-/* Kind `gmv`: what the tick calls. The law and its data: gmv.h; who computes and who learns: gmv_supervise.h.
+/* Kind `gmv`: composes its parts, and answers the calls of the tick. The law and its samples: gmv.h; who computes and who learns:
+ * gmv_supervise.h.
  *
- * The output is what was told last and the change against what was applied last, so that feedforward, a hand, or a limit is no
- * error of the model, and whoever computes begins where the other has ended. */
+ * The output is the last one applied plus the change against the applied MV, so that feedforward, a hand, or a limit is no
+ * error of the model, and each controller begins where the one before has ended. */
 #include "kinds/gmv/gmv_kind.h"
 
 #include <string.h>
 
 #include "base/channel.h"
-#include "kinds/gmv/gmv_block.h"
-#include "num/real.h"
+#include "kinds/gmv/gmv_events.h"
+#include "kinds/gmv/gmv_kind_state.h"
+#include "kinds/gmv/gmv_samples.h"
+#include "kinds/gmv/gmv_settings.h"
+#include "kinds/gmv/gmv_values.h"
 
-/* Steps after which the result of a trial is taken. */
-#define TRIAL_STEPS 20u
-/* A PV among the inputs that is further from that of the loop is another measurement. */
+/* A PV among the inputs that differs by more from that of the loop is another measurement. */
 #define SAME_PV 1e-4f
-/* An output that is nearer to what was told is where it was left. */
-#define SAME_OUTPUT 1e-5f
 
-enum gmv_event {
-    EVENT_ADOPTED,
-    EVENT_REFUSED,
-    EVENT_FROZEN,
-    EVENT_SIGN,
-    EVENT_POLES,
-    EVENT_WORSE,
-    EVENT_BURST,
-    EVENT_SINGULAR,
-    EVENT_RECORD,
-    GMV_EVENTS
-};
-
-static const struct block_event gmv_events[GMV_EVENTS] = {
-    [EVENT_ADOPTED] = {"adopted", BLOCK_INFO,
-                       "the law computes, what is upset shrinks per step by"},
-    [EVENT_REFUSED] = {"refused", BLOCK_INFO,
-                       "a model was not adopted; 1 prediction, 2 gain, 3 poles, 4 by hand, 5 PI"},
-    [EVENT_FROZEN] = {"frozen", BLOCK_INFO,
-                      "nothing is learnt; 1 asked, 2 quiet, 3 still, 4 reading, 5 manual"},
-    [EVENT_SIGN] = {"sign", BLOCK_ALARM, "the PI acts: wrong sign or size of g0, span per span"},
-    [EVENT_POLES] = {"poles", BLOCK_ALARM, "the PI acts: the loop would grow per step by"},
-    [EVENT_WORSE] = {"worse", BLOCK_ALARM,
-                     "the PI acts: predictions fail, or an MV is stuck the wrong way; spans"},
-    [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: the MV or the PV swings, spans r.m.s."},
-    [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
-    [EVENT_RECORD] = {"pi_wins", BLOCK_ALARM,
-                      "the PI acts: it did better; the law's moves or errors, times its own"},
-};
+static enum gmv_state supervision_state(const struct gmv_block *s)
+{
+    return (enum gmv_state)gmv_supervise_status(&s->watch)->state;
+}
 
 /* ---- settings ---- */
 
@@ -63,40 +38,17 @@ static uint16_t gmv_block_history(const struct block_setup *setup)
     return (uint16_t)gmv_history(&c.shape);
 }
 
-static enum err configure_pi(struct gmv_block *s, const struct block_setup *setup, unsigned i,
-                             bool retune)
-{
-    const struct gmv_settings *from = setup->settings;
-    struct pid_config c = pid_default_config();
-    c.gain = real_abs(from->tune_gain[i]);
-    c.action = from->tune_gain[i] < 0 ? PID_DIRECT : PID_REVERSE;
-    c.ti_s = from->tune_ti_s[i];
-    c.out_lo = -PID_OUTPUT_MAX; /* the loop's own limits are behind it */
-    c.out_hi = PID_OUTPUT_MAX;
-    return retune ? pid_retune(&s->pi[i], &c, setup->interval_s)
-                  : pid_init(&s->pi[i], &c, setup->interval_s);
-}
-
 static void take_block_settings(struct gmv_block *s, const struct block_setup *setup,
                                 const struct gmv_config *c)
 {
     const struct gmv_settings *from = setup->settings;
     s->loops = c->shape.loops;
     s->disturbances = c->shape.disturbances;
-    s->relative = from->weight == GMV_WORD_RELATIVE;
-    s->margin = from->margin;
-    s->detune = s->relative ? from->detune : 1;
     s->excite = from->excite;
     s->speed = num_from_float(from->speed);
     s->gain_least = num_from_float(from->gain_least);
-    memcpy(s->lambda, c->lambda, sizeof s->lambda);
-    memcpy(s->start, c->theta, sizeof s->start);
-    for (unsigned i = 0; i < s->loops; i++)
-        s->trial_pi[i] = (struct gmv_trial_pi){
-            .gain = from->tune_gain[i],
-            .integral = from->tune_ti_s[i] > 0
-                            ? from->tune_gain[i] * setup->interval_s / from->tune_ti_s[i]
-                            : 0};
+    gmv_lambda_configure(&s->lambda, setup, c);
+    gmv_proposals_configure(&s->proposals, c->theta);
 }
 
 static enum err gmv_configure(void *state, const struct block_setup *setup, bool retune)
@@ -110,35 +62,22 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
         memset(s, 0, sizeof *s);
     take_block_settings(s, setup, &c);
     for (unsigned i = 0; i < s->loops; i++) {
-        enum err err = configure_pi(s, setup, i, retune);
+        enum err err = gmv_shadow_configure(&s->shadow, setup, i, retune);
         if (err)
             return err;
     }
-    if (retune && memcmp(&gmv_of(s)->shape, &c.shape, sizeof c.shape) == 0) {
+    if (retune && memcmp(gmv_shape(gmv_of(s)), &c.shape, sizeof c.shape) == 0) {
         gmv_retune(gmv_of(s), &c);
         gmv_supervise_retune(&s->watch, &watch);
         return ERR_OK;
     }
     gmv_init(gmv_of(s), &c);
     gmv_supervise_init(&s->watch, &watch);
-    gmv_forget_limits(s);
-    s->begun = s->proposes = s->on_trial = s->trial_wanted = false;
-    s->times = 1;
+    gmv_moves_init(&s->moves);
+    gmv_proposals_withdraw(&s->proposals);
+    gmv_lambda_reset(&s->lambda);
+    s->begun = false;
     return ERR_OK;
-}
-
-void gmv_start_again(struct gmv_block *s)
-{
-    struct gmv *g = gmv_of(s);
-    num_t theta[GMV_PARAMETERS];
-    for (unsigned i = 0; i < s->loops; i++) {
-        for (unsigned p = 0; p < GMV_PARAMETERS; p++) {
-            theta[p] = num_from_float(s->start[i][p]);
-            gmv_use(g, i, p, theta[p]);
-        }
-        rls_set(gmv_rls_of(g, i), theta);
-        rls_reset(gmv_rls_of(g, i));
-    }
 }
 
 /* ---- steps ---- */
@@ -146,30 +85,20 @@ void gmv_start_again(struct gmv_block *s)
 static void take_signals(struct gmv_block *s, const struct block_io *io)
 {
     s->acting = io->acting;
-    for (unsigned i = 0; i < s->loops; i++) {
-        s->in[i] = io->in[i];
-        s->setpoint[i] = io->setpoint[i];
-    }
+    gmv_shadow_take(&s->shadow, io, s->loops);
 }
 
 static void follow_with_pi(struct gmv_block *s, unsigned i, num_t out)
 {
-    s->told[i] = out;
-    pid_follow(&s->pi[i], s->setpoint[i], s->in[i], out);
+    gmv_moves_keep_applied(&s->moves, i, out);
+    gmv_shadow_follow(&s->shadow, i, out);
 }
 
-static bool is_near(num_t a, num_t b)
-{
-    return num_lt(num_abs(num_sub(a, b)), num_from_float(SAME_OUTPUT));
-}
-
-/* A member goes on as it was when another one comes, or returns: the output is where it was left, or what
- * was asked of it and a limit cut short. */
+/* A member goes on when another one comes or returns: its output is where it was left, or the one that a limit cut short. */
 static bool goes_on(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++)
-        if ((s->acting & io->acting & (1u << i)) &&
-            (is_near(io->out[i], s->told[i]) || is_near(io->out[i], s->given[i])))
+        if ((s->acting & io->acting & (1u << i)) && gmv_moves_continue(&s->moves, i, io->out[i]))
             return true;
     return false;
 }
@@ -184,10 +113,13 @@ static void gmv_follow(void *state, struct block_io *io)
     if (!anew)
         return;
     gmv_supervise_begin(&s->watch);
-    s->begun = s->proposes = s->has_asked = s->on_trial = s->trial_wanted = false;
+    gmv_proposals_withdraw(&s->proposals);
+    gmv_moves_break_off(&s->moves);
+    gmv_lambda_cancel(&s->lambda);
+    s->begun = false;
 }
 
-/* Why it cannot go on, in a word, or NULL. */
+/* Returns why it cannot go on, in a word, or NULL. */
 static const char *lacks(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++) {
@@ -229,178 +161,92 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
         seen.setpoint[i] = num_to_float(io->setpoint[i]);
         seen.away[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
         seen.moved[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
-        if (s->has_asked)
-            seen.lacked[i] = num_to_float(num_sub(s->asked[i], gmv_applied(sample, i, 1)));
+        seen.lacked[i] = gmv_moves_lacked(&s->moves, sample, i);
     }
     return seen;
 }
 
-static float estimated_gain(const struct gmv *g, unsigned i)
-{
-    return num_to_float(rls_theta(gmv_rls(g, i), (unsigned)gmv_place_of_u(&g->shape, i, i)));
-}
-
-/* Whether g_ii,0 differs from 0 by so many deviations, and what multiplies the PV is as far within 1. Of other MVs and of older
- * moves the law needs to know less: the test of predictions and the trial look at what they come to. */
-static bool is_excited(const struct gmv_block *s, unsigned i)
+static struct gmv_result result_of(struct gmv_block *s, uint8_t whole, const struct block_io *io)
 {
     const struct gmv *g = gmv_of_const(s);
-    const struct rls *r = gmv_rls(g, i);
-    float sd = rls_error_sd(r) * s->excite;
-    unsigned own = (unsigned)gmv_place_of_u(&g->shape, i, i);
-    float gain = real_abs(num_to_float(rls_theta(r, own)));
-    for (unsigned p = 0; p <= own; p++)
-        if (!(sd * real_sqrt(rls_covariance(r, p, p)) <= (p < own ? 1 : gain)))
-            return false;
-    return gain > 0;
-}
-
-static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct block_io *io)
-{
-    const struct gmv *g = gmv_of_const(s);
-    struct gmv_came came = {.whole = whole};
-    bool asks = s->watch.state == GMV_TUNING && !s->watch.testing &&
-                s->watch.elapsed + 1u >= s->watch.config.tune_steps;
+    struct gmv_result result = {.whole = whole};
+    bool asks = gmv_supervise_needs_excitation(&s->watch);
     for (unsigned i = 0; i < s->loops; i++) {
-        struct gmv_predicted of = gmv_predicted(g, i);
-        came.error[i] = num_to_float(num_sub(of.measured, of.used));
-        came.standstill[i] = num_to_float(num_sub(of.measured, of.standstill));
-        came.told[i] = rls_told(gmv_rls(g, i));
-        came.forgot[i] = rls_forgot(gmv_rls(g, i));
-        came.parameters[i] = (uint8_t)gmv_parameters(&g->shape, i);
-        came.gain[i] = gmv_own_gain(g, i);
-        came.estimated[i] = estimated_gain(g, i);
-        if (asks && is_excited(s, i))
-            came.excited = (uint8_t)(came.excited | (1u << i));
+        struct gmv_predicted predicted = gmv_predicted(g, i);
+        const struct rls *r = gmv_rls(g, i);
+        result.error[i] = num_to_float(num_sub(predicted.measured, predicted.used));
+        result.standstill[i] = num_to_float(num_sub(predicted.measured, predicted.standstill));
+        result.information[i] = rls_told(r);
+        result.forgetting[i] = rls_forgot(r);
+        result.parameters[i] = (uint8_t)gmv_parameters(gmv_shape(g), i);
+        result.gain[i] = gmv_own_gain(g, i);
+        result.estimated[i] = gmv_estimated_gain(g, i);
+        if (asks && gmv_is_excited(g, i, s->excite))
+            result.excited = (uint8_t)(result.excited | (1u << i));
     }
-    came.tried = s->on_trial && io->work_done;
-    if (came.tried) {
-        came.outcome = s->search.best;
-        s->times = came.outcome.times;
-        s->on_trial = false;
-    }
-    return came;
+    result.tried = gmv_lambda_take(&s->lambda, io, &result.outcome);
+    return result;
 }
 
-/* The parameters in use are those estimated, or come nearer to them. */
+/* Puts the estimated parameters in use, or moves those in use towards them. */
 static void use_estimates(struct gmv_block *s, uint8_t learn, bool at_once)
 {
     struct gmv *g = gmv_of(s);
-    for (unsigned i = 0; i < s->loops; i++) {
-        bool follows =
-            (learn & (1u << i)) && gmv_supervise_gain(&s->watch, i, estimated_gain(g, i));
-        for (unsigned p = 0; p < gmv_parameters(&g->shape, i) && (at_once || follows); p++) {
-            num_t used = gmv_used(g, i, p), wanted = rls_theta(gmv_rls(g, i), p);
-            num_t most = num_mul(s->speed, num_max(num_abs(used), s->gain_least));
-            num_t move = num_clamp(num_sub(wanted, used), num_neg(most), most);
-            gmv_use(g, i, p, at_once ? wanted : num_add(used, move));
-        }
-    }
-}
-
-/* While tuning it finds its lambda anew; a law that acts is tried as it is, and so is one without lambda. */
-static void begin_law_trial(struct gmv_block *s, uint8_t acting)
-{
-    bool searches = s->watch.state == GMV_TUNING;
-    if (searches)
-        s->times = 1;
-    gmv_set_weights(s);
-    searches = searches && (s->lambda[0] > 0 || s->lambda[1] > 0);
-    gmv_detune_begin(&s->search, s->times, searches ? s->detune : s->times, s->watch.config.better,
-                     s->watch.record);
-    gmv_trial_take(&s->trial, gmv_of_const(s), acting, s->margin, s->trial_pi);
-}
-
-/* While a trial of something else is still under way, that one is waited for and not looked at. */
-static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
-{
-    if (wanted) {
-        s->trial_wanted = true;
-        s->on_trial = false;
-    }
-    if (!s->trial_wanted || io->work_wanted)
-        return;
-    begin_law_trial(s, io->acting);
-    io->ask_work = TRIAL_STEPS;
-    s->on_trial = true;
-    s->trial_wanted = false;
+    for (unsigned i = 0; i < s->loops; i++)
+        if (at_once)
+            gmv_use_estimates(g, i);
+        else if ((learn & (1u << i)) && gmv_supervise_gain(&s->watch, i, gmv_estimated_gain(g, i)))
+            gmv_approach_estimates(g, i, s->speed, s->gain_least);
 }
 
 static void begin_pi(struct gmv_block *s)
 {
     for (unsigned i = 0; i < s->loops; i++)
-        follow_with_pi(s, i, s->told[i]);
+        follow_with_pi(s, i, gmv_moves_applied(&s->moves, i));
 }
 
-/* What supervision wishes. */
+/* Does as supervision wishes. */
 static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
 {
+    struct gmv *g = gmv_of(s);
     if (wish & GMV_WISH_CANDIDATE)
         use_estimates(s, 0, true);
-    gmv_set_weights(s);
-    ask_for_trial(s, io, wish & GMV_WISH_TRIAL);
+    gmv_lambda_apply(&s->lambda, g);
+    gmv_lambda_ask(&s->lambda, g, io, wish & GMV_WISH_TRIAL, supervision_state(s) == GMV_TUNING,
+                   gmv_supervise_settings(&s->watch)->better, gmv_supervise_records(&s->watch));
     if (wish & GMV_WISH_PROPOSE)
-        gmv_propose(s);
+        gmv_proposals_begin(&s->proposals, g);
     if (wish & GMV_WISH_LAW)
-        gmv_begin_law(s);
+        gmv_moves_begin_law(&s->moves);
     if (wish & GMV_WISH_PI) {
-        s->proposes = false;
+        gmv_proposals_withdraw(&s->proposals);
         begin_pi(s);
     }
     if (wish & GMV_WISH_FORGET)
-        gmv_start_again(s);
+        gmv_proposals_restore(&s->proposals, g);
     if (wish & GMV_WISH_GIVE_UP)
         io->gives_up = "too_often";
 }
 
-/* Whoever computes. */
+/* The law or the PIs give the outputs. */
 static void compute(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io)
 {
-    if (s->watch.state == GMV_SELF_TUNING) {
-        if (!gmv_step_law(s, sample, io))
+    if (supervision_state(s) == GMV_SELF_TUNING) {
+        if (!gmv_moves_step_law(&s->moves, gmv_of(s), sample, io))
             io->gives_up = "not_a_number";
         return;
     }
     for (unsigned i = 0; i < s->loops; i++)
         if (io->acting & (1u << i))
-            io->out[i] = pid_step(&s->pi[i], s->setpoint[i], s->in[i]);
+            io->out[i] = gmv_shadow_step(&s->shadow, i);
 }
 
-static float value_of_event(const struct gmv_block *s, enum gmv_event event, uint8_t rest)
+/* Asks for the settings of an open proposal, and tells supervision the answer. Returns enum gmv_wish. */
+static uint8_t offer_settings(struct gmv_block *s, struct block_io *io)
 {
-    switch (event) {
-    case EVENT_ADOPTED:
-        return s->watch.outcome.decay;
-    case EVENT_REFUSED:
-        return s->watch.refusal;
-    case EVENT_FROZEN:
-        return rest;
-    case EVENT_SINGULAR:
-        return s->loops;
-    default:
-        return s->watch.alarm_value;
-    }
-}
-
-static void tell(const struct gmv_block *s, struct block_io *io, uint8_t wish)
-{
-    uint8_t rest = GMV_LEARNS;
-    bool law = s->watch.state == GMV_SELF_TUNING, learns = false;
-    unsigned raised = 0;
-    for (unsigned i = 0; i < s->loops; i++) {
-        learns = learns || s->watch.rest[i] == GMV_LEARNS;
-        if ((io->acting & (1u << i)) && s->watch.rest[i] > rest)
-            rest = s->watch.rest[i];
-    }
-    raised |= law ? 1u << EVENT_ADOPTED : 0;
-    raised |= !learns ? 1u << EVENT_FROZEN : 0;
-    raised |= wish & GMV_WISH_REFUSED ? 1u << EVENT_REFUSED : 0;
-    raised |= law && s->singular ? 1u << EVENT_SINGULAR : 0;
-    raised |= (s->watch.alarms & (GMV_ALARM_RECORD - 1u)) << EVENT_SIGN;
-    raised |= s->watch.alarms & GMV_ALARM_RECORD ? 1u << EVENT_RECORD : 0;
-    io->raised = (uint16_t)raised;
-    for (unsigned k = 0; k < GMV_EVENTS; k++)
-        io->event_value[k] = value_of_event(s, (enum gmv_event)k, rest);
+    enum gmv_answer answer = gmv_proposals_step(&s->proposals, gmv_of_const(s), io->proposal,
+                                                gmv_supervise_settings(&s->watch)->ask);
+    return answer == GMV_NO_ANSWER ? 0 : gmv_supervise_accepted(&s->watch, answer == GMV_ACCEPTED);
 }
 
 static void gmv_step(void *state, struct block_io *io)
@@ -421,24 +267,25 @@ static void gmv_step(void *state, struct block_io *io)
     for (unsigned i = 0; i < s->loops; i++)
         if (!(io->acting & (1u << i)))
             follow_with_pi(s, i, io->out[i]);
-    gmv_learn_limits(s, &sample);
+    gmv_moves_learn_limits(&s->moves, &sample, s->loops);
     gmv_take(g, &sample);
     struct gmv_seen seen = seen_of(s, io, &sample);
     uint8_t learn = gmv_supervise_look(&s->watch, &seen);
     uint8_t whole = gmv_learn(g, &sample, learn);
-    if (s->watch.state == GMV_SELF_TUNING)
-        use_estimates(s, learn, !s->watch.config.on);
-    struct gmv_came came = came_of(s, whole, io);
-    uint8_t wish = gmv_supervise_judge(&s->watch, &seen, &came);
-    wish = (uint8_t)(wish | gmv_proposals_step(s, io->proposal));
+    if (supervision_state(s) == GMV_SELF_TUNING)
+        use_estimates(s, learn, !gmv_supervise_settings(&s->watch)->on);
+    struct gmv_result result = result_of(s, whole, io);
+    uint8_t wish = gmv_supervise_judge(&s->watch, &seen, &result);
+    wish = (uint8_t)(wish | offer_settings(s, io));
     grant(s, io, wish);
-    io->withdraws = !s->proposes;
+    io->withdraws = !gmv_proposals_open(&s->proposals);
     if (!io->gives_up)
         compute(s, &sample, io);
     if (io->gives_up)
         s->acting = 0;
-    memcpy(s->given, io->out, s->loops * sizeof s->given[0]);
-    tell(s, io, wish);
+    gmv_moves_keep_given(&s->moves, io->out, s->loops);
+    gmv_events_raise(gmv_supervise_status(&s->watch), io, s->loops, wish,
+                     gmv_moves_singular(&s->moves));
 }
 
 static void gmv_back_calculate(void *state, struct block_io *io)
@@ -447,11 +294,11 @@ static void gmv_back_calculate(void *state, struct block_io *io)
     for (unsigned i = 0; i < s->loops; i++) {
         if (!(io->acting & (1u << i)))
             continue;
-        if (s->watch.state == GMV_SELF_TUNING) {
+        if (supervision_state(s) == GMV_SELF_TUNING) {
             follow_with_pi(s, i, io->out[i]);
         } else {
-            s->told[i] = io->out[i];
-            pid_back_calculate(&s->pi[i], io->out[i], io->clamp[i]);
+            gmv_moves_keep_applied(&s->moves, i, io->out[i]);
+            gmv_shadow_back_calculate(&s->shadow, i, io->out[i], io->clamp[i]);
         }
     }
 }
@@ -459,8 +306,76 @@ static void gmv_back_calculate(void *state, struct block_io *io)
 static bool gmv_work(void *state)
 {
     struct gmv_block *s = state;
-    return gmv_detune_piece(&s->search, &s->trial);
+    return gmv_lambda_work(&s->lambda);
 }
+
+static const char *gmv_describe(const void *state, size_t i, float *value)
+{
+    const struct gmv_block *s = state;
+    const struct gmv_view view = {.gmv = gmv_of_const(s),
+                                  .status = gmv_supervise_status(&s->watch),
+                                  .stored = gmv_proposals_stored(&s->proposals),
+                                  .lambda_times = gmv_lambda_times(&s->lambda)};
+    return gmv_value(&view, i, value);
+}
+
+/* ---- verbs ---- */
+
+static const char *run_freeze(void *state, const float *number)
+{
+    struct gmv_block *s = state;
+    (void)number;
+    gmv_supervise_freeze(&s->watch);
+    return NULL;
+}
+
+static const char *run_thaw(void *state, const float *number)
+{
+    struct gmv_block *s = state;
+    (void)number;
+    gmv_supervise_thaw(&s->watch);
+    return NULL;
+}
+
+static const char *run_tune(void *state, const float *number)
+{
+    struct gmv_block *s = state;
+    (void)number;
+    gmv_supervise_begin(&s->watch);
+    gmv_proposals_withdraw(&s->proposals);
+    gmv_lambda_drop(&s->lambda);
+    return NULL;
+}
+
+static const char *run_reset(void *state, const float *number)
+{
+    struct gmv_block *s = state;
+    gmv_proposals_restore(&s->proposals, gmv_of(s));
+    return run_tune(state, number);
+}
+
+static const char *run_adopt(void *state, const float *number)
+{
+    struct gmv_block *s = state;
+    const struct gmv *g = gmv_of_const(s);
+    (void)number;
+    if (supervision_state(s) == GMV_SELF_TUNING)
+        return "adopted already";
+    for (unsigned i = 0; i < s->loops; i++)
+        if ((s->acting & (1u << i)) && !gmv_supervise_gain(&s->watch, i, gmv_estimated_gain(g, i)))
+            return "sign or size of a gain";
+    gmv_supervise_adopt(&s->watch);
+    return NULL;
+}
+
+#define GMV_VERBS 5
+static const struct block_verb gmv_verb_rows[GMV_VERBS] = {
+    {"freeze", NULL, "stop learning until `thaw`", 0, 0, false, ACCESS_OPERATOR, run_freeze},
+    {"thaw", NULL, "learn again", 0, 0, false, ACCESS_OPERATOR, run_thaw},
+    {"tune", NULL, "back to the PI; test a model anew", 0, 0, false, ACCESS_OPERATOR, run_tune},
+    {"reset", NULL, "the same, from the start values", 0, 0, false, ACCESS_ENGINEER, run_reset},
+    {"adopt", NULL, "adopt the estimated law, untested", 0, 0, false, ACCESS_ENGINEER, run_adopt},
+};
 
 const struct block_kind gmv_kind = {
     .name = "gmv",
@@ -475,7 +390,7 @@ const struct block_kind gmv_kind = {
     .work = gmv_work,
     .verb = gmv_verb_rows,
     .verbs = GMV_VERBS,
-    .event = gmv_events,
+    .event = gmv_event_rows,
     .events = GMV_EVENTS,
     .bytes = gmv_block_bytes,
     .check = gmv_settings_check,

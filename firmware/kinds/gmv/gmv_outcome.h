@@ -1,17 +1,19 @@
-/* What a self-tuner's trial came to, and whether that is good enough. docs/self-tuning.md, Adoption. */
+/* Outcome of a self-tuner's trial, and whether it is good enough. docs/self-tuning.md, Adoption. */
 #ifndef REFLUX_GMV_GMV_OUTCOME_H
 #define REFLUX_GMV_GMV_OUTCOME_H
 
 #include <stdbool.h>
 
-/* What is upset must die away at least like this per step. */
+/* An upset must shrink at least by this factor per step. */
 #define GMV_SLOWEST_DECAY 0.9995f
 
 struct gmv_outcome {
-    float times; /* lambda, times what is set */
-    float decay; /* gmv_trial_worst */
-    float ratio; /* gmv_trial_ratio */
-    bool shakes; /* at rest it would do worse than the PI's record */
+    /* Lambda as a multiple of the setting. */
+    float times;
+    /* gmv_trial_worst, gmv_trial_ratio */
+    float decay, ratio;
+    /* At rest the law would do worse than the PI's record. */
+    bool shakes;
 };
 
 /* better: part of the PI's error that must be saved. */

@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_record.h"
 
+#include "kinds/gmv/gmv_record_state.h"
 #include "num/real.h"
 
 #define WINDOW  64u  /* steps at rest */
@@ -42,61 +43,61 @@ void gmv_record_begin(struct gmv_record *r)
     r->rests = 0;
     r->beyond = 0;
     r->answers = false;
-    r->of_law = (struct gmv_answers){0};
+    r->law = (struct gmv_answers){0};
     begin_record_window(r);
 }
 
-static void take_in_answer(struct gmv_record *r, struct gmv_answers *of, float change, float away)
+static void take_in_answer(struct gmv_record *r, struct gmv_answers *whose, float change,
+                           float away)
 {
     bool cut = r->answers && change > 0 && real_abs(r->before[0]) > ANSWER_NEAR * change;
     r->answers = r->answers || change > 0;
     if (!r->answers)
         return;
-    of->samples = (uint16_t)(of->samples + (of->samples < ANSWERS_MEMORY));
-    of->error += (real_abs(away) - of->error) / (float)of->samples;
-    of->moved += (change - of->moved) / (float)of->samples;
-    of->cut += ((cut ? 1 : 0) - of->cut) / (float)of->samples;
+    whose->samples = (uint16_t)(whose->samples + (whose->samples < ANSWERS_MEMORY));
+    whose->error += (real_abs(away) - whose->error) / (float)whose->samples;
+    whose->moved += (change - whose->moved) / (float)whose->samples;
+    whose->cut += ((cut ? 1 : 0) - whose->cut) / (float)whose->samples;
 }
 
 /* None of the PI's was cut short, and there are as many steps of them. */
 static bool answers_are_whole(const struct gmv_record *r, unsigned samples)
 {
-    return r->of_pi.samples >= samples && r->of_pi.moved > 0 &&
-           r->of_pi.cut * (float)ANSWERS_MEMORY < 0.5f;
+    return r->pi.samples >= samples && r->pi.moved > 0 && r->pi.cut * (float)ANSWERS_MEMORY < 0.5f;
 }
 
 float gmv_record_answer(const struct gmv_record *r)
 {
-    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->of_pi.error / r->of_pi.moved : 0;
+    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->pi.error / r->pi.moved : 0;
 }
 
 /* The PI's mean error after setpoints if they had moved by as much as under the law. Noise and loads do not become smaller with the
  * move, so after smaller moves they are counted as they are at rest. */
 static float answer_of_pi(const struct gmv_record *r)
 {
-    float part = r->of_law.moved / r->of_pi.moved;
+    float part = r->law.moved / r->pi.moved;
     float at_rest = r->samples ? real_sqrt(MEAN_OF_SQUARE * r->error) : 0;
-    return part * r->of_pi.error + (part < 1 ? (1 - part) * at_rest : 0);
+    return part * r->pi.error + (part < 1 ? (1 - part) * at_rest : 0);
 }
 
 /* Errors of the law after setpoints, times the PI's, where that is too much; 0: it is not, or there are not enough yet. */
 static float worse_answers(const struct gmv_record *r)
 {
-    float most = r->of_pi.samples >= ANSWERS_ENOUGH ? ANSWER_TIMES : TIMES_OF_FEW;
-    float of_pi = answers_are_whole(r, FEW_ANSWERS) ? answer_of_pi(r) : 0, of_law = r->of_law.error;
-    bool enough = r->of_law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
+    float most = r->pi.samples >= ANSWERS_ENOUGH ? ANSWER_TIMES : TIMES_OF_FEW;
+    float of_pi = answers_are_whole(r, FEW_ANSWERS) ? answer_of_pi(r) : 0, of_law = r->law.error;
+    bool enough = r->law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
     return enough && of_pi > 0 && of_law > most * of_pi ? of_law / of_pi : 0;
 }
 
 /* `of`: whose answer it is while the setpoint has not settled. What the PV does while the MV stands still is nobody's answer. */
 static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
-                           uint32_t settled, struct gmv_answers *of)
+                           uint32_t settled, struct gmv_answers *whose)
 {
     bool answers = r->rests + 1u < settled && real_abs(moved) >= GMV_STANDS_STILL;
     float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
     r->has_setpoint = true;
     if (change > 0 || answers)
-        take_in_answer(r, of, change, away);
+        take_in_answer(r, whose, change, away);
     if (setpoint != r->setpoint)
         r->rests = 0;
     else if (r->rests < UINT32_MAX)
@@ -133,14 +134,14 @@ static void take_in_jitter(struct gmv_record *r, float away, bool rests)
 
 void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_pi);
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->pi);
     take_in_jitter(r, away, rests);
     if (r->samples) {
         if (rests)
             take_in_means(r, &r->samples, away, moved);
         return;
     }
-    take_in_means(r, &r->of_all, away, moved);
+    take_in_means(r, &r->any_samples, away, moved);
     if (!rests)
         return;
     sum_window(r, away, moved);
@@ -174,7 +175,7 @@ static float times_the_moves(const struct gmv_record *r)
 
 static float worse_at_rest(struct gmv_record *r, float away, float moved)
 {
-    if (!r->samples && r->of_all < ENOUGH)
+    if (!r->samples && r->any_samples < ENOUGH)
         return 0;
     sum_window(r, away, moved);
     if (r->seen < WINDOW)
@@ -189,11 +190,21 @@ static float worse_at_rest(struct gmv_record *r, float away, float moved)
 float gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
                      uint32_t settled)
 {
-    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_law);
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->law);
     float times = worse_answers(r);
     if (times > 0)
         return times;
     return rests ? worse_at_rest(r, away, moved) : 0;
+}
+
+uint32_t gmv_record_rests(const struct gmv_record *r)
+{
+    return r->rests;
+}
+
+float gmv_record_error(const struct gmv_record *r)
+{
+    return r->error;
 }
 
 float gmv_record_noise(const struct gmv_record *r)

@@ -6,6 +6,7 @@
 
 #if CONFIG_BLOCKS
 
+#include "kinds/gmv/gmv_config.h"
 #include "kinds/gmv/gmv_supervise.h"
 
 /* `relative`: lambda times the g_ii,0 in use is the weight on the move. */

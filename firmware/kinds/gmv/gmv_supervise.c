@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "kinds/gmv/gmv_supervise_state.h"
 #include "num/real.h"
 
 /* The law pushes an MV into a limit when it asks for so much more; a control error above that is far, fractions of span. */
@@ -26,15 +27,15 @@ static void begin_window(struct gmv_supervise *s)
     s->has_outcome = false;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         s->samples[i] = 0;
-        s->of_model[i] = s->of_standstill[i] = 0;
+        s->model_squares[i] = s->standstill_squares[i] = 0;
     }
 }
 
 static void enter_state(struct gmv_supervise *s, enum gmv_state state)
 {
-    s->state = (uint8_t)state;
+    s->status.state = (uint8_t)state;
     s->elapsed = 0;
-    s->testing = s->adopt_now = false;
+    s->status.testing = s->adopt_asked = false;
     begin_window(s);
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         gmv_burst_begin(&s->burst[i]);
@@ -49,7 +50,7 @@ void gmv_supervise_begin(struct gmv_supervise *s)
     s->tested = 0;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         s->still[i] = s->spoilt[i] = 0;
-        s->told[i] = 1;
+        s->status.information[i] = 1;
         s->is_quiet[i] = false;
     }
     enter_state(s, GMV_TUNING);
@@ -59,7 +60,7 @@ void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_conf
 {
     memset(s, 0, sizeof *s);
     s->config = *c;
-    s->outcome = (struct gmv_outcome){.times = 1, .ratio = 1};
+    s->status.outcome = (struct gmv_outcome){.times = 1, .ratio = 1};
     gmv_supervise_begin(s);
 }
 
@@ -90,15 +91,15 @@ static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_se
         return GMV_RESTS_STILL;
     if (c->on && s->is_quiet[i])
         return GMV_RESTS_QUIET;
-    return s->asked_to_rest ? GMV_RESTS_ASKED : GMV_LEARNS;
+    return s->frozen ? GMV_RESTS_ASKED : GMV_LEARNS;
 }
 
 uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     uint8_t learn = 0;
     for (unsigned i = 0; i < s->config.loops; i++) {
-        s->rest[i] = (uint8_t)reason_to_rest(s, seen, i);
-        if (s->rest[i] == GMV_LEARNS)
+        s->status.rest[i] = (uint8_t)reason_to_rest(s, seen, i);
+        if (s->status.rest[i] == GMV_LEARNS)
             learn = (uint8_t)(learn | (1u << i));
     }
     return learn;
@@ -107,32 +108,32 @@ uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
 /* ---- what a step says ---- */
 
 /* A sample in a window of constant forgetting v tells 1 - v for each parameter. */
-static void watch_excitation(struct gmv_supervise *s, const struct gmv_came *came, unsigned i)
+static void watch_excitation(struct gmv_supervise *s, const struct gmv_result *result, unsigned i)
 {
-    float usual = (1.0f - came->forgot[i]) * (float)came->parameters[i];
+    float usual = (1.0f - result->forgetting[i]) * (float)result->parameters[i];
     float least = s->config.quiet * usual;
     if (s->is_quiet[i]) {
-        s->is_quiet[i] = !(came->told[i] > 2 * least);
+        s->is_quiet[i] = !(result->information[i] > 2 * least);
         if (!s->is_quiet[i])
-            s->told[i] = came->told[i];
+            s->status.information[i] = result->information[i];
         return;
     }
-    s->told[i] += (came->told[i] - s->told[i]) / TOLD_MEMORY;
-    s->is_quiet[i] = s->told[i] < least;
+    s->status.information[i] += (result->information[i] - s->status.information[i]) / TOLD_MEMORY;
+    s->is_quiet[i] = s->status.information[i] < least;
 }
 
-static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
+static void sum_up(struct gmv_supervise *s, const struct gmv_result *result)
 {
     for (unsigned i = 0; i < s->config.loops; i++) {
-        if (!(came->whole & (1u << i)) || s->spoilt[i])
+        if (!(result->whole & (1u << i)) || s->spoilt[i])
             continue;
         s->samples[i]++;
-        s->of_model[i] += came->error[i] * came->error[i];
-        s->of_standstill[i] += came->standstill[i] * came->standstill[i];
+        s->model_squares[i] += result->error[i] * result->error[i];
+        s->standstill_squares[i] += result->standstill[i] * result->standstill[i];
     }
-    if (came->tried) {
+    if (result->tried) {
         s->has_outcome = true;
-        s->outcome = came->outcome;
+        s->status.outcome = result->outcome;
     }
     s->left -= s->left > 0;
 }
@@ -142,7 +143,8 @@ static bool predicts(const struct gmv_supervise *s, uint8_t acting, float times)
 {
     for (unsigned i = 0; i < s->config.loops; i++) {
         float floor = SMALL_SQUARE * (float)s->samples[i];
-        if ((acting & (1u << i)) && !(s->of_model[i] <= times * s->of_standstill[i] + floor))
+        if ((acting & (1u << i)) &&
+            !(s->model_squares[i] <= times * s->standstill_squares[i] + floor))
             return false;
     }
     return true;
@@ -153,22 +155,22 @@ bool gmv_supervise_gain(const struct gmv_supervise *s, unsigned i, float gain)
     return (s->config.negative[i] ? -gain : gain) >= s->config.gain_least;
 }
 
-static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_came *came,
+static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_result *result,
                           uint8_t acting)
 {
     for (unsigned i = 0; i < s->config.loops; i++)
-        if ((acting & (1u << i)) && !gmv_supervise_gain(s, i, came->gain[i]))
+        if ((acting & (1u << i)) && !gmv_supervise_gain(s, i, result->gain[i]))
             return false;
     return true;
 }
 
 /* The g_ii,0 in use never follow one of the wrong sign; where that is no passing matter, it is: loops, or it is none. */
-static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_came *came,
+static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_result *result,
                                    uint8_t acting)
 {
     unsigned wrong = s->config.loops;
     for (unsigned i = 0; i < s->config.loops; i++) {
-        bool right = gmv_supervise_gain(s, i, came->estimated[i]);
+        bool right = gmv_supervise_gain(s, i, result->estimated[i]);
         s->wrong[i] = right || !(acting & (1u << i)) ? 0 : s->wrong[i] + 1u;
         if (s->wrong[i] > WRONG_REACHES * s->config.reach)
             wrong = i;
@@ -176,16 +178,16 @@ static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_cam
     return wrong;
 }
 
-static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct gmv_came *came,
+static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct gmv_result *result,
                                    uint8_t acting)
 {
-    if (!has_its_gains(s, came, acting))
+    if (!has_its_gains(s, result, acting))
         return GMV_REFUSED_GAIN;
     if (!predicts(s, acting, 1))
         return GMV_REFUSED_PREDICTION;
-    if (!(s->outcome.decay <= GMV_SLOWEST_DECAY))
+    if (!(s->status.outcome.decay <= GMV_SLOWEST_DECAY))
         return GMV_REFUSED_POLES;
-    return gmv_outcome_passes(&s->outcome, s->config.better) ? GMV_ADOPTED : GMV_REFUSED_PI;
+    return gmv_outcome_passes(&s->status.outcome, s->config.better) ? GMV_ADOPTED : GMV_REFUSED_PI;
 }
 
 /* ---- tuning ---- */
@@ -193,16 +195,16 @@ static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct g
 static uint8_t take_over(struct gmv_supervise *s, uint8_t acting)
 {
     s->tested = acting;
-    s->alarms = 0;
+    s->status.alarms = 0;
     enter_state(s, GMV_SELF_TUNING);
     return GMV_WISH_LAW;
 }
 
-static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_result *result, uint8_t acting)
 {
-    s->refusal = (uint8_t)refusal_of(s, came, acting);
-    s->testing = false;
-    if (s->refusal != GMV_ADOPTED)
+    s->status.refusal = (uint8_t)refusal_of(s, result, acting);
+    s->status.testing = false;
+    if (s->status.refusal != GMV_ADOPTED)
         return GMV_WISH_REFUSED;
     if (!s->config.ask)
         return take_over(s, acting) | GMV_WISH_PROPOSE;
@@ -215,7 +217,7 @@ static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, 
 static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
 {
     for (unsigned i = 0; i < s->config.loops; i++)
-        if ((acting & (1u << i)) && s->record[i].rests < s->config.reach &&
+        if ((acting & (1u << i)) && gmv_record_rests(&s->record[i]) < s->config.reach &&
             s->overtime < s->config.check_steps) {
             s->overtime++;
             return false;
@@ -223,38 +225,39 @@ static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
     return true;
 }
 
-static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_result *result,
+                            uint8_t acting)
 {
-    bool whole = (came->whole & acting) == acting;
-    if (s->adopt_now && whole)
+    bool whole = (result->whole & acting) == acting;
+    if (s->adopt_asked && whole)
         return take_over(s, acting) | GMV_WISH_CANDIDATE | GMV_WISH_PROPOSE;
     if (!s->config.on && whole && s->elapsed >= s->config.tune_steps)
         return take_over(s, acting) | GMV_WISH_CANDIDATE;
     if (!s->config.on)
         return 0;
-    if (!s->testing) {
-        if (s->elapsed < s->config.tune_steps || !whole || (came->excited & acting) != acting)
+    if (!s->status.testing) {
+        if (s->elapsed < s->config.tune_steps || !whole || (result->excited & acting) != acting)
             return 0;
-        s->testing = true;
+        s->status.testing = true;
         s->tested = acting;
         begin_window(s);
         return GMV_WISH_CANDIDATE | GMV_WISH_TRIAL;
     }
     if (s->tested != acting) { /* somebody else acts now: from the beginning */
-        s->testing = false;
+        s->status.testing = false;
         return 0;
     }
-    return s->left == 0 && s->has_outcome && setpoints_rest(s, acting) ? judge_test(s, came, acting)
-                                                                       : 0;
+    bool over = s->left == 0 && s->has_outcome && setpoints_rest(s, acting);
+    return over ? judge_test(s, result, acting) : 0;
 }
 
 uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
 {
-    if (s->state != GMV_WAITING)
+    if (s->status.state != GMV_WAITING)
         return 0;
     if (accepted)
         return take_over(s, s->tested);
-    s->refusal = GMV_REFUSED_BY_HAND;
+    s->status.refusal = GMV_REFUSED_BY_HAND;
     enter_state(s, GMV_TUNING);
     return GMV_WISH_REFUSED;
 }
@@ -265,11 +268,11 @@ uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
 static bool too_often(struct gmv_supervise *s)
 {
     uint8_t recent = 0;
-    memmove(&s->given_up_at[1], &s->given_up_at[0],
-            sizeof s->given_up_at - sizeof s->given_up_at[0]);
-    s->given_up_at[0] = s->steps;
+    memmove(&s->given_up_step[1], &s->given_up_step[0],
+            sizeof s->given_up_step - sizeof s->given_up_step[0]);
+    s->given_up_step[0] = s->steps;
     s->given_up = (uint8_t)(s->given_up + (s->given_up < GMV_TRIES_MOST));
-    while (recent < s->given_up && s->steps - s->given_up_at[recent] < s->config.day_steps)
+    while (recent < s->given_up && s->steps - s->given_up_step[recent] < s->config.day_steps)
         recent++;
     return s->config.tries && recent >= s->config.tries;
 }
@@ -277,8 +280,8 @@ static bool too_often(struct gmv_supervise *s)
 static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
 {
     uint8_t wish = GMV_WISH_PI | GMV_WISH_FORGET;
-    s->alarms = (uint8_t)why;
-    s->alarm_value = value;
+    s->status.alarms = (uint8_t)why;
+    s->status.alarm_value = value;
     s->tested = 0;
     enter_state(s, GMV_TUNING);
     return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
@@ -292,18 +295,18 @@ static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
     for (unsigned i = 0; i < s->config.loops; i++)
         if ((seen->acting & (1u << i)) && gmv_burst_step(&s->burst[i], seen->setpoint[i],
                                                          seen->moved[i], s->config.burst, settled))
-            most = real_sqrt(s->burst[i].soon);
+            most = gmv_burst_size(&s->burst[i]);
     return most;
 }
 
 /* How far a PV is away that keeps swinging at rest, r.m.s.; 0: none does. */
 static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
-                     const struct gmv_came *came)
+                     const struct gmv_result *result)
 {
     float most = 0;
     for (unsigned i = 0; i < s->config.loops; i++)
-        if ((seen->acting & came->whole & (1u << i)) &&
-            gmv_cycle_step(&s->cycle[i], seen->setpoint[i], seen->away[i], came->error[i],
+        if ((seen->acting & result->whole & (1u << i)) &&
+            gmv_cycle_step(&s->cycle[i], seen->setpoint[i], seen->away[i], result->error[i],
                            s->config.reach + 4u))
             most = gmv_cycle_size(&s->cycle[i]);
     return most;
@@ -356,14 +359,14 @@ static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
 }
 
 /* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
-static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
+static float worst_gain(const struct gmv_supervise *s, const struct gmv_result *result)
 {
     unsigned worst = 0;
     for (unsigned i = 1; i < s->config.loops; i++)
-        if ((s->config.negative[i] ? -came->gain[i] : came->gain[i]) <
-            (s->config.negative[worst] ? -came->gain[worst] : came->gain[worst]))
+        if ((s->config.negative[i] ? -result->gain[i] : result->gain[i]) <
+            (s->config.negative[worst] ? -result->gain[worst] : result->gain[worst]))
             worst = i;
-    return came->gain[worst];
+    return result->gain[worst];
 }
 
 /* The largest of the predictions' errors in this window, r.m.s. */
@@ -371,13 +374,13 @@ static float worst_error(const struct gmv_supervise *s)
 {
     float most = 0;
     for (unsigned i = 0; i < s->config.loops; i++)
-        if (s->samples[i] && s->of_model[i] > most * (float)s->samples[i])
-            most = s->of_model[i] / (float)s->samples[i];
+        if (s->samples[i] && s->model_squares[i] > most * (float)s->samples[i])
+            most = s->model_squares[i] / (float)s->samples[i];
     return real_sqrt(most);
 }
 
 static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen *seen,
-                                 const struct gmv_came *came)
+                                 const struct gmv_result *result)
 {
     if (!s->config.on)
         return 0;
@@ -385,15 +388,15 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         enter_state(s, GMV_TUNING);
         return GMV_WISH_PI;
     }
-    if (!has_its_gains(s, came, seen->acting))
-        return give_up(s, GMV_ALARM_SIGN, worst_gain(s, came));
-    unsigned wrong = loop_of_wrong_sign(s, came, seen->acting);
+    if (!has_its_gains(s, result, seen->acting))
+        return give_up(s, GMV_ALARM_SIGN, worst_gain(s, result));
+    unsigned wrong = loop_of_wrong_sign(s, result, seen->acting);
     if (wrong < s->config.loops)
-        return give_up(s, GMV_ALARM_SIGN, came->estimated[wrong]);
+        return give_up(s, GMV_ALARM_SIGN, result->estimated[wrong]);
     float moves = swing(s, seen);
     if (moves > 0)
         return give_up(s, GMV_ALARM_BURST, moves);
-    float swings = cycling(s, seen, came);
+    float swings = cycling(s, seen, result);
     if (swings > 0)
         return give_up(s, GMV_ALARM_BURST, swings);
     float times = worse_than_pi(s, seen);
@@ -406,8 +409,8 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         return GMV_WISH_TRIAL;
     if (s->left || !s->has_outcome)
         return 0;
-    if (!(s->outcome.decay <= GROWTH))
-        return give_up(s, GMV_ALARM_POLES, s->outcome.decay);
+    if (!(s->status.outcome.decay <= GROWTH))
+        return give_up(s, GMV_ALARM_POLES, s->status.outcome.decay);
     if (!predicts(s, seen->acting, WORSE))
         return give_up(s, GMV_ALARM_WORSE, worst_error(s));
     begin_window(s);
@@ -415,25 +418,43 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
 }
 
 uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
-                            const struct gmv_came *came)
+                            const struct gmv_result *result)
 {
     s->steps++;
     s->elapsed += s->elapsed < UINT32_MAX;
     for (unsigned i = 0; i < s->config.loops; i++)
-        if ((came->whole & (1u << i)) &&
-            (s->rest[i] == GMV_LEARNS || s->rest[i] == GMV_RESTS_QUIET))
-            watch_excitation(s, came, i);
-    sum_up(s, came);
-    if (s->state != GMV_SELF_TUNING)
+        if ((result->whole & (1u << i)) &&
+            (s->status.rest[i] == GMV_LEARNS || s->status.rest[i] == GMV_RESTS_QUIET))
+            watch_excitation(s, result, i);
+    sum_up(s, result);
+    if (s->status.state != GMV_SELF_TUNING)
         keep_record(s, seen);
-    switch (s->state) {
+    switch (s->status.state) {
     case GMV_TUNING:
-        return judge_tuning(s, came, seen->acting);
+        return judge_tuning(s, result, seen->acting);
     case GMV_SELF_TUNING:
-        return judge_self_tuning(s, seen, came);
+        return judge_self_tuning(s, seen, result);
     default: /* waiting; a loop has come whose model nobody has tried */
         if (seen->acting & (uint8_t)~s->tested)
             enter_state(s, GMV_TUNING);
         return 0;
     }
+}
+
+/* ---- verbs, and what others may see ---- */
+
+void gmv_supervise_thaw(struct gmv_supervise *s)
+{
+    s->frozen = false;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->is_quiet[i] = false;
+        s->status.information[i] = 1;
+    }
+}
+
+void gmv_supervise_adopt(struct gmv_supervise *s)
+{
+    if (s->status.state == GMV_WAITING)
+        gmv_supervise_begin(s);
+    s->adopt_asked = true;
 }

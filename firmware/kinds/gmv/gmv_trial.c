@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "kinds/gmv/gmv_predictor.h"
+#include "kinds/gmv/gmv_trial_state.h"
 #include "num/real.h"
 
 #define PIECE_STEPS 4u
@@ -17,20 +19,20 @@
 
 static void copy_plant(struct gmv_trial_loop *l, const struct gmv *g, unsigned i)
 {
-    const struct gmv_shape *shape = &g->shape;
+    const struct gmv_shape *shape = gmv_shape(g);
     int noise = gmv_place_of_noise(shape, i);
     l->horizon = (uint8_t)gmv_horizon(shape, i);
     for (unsigned a = 0; a < shape->na; a++)
-        l->f[a] = num_to_float(g->used[i][a]);
+        l->f[a] = num_to_float(gmv_used(g, i, a));
     for (unsigned j = 0; j < shape->loops; j++) {
         int place = gmv_place_of_u(shape, i, j);
         l->uses[j] = place >= 0;
         l->plant_behind[j] = place >= 0 ? (uint8_t)gmv_behind(shape, i, j) : 0;
         for (unsigned b = 0; b < shape->nb && place >= 0; b++)
-            l->g[j][b] = num_to_float(g->used[i][(unsigned)place + b]);
+            l->g[j][b] = num_to_float(gmv_used(g, i, (unsigned)place + b));
     }
     for (unsigned n = 0; n < shape->nc; n++)
-        l->c[n] = num_to_float(g->used[i][(unsigned)noise + n]);
+        l->c[n] = num_to_float(gmv_used(g, i, (unsigned)noise + n));
 }
 
 static void copy_law(struct gmv_trial *t, struct gmv_trial_loop *l, const struct gmv *g, unsigned i)
@@ -40,7 +42,7 @@ static void copy_law(struct gmv_trial *t, struct gmv_trial_loop *l, const struct
     t->ng = (uint8_t)p.ng;
     for (unsigned a = 0; a < p.nf; a++)
         l->law_f[a] = num_to_float(p.f[a]);
-    for (unsigned j = 0; j < g->shape.loops; j++) {
+    for (unsigned j = 0; j < t->loops; j++) {
         l->behind[j] = (uint8_t)p.behind[j];
         for (unsigned b = 0; b < p.ng; b++)
             l->law_g[j][b] = num_to_float(p.g[j][b]);
@@ -55,7 +57,7 @@ static void begin_run(struct gmv_trial *t)
     memset(t->predicted, 0, sizeof t->predicted);
     t->step = 0;
     t->largest = t->first = t->start = 0;
-    t->first_at = 0;
+    t->first_window = 0;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         t->setpoint[i] = t->setpoint_before[i] = t->error[i] = 0;
         if (t->run != GMV_TRIAL_PI) /* it has that of the law */
@@ -66,7 +68,7 @@ static void begin_run(struct gmv_trial *t)
 void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin,
                     const struct gmv_trial_pi *pi)
 {
-    const struct gmv_shape *shape = &g->shape;
+    const struct gmv_shape *shape = gmv_shape(g);
     memset(t, 0, sizeof *t);
     t->loops = shape->loops;
     t->na = shape->na;
@@ -76,20 +78,21 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
     t->scalar = shape->weight == GMV_WEIGHT_SCALAR;
     t->implicit = shape->way == GMV_IMPLICIT;
     t->takes_error = shape->bias == GMV_BIAS_ERROR;
-    t->determinant = num_to_float(g->determinant);
+    t->determinant = num_to_float(gmv_determinant(g));
     t->gain[0] = 1;
     t->gain[1] = 1 / margin;
     t->gain[2] = margin;
     for (unsigned i = 0; i < shape->loops; i++) {
         struct gmv_trial_loop *l = &t->loop[i];
+        struct gmv_filter filter = gmv_filter(g, i);
         l->acts = acting & (1u << i);
-        l->weighs_setpoint = g->weighs_setpoint[i];
+        l->weighs_setpoint = filter.weighs_setpoint;
         l->delay = shape->delay[i][i];
-        l->law_p = num_to_float(g->p[i]);
-        l->law_p_scale = num_to_float(g->p_scale[i]);
+        l->law_p = num_to_float(filter.p);
+        l->law_p_scale = num_to_float(filter.p_scale);
         l->p = t->implicit ? l->law_p : 0;
         l->p_scale = t->implicit ? l->law_p_scale : 1;
-        l->lambda = num_to_float(g->lambda[i]);
+        l->lambda = num_to_float(gmv_lambda(g, i));
         l->pi = pi[i];
         copy_plant(l, g, i);
         copy_law(t, l, g, i);
@@ -347,10 +350,10 @@ static bool judge_window(struct gmv_trial *t, unsigned window)
     if (gone)
         now = GONE * t->start;
     t->decay[t->run] =
-        real_pow(now / t->first, 1.0f / (float)((window - t->first_at) * GMV_TRIAL_WINDOW));
+        real_pow(now / t->first, 1.0f / (float)((window - t->first_window) * GMV_TRIAL_WINDOW));
     if (window == 1) { /* what was fast is over */
         t->first = now;
-        t->first_at = 1;
+        t->first_window = 1;
     }
     return gone || window + 1u == GMV_TRIAL_STEPS / GMV_TRIAL_WINDOW;
 }
@@ -401,6 +404,11 @@ void gmv_trial_again(struct gmv_trial *t, float times)
     memset(t->sums, 0, sizeof t->sums);
     t->run = 0;
     begin_run(t);
+}
+
+bool gmv_trial_acts(const struct gmv_trial *t, unsigned i)
+{
+    return t->loop[i].acts;
 }
 
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run)

@@ -32,7 +32,7 @@ static void check_estimator(struct verdict *v, const struct course_plant *p,
     float least, most;
     rls_d_extremes(r, &least, &most);
     verdict_of(v, p, !(least > 0 && isfinite(most)), "D not positive");
-    for (unsigned k = 0; k < gmv_parameters(&g->shape, 0); k++) {
+    for (unsigned k = 0; k < gmv_parameters(gmv_shape(g), 0); k++) {
         verdict_of(v, p, !(fabsf(num_to_float(gmv_used(g, 0, k))) < PARAMETER), "parameter in use");
         verdict_of(v, p, !(fabsf(num_to_float(rls_theta(r, k))) < PARAMETER), "parameter");
     }
@@ -43,7 +43,7 @@ static void check_rest(struct verdict *v, const struct course_plant *p,
                        const struct gmv_block *block, float *begun)
 {
     float gain = gmv_own_gain(gmv_of_const(block), 0);
-    if (p->t == COURSE_MOVES || block->watch.state != GMV_SELF_TUNING)
+    if (p->t == COURSE_MOVES || block->watch.status.state != GMV_SELF_TUNING)
         *begun = gain;
     verdict_of(v, p,
                p->course == COURSE_NOISE && p->t > COURSE_MOVES &&
@@ -66,14 +66,14 @@ struct verdict run_supervised(enum course course, uint64_t samples, uint64_t see
         gmv_block_signals(&bench, 0, plant.w, course_reading(&plant));
         bench.input[1] = num_from_float((float)plant.load);
         num_t before = bench.out[0];
-        bool law = block->watch.state == GMV_SELF_TUNING;
+        bool law = block->watch.status.state == GMV_SELF_TUNING;
         verdict_of(&v, &plant, !gmv_block_step(&bench), "gave up");
         course_step(&plant, (double)(num_to_float(bench.out[0]) - AT_REST));
         verdict_of_control(&v, &plant, (double)num_to_float(num_sub(bench.out[0], before)));
         check_estimator(&v, &plant, block);
         check_rest(&v, &plant, block, &gain);
-        lawful += block->watch.state == GMV_SELF_TUNING;
-        begun += !law && block->watch.state == GMV_SELF_TUNING;
+        lawful += block->watch.status.state == GMV_SELF_TUNING;
+        begun += !law && block->watch.status.state == GMV_SELF_TUNING;
         verdict_of(&v, &plant, begun > MODELS_MOST, "back to the PI too often");
     }
     /* A block that never adopts a model holds as well, but it is no self-tuner. */

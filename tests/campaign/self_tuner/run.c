@@ -77,7 +77,7 @@ static bool begin(const struct tuner_case *c, const char *const *set, unsigned s
     if (!gmv_block_begin(&bench, (float)c->step_s, loops, 0, (float)REST))
         return false;
     for (unsigned i = 0; i < loops; i++) {
-        week.controller[i] = gmv_bench_block(&bench)->pi[i]; /* the same */
+        week.controller[i] = gmv_bench_block(&bench)->shadow.pi[i]; /* the same */
         pid_follow(&week.controller[i], num_from_float((float)REST), num_from_float((float)REST),
                    num_from_float((float)REST));
     }
@@ -155,9 +155,9 @@ static void step(void)
     if (week.given_up) { /* the loops' own controllers, the same PI */
         struct gmv_block *s = (struct gmv_block *)(void *)bench.state;
         for (unsigned i = 0; i < loops; i++) {
-            num_t u = num_clamp(pid_step(&s->pi[i], bench.setpoint[i], bench.in[i]), num_zero(),
-                                num_one());
-            pid_back_calculate(&s->pi[i], u, 0);
+            num_t u = num_clamp(pid_step(&s->shadow.pi[i], bench.setpoint[i], bench.in[i]),
+                                num_zero(), num_one());
+            pid_back_calculate(&s->shadow.pi[i], u, 0);
             bench.out[i] = u;
         }
     } else if (!gmv_block_step(&bench)) {
@@ -226,7 +226,7 @@ static void judge_windows(struct tuner_result *r)
 static void note_supervision(struct tuner_result *r, bool *acted)
 {
     const struct gmv_block *s = gmv_bench_block(&bench);
-    bool acts = !week.given_up && s->watch.state == GMV_SELF_TUNING;
+    bool acts = !week.given_up && s->watch.status.state == GMV_SELF_TUNING;
     week.law[week.window] = week.law[week.window] || acts;
     r->lawful += acts;
     if (acts && !*acted) {
@@ -242,7 +242,7 @@ static void note_supervision(struct tuner_result *r, bool *acted)
     if (*acted && !acts) {
         r->returns++;
         for (unsigned k = 0; k < 8; k++)
-            r->by[k] += (unsigned)s->watch.alarms >> k & 1u;
+            r->by[k] += (unsigned)s->watch.status.alarms >> k & 1u;
     }
     *acted = acts;
     if (week.given_up && r->ended_s == 0)

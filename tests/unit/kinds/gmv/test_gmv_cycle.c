@@ -2,7 +2,7 @@
  * 25 times the mean square of what cannot be predicted (from 1 % on 4 times), windows of 32 steps. */
 #include <math.h>
 
-#include "kinds/gmv/gmv_cycle.h"
+#include "kinds/gmv/gmv_cycle_state.h"
 #include "unity.h"
 
 #define SETTLED 10

@@ -3,7 +3,8 @@
 #include <string.h>
 
 #include "gmv_bench.h"
-#include "kinds/gmv/gmv_detune.h"
+#include "kinds/gmv/gmv_detune_state.h"
+#include "kinds/gmv/gmv_trial_state.h"
 #include "unity.h"
 
 #define BETTER      0.05f

@@ -1,6 +1,6 @@
 /* An MV pushed against a limit while its own loop needs it the other way: for a while that may serve both loops, not for
  * long. REACH and the others are made up; given up after 4 * REACH + 32 steps (gmv_supervise.c). */
-#include "kinds/gmv/gmv_supervise.h"
+#include "kinds/gmv/gmv_supervise_state.h"
 #include "unity.h"
 
 #define REACH 5u
@@ -22,7 +22,7 @@ void setUp(void)
                                                 .burst = 25};
     seen = (struct gmv_seen){.acting = 1, .good = 1, .away = {-0.1f}, .lacked = {0.001f}};
     gmv_supervise_init(&s, &config);
-    s.state = GMV_SELF_TUNING;
+    s.status.state = GMV_SELF_TUNING;
     s.tested = 1;
 }
 
@@ -31,19 +31,19 @@ void tearDown(void) {}
 /* Whether it is given up within n steps. */
 static bool given_up_within(unsigned n)
 {
-    const struct gmv_came came = {.whole = 1,
-                                  .error = {0.0001f},
-                                  .standstill = {0.02f},
-                                  .told = {0.1f},
-                                  .forgot = {0.99f},
-                                  .parameters = {3},
-                                  .gain = {0.1f},
-                                  .estimated = {0.1f},
-                                  .tried = true,
-                                  .outcome = {.decay = 0.9f}};
+    const struct gmv_result result = {.whole = 1,
+                                      .error = {0.0001f},
+                                      .standstill = {0.02f},
+                                      .information = {0.1f},
+                                      .forgetting = {0.99f},
+                                      .parameters = {3},
+                                      .gain = {0.1f},
+                                      .estimated = {0.1f},
+                                      .tried = true,
+                                      .outcome = {.decay = 0.9f}};
     for (unsigned k = 0; k < n; k++) {
         (void)gmv_supervise_look(&s, &seen);
-        if (gmv_supervise_judge(&s, &seen, &came) & GMV_WISH_PI)
+        if (gmv_supervise_judge(&s, &seen, &result) & GMV_WISH_PI)
             return true;
     }
     return false;
@@ -53,8 +53,8 @@ static void pushed_the_wrong_way_for_long_it_is_given_up_with_how_far_the_pv_is_
 {
     TEST_ASSERT_FALSE(given_up_within(LONG));
     TEST_ASSERT_TRUE(given_up_within(1));
-    TEST_ASSERT_EQUAL(GMV_ALARM_WORSE, s.alarms);
-    TEST_ASSERT_EQUAL_FLOAT(0.1f, s.alarm_value);
+    TEST_ASSERT_EQUAL(GMV_ALARM_WORSE, s.status.alarms);
+    TEST_ASSERT_EQUAL_FLOAT(0.1f, s.status.alarm_value);
 }
 
 static void pushed_the_way_its_loop_needs_it_it_goes_on(void)

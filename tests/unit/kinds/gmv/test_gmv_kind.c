@@ -7,7 +7,7 @@
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "formats.h"
-#include "kinds/gmv/gmv_block.h"
+#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_kind.h"
 #include "kinds/gmv/gmv_settings.h"
 #include "unity.h"
@@ -202,7 +202,7 @@ static void at_rest_no_mv_moves_when_the_law_takes_over(void)
             TEST_ASSERT_DOUBLE_WITHIN(1e-5, REST, D(out[i]));
     }
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING,
-                      ((const struct gmv_block *)(const void *)state)->watch.state);
+                      ((const struct gmv_block *)(const void *)state)->watch.status.state);
 }
 
 /* What an MV would do beyond its limit is no reason for the other to move. */

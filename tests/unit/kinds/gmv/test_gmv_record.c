@@ -1,7 +1,7 @@
 /* The record of a PI at rest against what a law does, step by step. */
 #include <string.h>
 
-#include "kinds/gmv/gmv_record.h"
+#include "kinds/gmv/gmv_record_state.h"
 #include "unity.h"
 
 #define SETTLED 10u

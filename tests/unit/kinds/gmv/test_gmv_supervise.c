@@ -1,8 +1,8 @@
-/* Supervision of a self-tuner, step by step: what has been seen and what the regressions came to are made up. */
+/* Supervision of a self-tuner, step by step: what has been seen and what the regressions result to are made up. */
 #include <math.h>
 #include <string.h>
 
-#include "kinds/gmv/gmv_supervise.h"
+#include "kinds/gmv/gmv_supervise_state.h"
 #include "unity.h"
 
 #define TUNE  20u
@@ -12,7 +12,7 @@
 static struct gmv_supervise s;
 static struct gmv_supervise_config config;
 static struct gmv_seen seen;
-static struct gmv_came came;
+static struct gmv_result result;
 
 void setUp(void)
 {
@@ -29,16 +29,16 @@ void setUp(void)
                                            .burst = 25,
                                            .better = 0.05f};
     seen = (struct gmv_seen){.acting = 1, .good = 1, .setpoint = {0.5f, 0.5f}};
-    came = (struct gmv_came){.whole = 3,
-                             .error = {0.01f, 0.01f},
-                             .standstill = {0.02f, 0.02f},
-                             .told = {0.1f, 0.1f},
-                             .forgot = {0.99f, 0.99f},
-                             .parameters = {3, 3},
-                             .gain = {0.1f, 0.1f},
-                             .estimated = {0.1f, 0.1f},
-                             .excited = 3,
-                             .outcome = {.times = 1, .decay = 0.9f}};
+    result = (struct gmv_result){.whole = 3,
+                                 .error = {0.01f, 0.01f},
+                                 .standstill = {0.02f, 0.02f},
+                                 .information = {0.1f, 0.1f},
+                                 .forgetting = {0.99f, 0.99f},
+                                 .parameters = {3, 3},
+                                 .gain = {0.1f, 0.1f},
+                                 .estimated = {0.1f, 0.1f},
+                                 .excited = 3,
+                                 .outcome = {.times = 1, .decay = 0.9f}};
     gmv_supervise_init(&s, &config);
 }
 
@@ -50,9 +50,9 @@ static uint8_t step(void)
     static bool asked;
     seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
     seen.moved[1] = seen.moved[0];
-    came.tried = asked;
+    result.tried = asked;
     (void)gmv_supervise_look(&s, &seen);
-    uint8_t wish = gmv_supervise_judge(&s, &seen, &came);
+    uint8_t wish = gmv_supervise_judge(&s, &seen, &result);
     asked = wish & GMV_WISH_TRIAL;
     return wish;
 }
@@ -68,7 +68,7 @@ static uint8_t steps(unsigned n)
 static void self_tunes(void)
 {
     (void)steps(TUNE + CHECK + 5);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 /* ---- adoption ---- */
@@ -79,7 +79,7 @@ static void a_model_is_tried_after_the_time_of_tuning_and_on_data_that_came_late
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL, step());
     TEST_ASSERT_EQUAL_HEX8(0, steps(CHECK - 1));
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_LAW | GMV_WISH_PROPOSE, step());
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void the_law_does_not_take_over_in_the_midst_of_an_answer_to_a_setpoint(void)
@@ -87,9 +87,9 @@ static void the_law_does_not_take_over_in_the_midst_of_an_answer_to_a_setpoint(v
     (void)steps(TUNE + CHECK - 2);
     seen.setpoint[0] = 0.6f;
     (void)steps(REACH);
-    TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
     (void)steps(2);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void a_setpoint_that_never_rests_is_waited_for_as_long_as_a_test(void)
@@ -97,17 +97,17 @@ static void a_setpoint_that_never_rests_is_waited_for_as_long_as_a_test(void)
     for (unsigned k = 0; k < TUNE + 2 * CHECK - 1; k++) {
         seen.setpoint[0] = k % 2 ? 0.5f : 0.6f;
         (void)step();
-        TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
+        TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
     }
     (void)steps(2);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void without_excitation_it_goes_on_tuning(void)
 {
-    came.excited = 0;
+    result.excited = 0;
     TEST_ASSERT_EQUAL_HEX8(0, steps(10 * TUNE));
-    came.excited = 1;
+    result.excited = 1;
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL, step());
 }
 
@@ -115,64 +115,64 @@ static void refused_for(enum gmv_refusal why)
 {
     uint8_t wish = steps(TUNE + CHECK);
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL | GMV_WISH_REFUSED, wish);
-    TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
-    TEST_ASSERT_EQUAL(why, s.refusal);
+    TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
+    TEST_ASSERT_EQUAL(why, s.status.refusal);
 }
 
 static void what_predicts_no_better_than_as_it_is_is_not_adopted(void)
 {
-    came.error[0] = 0.021f;
+    result.error[0] = 0.021f;
     refused_for(GMV_REFUSED_PREDICTION);
 }
 
 static void a_gain_of_the_wrong_sign_is_not_adopted(void)
 {
-    came.gain[0] = -0.1f;
+    result.gain[0] = -0.1f;
     refused_for(GMV_REFUSED_GAIN);
 }
 
 static void a_gain_that_is_next_to_nothing_is_not_adopted(void)
 {
-    came.gain[0] = 0.0005f;
+    result.gain[0] = 0.0005f;
     refused_for(GMV_REFUSED_GAIN);
 }
 
 static void a_loop_that_would_not_die_away_is_not_adopted(void)
 {
-    came.outcome.decay = 1.01f;
+    result.outcome.decay = 1.01f;
     refused_for(GMV_REFUSED_POLES);
 }
 
 static void a_law_that_saves_less_than_it_must_of_the_pis_error_is_not_adopted(void)
 {
-    came.outcome.ratio = 0.951f;
+    result.outcome.ratio = 0.951f;
     refused_for(GMV_REFUSED_PI);
-    came.outcome.ratio = 0.949f;
+    result.outcome.ratio = 0.949f;
     (void)steps(CHECK + 2);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void a_law_that_would_shake_the_mv_for_nothing_at_rest_is_not_adopted(void)
 {
-    came.outcome.shakes = true;
+    result.outcome.shakes = true;
     refused_for(GMV_REFUSED_PI);
-    came.outcome.shakes = false;
+    result.outcome.shakes = false;
     (void)steps(CHECK + 2);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void numbers_that_are_none_are_not_adopted(void)
 {
-    came.error[0] = NAN;
+    result.error[0] = NAN;
     refused_for(GMV_REFUSED_PREDICTION);
     setUp();
-    came.gain[0] = NAN;
+    result.gain[0] = NAN;
     refused_for(GMV_REFUSED_GAIN);
     setUp();
-    came.outcome.decay = NAN;
+    result.outcome.decay = NAN;
     refused_for(GMV_REFUSED_POLES);
     setUp();
-    came.outcome.ratio = NAN;
+    result.outcome.ratio = NAN;
     refused_for(GMV_REFUSED_PI);
 }
 
@@ -181,19 +181,19 @@ static void without_a_trial_nothing_is_adopted_however_long_the_test(void)
     for (unsigned k = 0; k < TUNE + 3 * CHECK; k++) {
         seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
         (void)gmv_supervise_look(&s, &seen);
-        (void)gmv_supervise_judge(&s, &seen, &came);
-        TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
+        (void)gmv_supervise_judge(&s, &seen, &result);
+        TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
     }
-    came.tried = true;
-    (void)gmv_supervise_judge(&s, &seen, &came);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    result.tried = true;
+    (void)gmv_supervise_judge(&s, &seen, &result);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void after_a_refusal_it_is_tried_again_and_adopted_when_it_passes(void)
 {
-    came.error[0] = 0.03f;
+    result.error[0] = 0.03f;
     refused_for(GMV_REFUSED_PREDICTION);
-    came.error[0] = 0.01f;
+    result.error[0] = 0.01f;
     TEST_ASSERT_TRUE(steps(CHECK + 2) & GMV_WISH_LAW);
 }
 
@@ -203,7 +203,7 @@ static void a_loop_that_joins_during_the_test_begins_it_anew(void)
     gmv_supervise_init(&s, &config);
     seen.good = 3;
     (void)steps(TUNE + CHECK - 1);
-    TEST_ASSERT_TRUE(s.testing);
+    TEST_ASSERT_TRUE(s.status.testing);
     seen.acting = 3;
     TEST_ASSERT_EQUAL_HEX8(0, step());
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL, step());
@@ -216,11 +216,11 @@ static void spoilt_samples_are_no_part_of_the_test(void)
 {
     (void)steps(TUNE);
     seen.good = 0;
-    came.error[0] = 1;
+    result.error[0] = 1;
     (void)step();
     seen.good = 1;
     (void)steps(REACH); /* the reading is among the data for so long */
-    came.error[0] = 0.01f;
+    result.error[0] = 0.01f;
     TEST_ASSERT_TRUE(steps(CHECK) & GMV_WISH_LAW);
 }
 
@@ -230,10 +230,10 @@ static void with_ask_it_waits_for_the_proposal(void)
     gmv_supervise_init(&s, &config);
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL | GMV_WISH_PROPOSE,
                            steps(TUNE + CHECK));
-    TEST_ASSERT_EQUAL(GMV_WAITING, s.state);
+    TEST_ASSERT_EQUAL(GMV_WAITING, s.status.state);
     TEST_ASSERT_EQUAL_HEX8(0, steps(50));
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_LAW, gmv_supervise_accepted(&s, true));
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void a_proposal_that_is_rejected_leads_back_to_tuning(void)
@@ -242,27 +242,27 @@ static void a_proposal_that_is_rejected_leads_back_to_tuning(void)
     gmv_supervise_init(&s, &config);
     (void)steps(TUNE + CHECK);
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_REFUSED, gmv_supervise_accepted(&s, false));
-    TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
-    TEST_ASSERT_EQUAL(GMV_REFUSED_BY_HAND, s.refusal);
+    TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
+    TEST_ASSERT_EQUAL(GMV_REFUSED_BY_HAND, s.status.refusal);
     TEST_ASSERT_EQUAL_HEX8(0, steps(TUNE - 1));
 }
 
 static void bare_it_adopts_after_the_time_of_tuning_whatever_comes(void)
 {
     config.on = false;
-    came.gain[0] = -1;
-    came.error[0] = 1;
-    came.excited = 0;
+    result.gain[0] = -1;
+    result.error[0] = 1;
+    result.excited = 0;
     gmv_supervise_init(&s, &config);
     TEST_ASSERT_EQUAL_HEX8(0, steps(TUNE - 1));
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_LAW | GMV_WISH_CANDIDATE, step());
     TEST_ASSERT_EQUAL_HEX8(0, steps(2000));
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 static void asked_for_it_adopts_what_there_is(void)
 {
-    s.adopt_now = true;
+    s.adopt_asked = true;
     TEST_ASSERT_TRUE(step() & GMV_WISH_LAW);
 }
 
@@ -272,55 +272,55 @@ static void given_up_for(enum gmv_alarm why, uint8_t wish)
 {
     TEST_ASSERT_TRUE(wish & GMV_WISH_PI);
     TEST_ASSERT_TRUE(wish & GMV_WISH_FORGET);
-    TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
-    TEST_ASSERT_EQUAL_HEX8(why, s.alarms);
+    TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
+    TEST_ASSERT_EQUAL_HEX8(why, s.status.alarms);
 }
 
 static void a_sign_that_turns_is_given_up_in_the_same_step(void)
 {
     self_tunes();
-    came.gain[0] = -0.002f;
+    result.gain[0] = -0.002f;
     given_up_for(GMV_ALARM_SIGN, step());
-    TEST_ASSERT_EQUAL_FLOAT(-0.002f, s.alarm_value);
+    TEST_ASSERT_EQUAL_FLOAT(-0.002f, s.status.alarm_value);
 }
 
 static void an_estimate_of_the_wrong_sign_is_given_time_to_turn_back(void)
 {
     self_tunes();
-    came.estimated[0] = -0.02f;
+    result.estimated[0] = -0.02f;
     TEST_ASSERT_FALSE(steps(4 * REACH) & GMV_WISH_PI);
-    came.estimated[0] = 0.02f;
+    result.estimated[0] = 0.02f;
     (void)step();
-    came.estimated[0] = -0.02f;
+    result.estimated[0] = -0.02f;
     TEST_ASSERT_FALSE(steps(4 * REACH) & GMV_WISH_PI);
     given_up_for(GMV_ALARM_SIGN, step());
-    TEST_ASSERT_EQUAL_FLOAT(-0.02f, s.alarm_value);
+    TEST_ASSERT_EQUAL_FLOAT(-0.02f, s.status.alarm_value);
 }
 
 static void the_sign_wanted_is_that_of_the_pi(void)
 {
     config.negative[0] = true;
-    came.gain[0] = came.estimated[0] = -0.1f;
+    result.gain[0] = result.estimated[0] = -0.1f;
     gmv_supervise_init(&s, &config);
     self_tunes();
-    came.gain[0] = 0.1f;
+    result.gain[0] = 0.1f;
     given_up_for(GMV_ALARM_SIGN, step());
 }
 
 static void a_loop_that_would_grow_is_given_up_at_the_next_check(void)
 {
     self_tunes();
-    came.outcome.decay = 1.02f;
+    result.outcome.decay = 1.02f;
     given_up_for(GMV_ALARM_POLES, steps(2 * CHECK + 4));
 }
 
 static void predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check(void)
 {
     self_tunes();
-    came.error[0] = 0.1f;
+    result.error[0] = 0.1f;
     given_up_for(GMV_ALARM_WORSE, steps(CHECK + 2));
-    TEST_ASSERT_TRUE(s.alarm_value > 0.04f &&
-                     s.alarm_value < 0.1f); /* the window had begun before */
+    TEST_ASSERT_TRUE(s.status.alarm_value > 0.04f &&
+                     s.status.alarm_value < 0.1f); /* the window had begun before */
 }
 
 static void the_alarm_tells_the_error_of_the_predictions_in_the_window(void)
@@ -329,18 +329,18 @@ static void the_alarm_tells_the_error_of_the_predictions_in_the_window(void)
     gmv_supervise_init(&s, &config);
     self_tunes();
     (void)steps(CHECK - 5); /* to the end of the first window */
-    came.error[0] = 0.1f;
+    result.error[0] = 0.1f;
     given_up_for(GMV_ALARM_WORSE, steps(CHECK + 1));
-    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.1f, s.alarm_value);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.1f, s.status.alarm_value);
 }
 
 static void at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason(void)
 {
     self_tunes();
-    came.error[0] = 0.0009f;
-    came.standstill[0] = 0;
+    result.error[0] = 0.0009f;
+    result.standstill[0] = 0;
     TEST_ASSERT_EQUAL_HEX8(0, steps(3 * CHECK) & GMV_WISH_PI);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 /* Its moves turn in each step, and were as large from the first one on: neither bursting nor a cycle of the PV. */
@@ -349,37 +349,37 @@ static void a_law_that_does_worse_than_the_pi_before_it_is_given_up_with_its_mov
     config.tune_steps = 200;
     gmv_supervise_init(&s, &config);
     (void)steps(200 + CHECK + 2);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
     seen.away[0] = 0.02f;
     uint8_t wish = 0;
     for (unsigned k = 0; k < 200 && !wish; k++) {
         seen.moved[0] = seen.moved[0] > 0 ? -0.01f : 0.01f;
         (void)gmv_supervise_look(&s, &seen);
-        wish = gmv_supervise_judge(&s, &seen, &came) & GMV_WISH_PI;
+        wish = gmv_supervise_judge(&s, &seen, &result) & GMV_WISH_PI;
     }
     TEST_ASSERT_TRUE(wish);
-    TEST_ASSERT_EQUAL_HEX8(GMV_ALARM_RECORD, s.alarms);
-    TEST_ASSERT_FLOAT_WITHIN(0.5f, 10, s.alarm_value);
+    TEST_ASSERT_EQUAL_HEX8(GMV_ALARM_RECORD, s.status.alarms);
+    TEST_ASSERT_FLOAT_WITHIN(0.5f, 10, s.status.alarm_value);
 }
 
 static void an_alarm_stands_until_the_law_computes_again(void)
 {
     self_tunes();
-    came.gain[0] = -0.002f;
+    result.gain[0] = -0.002f;
     (void)step();
-    came.gain[0] = 0.1f;
+    result.gain[0] = 0.1f;
     (void)steps(TUNE + CHECK - 2);
-    TEST_ASSERT_EQUAL_HEX8(GMV_ALARM_SIGN, s.alarms);
+    TEST_ASSERT_EQUAL_HEX8(GMV_ALARM_SIGN, s.status.alarms);
     (void)steps(4);
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
-    TEST_ASSERT_EQUAL_HEX8(0, s.alarms);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
+    TEST_ASSERT_EQUAL_HEX8(0, s.status.alarms);
 }
 
 static uint8_t lose_it_once(void)
 {
-    came.gain[0] = 0.1f;
+    result.gain[0] = 0.1f;
     self_tunes();
-    came.gain[0] = -0.1f;
+    result.gain[0] = -0.1f;
     return step();
 }
 
@@ -402,7 +402,7 @@ static void what_lies_more_than_a_day_back_does_not_count(void)
 {
     (void)lose_it_once();
     (void)lose_it_once();
-    came.gain[0] = 0.1f;
+    result.gain[0] = 0.1f;
     (void)steps(1000);
     TEST_ASSERT_FALSE(lose_it_once() & GMV_WISH_GIVE_UP);
 }
@@ -422,14 +422,14 @@ static void a_loop_that_comes_without_a_tried_model_sends_both_back_to_tuning(vo
     self_tunes(); /* the first alone */
     seen.acting = seen.good = 3;
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_PI, step());
-    TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
-    TEST_ASSERT_EQUAL_HEX8(0, s.alarms);
+    TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
+    TEST_ASSERT_EQUAL_HEX8(0, s.status.alarms);
     self_tunes();
     seen.acting = 1; /* one goes, and comes back */
     (void)steps(3);
     seen.acting = 3;
     (void)step();
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
 
 /* ---- learning ---- */
@@ -445,7 +445,7 @@ static void nothing_is_learnt_while_a_reading_that_is_not_good_is_among_the_data
     TEST_ASSERT_EQUAL_HEX8(1, looks());
     seen.good = 0;
     TEST_ASSERT_EQUAL_HEX8(0, looks());
-    TEST_ASSERT_EQUAL(GMV_RESTS_READING, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_RESTS_READING, s.status.rest[0]);
     seen.good = 1;
     for (unsigned k = 0; k < REACH; k++)
         TEST_ASSERT_EQUAL_HEX8(0, looks());
@@ -456,7 +456,7 @@ static void nothing_is_learnt_in_manual(void)
 {
     seen.acting = 0;
     TEST_ASSERT_EQUAL_HEX8(0, looks());
-    TEST_ASSERT_EQUAL(GMV_RESTS_MANUAL, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_RESTS_MANUAL, s.status.rest[0]);
     seen.acting = 1;
     TEST_ASSERT_EQUAL_HEX8(1, looks());
 }
@@ -467,7 +467,7 @@ static void nothing_is_learnt_when_the_mv_has_not_moved_for_longer_than_the_regr
     for (unsigned k = 0; k < REACH; k++)
         TEST_ASSERT_EQUAL_HEX8(1, gmv_supervise_look(&s, &seen));
     TEST_ASSERT_EQUAL_HEX8(0, gmv_supervise_look(&s, &seen));
-    TEST_ASSERT_EQUAL(GMV_RESTS_STILL, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_RESTS_STILL, s.status.rest[0]);
     TEST_ASSERT_EQUAL_HEX8(1, looks());
 }
 
@@ -478,29 +478,29 @@ static void an_mv_stands_still_that_moves_by_less_than_a_hundred_thousandth_of_i
         seen.moved[0] = moves ? 1e-5f : 0.99e-5f;
         for (unsigned k = 0; k < 2 * REACH; k++)
             (void)gmv_supervise_look(&s, &seen);
-        TEST_ASSERT_EQUAL(moves ? GMV_LEARNS : GMV_RESTS_STILL, s.rest[0]);
+        TEST_ASSERT_EQUAL(moves ? GMV_LEARNS : GMV_RESTS_STILL, s.status.rest[0]);
     }
 }
 
 static void asked_to_rest_it_rests(void)
 {
-    s.asked_to_rest = true;
+    s.frozen = true;
     TEST_ASSERT_EQUAL_HEX8(0, looks());
-    TEST_ASSERT_EQUAL(GMV_RESTS_ASKED, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_RESTS_ASKED, s.status.rest[0]);
 }
 
 /* With v = 0.99 and three parameters a sample usually tells 0.03, so 0.006 is quiet. */
 static void it_freezes_when_samples_tell_nothing_and_thaws_when_one_tells_twice_as_much(void)
 {
-    came.told[0] = 0.004f;
+    result.information[0] = 0.004f;
     (void)steps(1000);
-    TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.rest[0]);
-    came.told[0] = 0.011f;
+    TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.status.rest[0]);
+    result.information[0] = 0.011f;
     (void)steps(10);
-    TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.rest[0]);
-    came.told[0] = 0.013f;
+    TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.status.rest[0]);
+    result.information[0] = 0.013f;
     (void)steps(2);
-    TEST_ASSERT_EQUAL(GMV_LEARNS, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_LEARNS, s.status.rest[0]);
 }
 
 static void of_two_loops_the_one_whose_samples_tell_nothing_rests(void)
@@ -509,20 +509,20 @@ static void of_two_loops_the_one_whose_samples_tell_nothing_rests(void)
         config.loops = 2;
         gmv_supervise_init(&s, &config);
         seen.acting = seen.good = 3;
-        came.told[quiet] = 0.004f;
-        came.told[1 - quiet] = 0.1f;
+        result.information[quiet] = 0.004f;
+        result.information[1 - quiet] = 0.1f;
         (void)steps(1000);
-        TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.rest[quiet]);
-        TEST_ASSERT_EQUAL(GMV_LEARNS, s.rest[1 - quiet]);
+        TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.status.rest[quiet]);
+        TEST_ASSERT_EQUAL(GMV_LEARNS, s.status.rest[1 - quiet]);
     }
 }
 
 static void where_nothing_is_forgotten_nothing_is_frozen(void)
 {
-    came.forgot[0] = 1;
-    came.told[0] = 0;
+    result.forgetting[0] = 1;
+    result.information[0] = 0;
     (void)steps(1000);
-    TEST_ASSERT_EQUAL(GMV_LEARNS, s.rest[0]);
+    TEST_ASSERT_EQUAL(GMV_LEARNS, s.status.rest[0]);
 }
 
 /* ---- bursting ---- */
@@ -609,29 +609,29 @@ static void bursting_is_given_up_with_the_size_of_the_moves(void)
     self_tunes();
     for (unsigned k = 0; k < 600; k++)
         (void)step();
-    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
     uint8_t wish = 0;
     for (unsigned k = 0; k < 30 && !(wish & GMV_WISH_PI); k++) {
         seen.moved[0] = k % 2 ? 0.1f : -0.1f;
-        came.tried = wish & GMV_WISH_TRIAL;
+        result.tried = wish & GMV_WISH_TRIAL;
         (void)gmv_supervise_look(&s, &seen);
-        wish = gmv_supervise_judge(&s, &seen, &came);
+        wish = gmv_supervise_judge(&s, &seen, &result);
     }
     given_up_for(GMV_ALARM_BURST, wish);
-    TEST_ASSERT_TRUE(s.alarm_value > 0.005f && s.alarm_value < 0.1f);
+    TEST_ASSERT_TRUE(s.status.alarm_value > 0.005f && s.status.alarm_value < 0.1f);
 }
 
 static void a_pv_that_keeps_swinging_at_rest_is_given_up_with_the_size_of_the_swing(void)
 {
     self_tunes();
     uint8_t wish = 0;
-    came.error[0] = 0.002f;
+    result.error[0] = 0.002f;
     for (unsigned k = 0; k < 400 && !(wish & GMV_WISH_PI); k++) {
         seen.away[0] = 0.03f * sinf(6.2831853f * (float)k / 9);
         wish = step();
     }
     given_up_for(GMV_ALARM_BURST, wish);
-    TEST_ASSERT_FLOAT_WITHIN(0.005f, 0.03f / 1.41f, s.alarm_value);
+    TEST_ASSERT_FLOAT_WITHIN(0.005f, 0.03f / 1.41f, s.status.alarm_value);
 }
 
 int main(void)

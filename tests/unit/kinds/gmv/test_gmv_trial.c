@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "gmv_bench.h"
-#include "kinds/gmv/gmv_trial.h"
+#include "kinds/gmv/gmv_trial_state.h"
 #include "unity.h"
 
 #define DECAY_WITHIN 0.006
