@@ -11,7 +11,7 @@ from reflux.errors import RunFailed, UserError
 from dev.testing import changed, reach, reach_measure
 from dev.testing.entries import Test, needs
 
-ROWS = {"pid": frozenset({"firmware/kinds/pid/pid.c"}), "svd": frozenset({"firmware/num/svd.c"})}
+ROWS = {"pid": frozenset({"firmware/signal/pid.c"}), "svd": frozenset({"firmware/num/svd.c"})}
 TESTS = [Test("asan.pid", ["x"], ["unit"], needs("asan", "tests/unit/test_pid")),
          Test("asan-fixed.pid", ["x"], ["unit"], needs("asan-fixed", "tests/unit/test_pid")),
          Test("asan.svd", ["x"], ["unit"], needs("asan", "tests/unit/test_svd")),
@@ -29,7 +29,7 @@ def reaching(path: str) -> set[str]:
 
 class Changed(unittest.TestCase):
     def test_a_source_runs_tests_that_reach_it_in_both_number_formats_and_tests_without_a_row(self) -> None:
-        self.assertEqual(reaching("firmware/kinds/pid/pid.c"), {"asan.pid", "asan-fixed.pid", "asan.new", "style.clang-format"})
+        self.assertEqual(reaching("firmware/signal/pid.c"), {"asan.pid", "asan-fixed.pid", "asan.new", "style.clang-format"})
 
     def test_a_header_runs_what_reaches_any_source_that_includes_it(self) -> None:
         found = reaching("firmware/num/svd.h")

@@ -15,7 +15,7 @@ from support import ROOT
 from reflux.paths import every
 
 PAGES = (  # page, header, struct, group of docs/console.md
-    ("pid.md", "kinds/pid/pid.h", "pid_config", "loop<i>"),
+    ("pid.md", "signal/pid.h", "pid_config", "loop<i>"),
     ("feedforward.md", "block/settings.h", "element_settings", "ff<i>"),
     ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
 )
