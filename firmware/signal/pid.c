@@ -23,8 +23,10 @@ struct pid_config pid_default_config(void)
 struct range {
     const char *field, *wanted;
     float lo, hi;
-    uint8_t offset; /* of a float in struct pid_config */
-    bool zero_too;  /* 0 is allowed although below lo */
+    /* Place of the float in struct pid_config. */
+    uint8_t offset;
+    /* 0 is allowed although below lo. */
+    bool zero_too;
 };
 
 #define AT(field) (uint8_t) offsetof(struct pid_config, field)
@@ -99,11 +101,11 @@ static float tracking_time(const struct pid_config *c)
     return c->td_s > 0.0f ? square_root(c->ti_s) * square_root(c->td_s) : c->ti_s;
 }
 
-/* Everything that follows from settings alone; config has been validated. The state stays. */
+/* Sets everything that follows from settings alone; config has been validated. The state stays. */
 static enum err place(struct pid *pid, const struct pid_config *config, float h_s)
 {
     float signed_gain = config->action == PID_DIRECT ? -config->gain : config->gain;
-    /* Without a derivative, what is left of an old one dies away as it was going to. */
+    /* Without a derivative, the rest of an old one decays as before. */
     float filter_s = config->td_s > 0.0f ? config->td_s / config->n : pid->derivative_filter_s;
     enum err err = washout_retune(&pid->derivative, signed_gain, config->td_s, filter_s, h_s);
     if (err)
@@ -155,7 +157,7 @@ static num_t derivative_in(const struct pid *pid, num_t r, num_t y)
     return num_sub(num_mul(pid->c, r), y);
 }
 
-/* The output at full width, before limits: of the last step, or after a back-calculation with what that added. */
+/* Returns the output of the last step at full width, before limits, with the change of a back-calculation since. */
 static struct accumulator whole_output(const struct pid *pid)
 {
     struct accumulator whole = pid->sum;
@@ -166,7 +168,7 @@ static struct accumulator whole_output(const struct pid *pid)
     return whole;
 }
 
-/* The integral part that makes the output so, with the other parts as they are. */
+/* Sets the integral part so that the output is `whole`, with the other parts as they are. */
 static void set_whole_output(struct pid *pid, const struct accumulator *whole)
 {
     pid->sum = *whole;
@@ -198,8 +200,8 @@ enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
     return ERR_OK;
 }
 
-/* The measurement is still on one side of the setpoint, but at its present slope it will be on the other
- * within the prediction time: more integral would only have to be taken back beyond it. */
+/* Returns whether the measurement is still on one side of the setpoint, but at its present slope will be on the other
+ * within the prediction time: more integral would only have to be removed after it. */
 static bool overshoot_ahead(struct pid *pid, num_t measurement)
 {
     if (!pid->inhibits)
@@ -212,7 +214,7 @@ static bool overshoot_ahead(struct pid *pid, num_t measurement)
 
 num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
 {
-    if (!pid->primed) /* nobody told us the output in effect: start from the lowest, without a kick */
+    if (!pid->primed) /* the output in effect is unknown: start from the lowest, without a kick */
         pid_follow(pid, setpoint, measurement, pid->lo);
     num_t p = proportional_in(pid, setpoint, measurement);
     if (pid->form == PID_VELOCITY) {
@@ -234,7 +236,7 @@ num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
     return pid->output;
 }
 
-/* From the whole output, not from raw: that ends with the range of num_t, and back-calculation must not. */
+/* Tracks from the whole output, not from raw, because raw ends with the range of num_t and back-calculation must not. */
 static void track(struct pid *pid, num_t applied)
 {
     if (num_eq(applied, pid->raw))

@@ -3,7 +3,8 @@
 #include <stdbool.h>
 
 struct work {
-    float a[DECOUPLER_MAX][2 * DECOUPLER_MAX]; /* [D | I], turned into [I | D^-1] */
+    /* [D | I], turned into [I | D^-1]. */
+    float a[DECOUPLER_MAX][2 * DECOUPLER_MAX];
 };
 
 static float magnitude(float x)
@@ -79,7 +80,7 @@ enum err decoupler_select(struct decoupler *decoupler,
     return ERR_OK;
 }
 
-/* Whatever the outputs within their reach, v = D^-1 u is a number. */
+/* Returns whether v = D^-1 u is a number for all outputs within their reach. */
 static bool reaches(const struct decoupler *k, const struct block_member *member)
 {
     for (uint8_t i = 0; i < k->n; i++) {
@@ -108,7 +109,7 @@ enum err decoupler_check(const struct block_setup *setup, uint8_t *worst)
     return ERR_OK;
 }
 
-/* Columns whose x is zero add nothing: in a back-calculation those of all outputs that nothing limits. */
+/* Sets y = m x. Skips columns whose x is zero: in a back-calculation those of all outputs that nothing limits. */
 static void multiply(const struct decoupler *k, const num_t m[DECOUPLER_MAX][DECOUPLER_MAX],
                      const num_t *x, num_t *y)
 {

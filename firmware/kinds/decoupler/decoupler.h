@@ -2,9 +2,9 @@
  *
  * D is given for all loops; only the rows and columns of the loops in automatic or cascade take part, so a
  * loop in manual neither moves nor is moved by the others. Fractions of output span throughout.
- * When loops come or go all of v is D^-1 u. After a step only differences go back, applied - commanded, and only to the loops whose
- * MVs were limited: they give way to where these MVs stand while the others ask for what they ask for. With D^-1 of all
- * differences a loop at its limit would push the others a little in every tick, and they would rest beside their
+ * When loops come or go, all of v is D^-1 u. After a step only differences go back, applied - commanded, and only to the loops whose
+ * MVs were limited: these loops follow their MVs while the requests of the others stand. With D^-1 of all
+ * differences a loop at its limit would push the others a little in every tick, and they would settle off their
  * setpoints. Where nothing was limited the correction is exactly zero, whatever the rounding.
  */
 #ifndef REFLUX_DECOUPLER_DECOUPLER_H
@@ -15,8 +15,10 @@
 #include "block/block.h"
 
 struct decoupler {
-    uint8_t n;                     /* loops taking part */
-    uint8_t member[DECOUPLER_MAX]; /* their indices, ascending */
+    /* Number of loops that take part. */
+    uint8_t n;
+    /* Their indices, ascending. */
+    uint8_t member[DECOUPLER_MAX];
     num_t d[DECOUPLER_MAX][DECOUPLER_MAX];
     num_t inverse[DECOUPLER_MAX][DECOUPLER_MAX];
 };

@@ -3,11 +3,13 @@
 
 struct decoupler_state {
     struct decoupler decoupler;
-    uint8_t mask; /* members selected */
-    bool stepped; /* what comes next are differences from what the step gave */
+    /* Selected members, a bit each. */
+    uint8_t mask;
+    /* The next back-calculation gets differences from the step's outputs. */
+    bool stepped;
 };
 
-/* Above that, in spans, a command may have been cut off at what num_t holds, and values come instead of differences. */
+/* Above this, in spans, num_t may have cut off a command, and values come instead of differences. */
 #define DIFFERENCES_UP_TO 64.0f
 
 static uint32_t decoupler_bytes(const struct block_setup *setup)

@@ -15,8 +15,8 @@ static struct pid_config pid_settings(const struct block_setup *setup)
         .b = l->b,
         .c = l->c,
         .tt_s = l->tt_s,
-        /* What drives a manipulated variable is limited there, with decoupler and feedforward in it: the output alone
-         * may lie far outside the span. It is only kept where num_t can hold it. */
+        /* The MV has its own limits, with decoupler and feedforward included: the controller's output alone may lie far outside the
+         * span. These limits only keep it within num_t. */
         .out_lo = drives_mv ? -PID_OUTPUT_MAX : l->out_lo,
         .out_hi = drives_mv ? PID_OUTPUT_MAX : l->out_hi,
         .rate_per_s = l->out_rate_per_s,
@@ -26,7 +26,7 @@ static struct pid_config pid_settings(const struct block_setup *setup)
     };
 }
 
-/* People know the parameters, not the fields. */
+/* Returns the parameter's name for a field, because people know the parameters. */
 static const char *pid_parameter(const char *field)
 {
     static const struct {
@@ -52,7 +52,7 @@ static enum err pid_check(const struct block_setup *setup, struct block_fault *f
     struct pid_config config = pid_settings(setup);
     const struct loop_settings *l = setup->settings;
     enum err err = pid_validate(&config, &fault->field, &fault->wanted);
-    if (!err && !(l->out_lo < l->out_hi)) { /* where it was given wider ones */
+    if (!err && !(l->out_lo < l->out_hi)) { /* drives_mv replaced them above */
         err = ERR_RANGE;
         fault->field = "out_lo";
         fault->wanted = "below out_hi";

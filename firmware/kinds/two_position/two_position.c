@@ -108,7 +108,7 @@ static void two_position_kind_step(void *state, struct block_io *io)
     io->out[0] = two_position_step(state, io->setpoint[0], io->in[0]);
 }
 
-/* There is nothing to bring in line. */
+/* Does nothing: no state depends on the applied output. */
 static void two_position_back_calculate(void *state, struct block_io *io)
 {
     (void)state;

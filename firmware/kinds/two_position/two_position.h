@@ -18,33 +18,36 @@
 #include "block/block.h"
 
 struct two_position_config {
-    float band; /* half the gap, fraction of the measurement's span, above 0, at most 10 */
-    float out_lo, out_hi; /* the two outputs, fraction, -100 <= lo < hi <= 100 */
-    bool direct;          /* a high measurement asks for out_hi */
+    /* Half the gap, fraction of the measurement's span, above 0, at most 10. */
+    float band;
+    /* The two outputs, fraction, -100 <= lo < hi <= 100. */
+    float out_lo, out_hi;
+    /* A high measurement asks for out_hi. */
+    bool direct;
 };
 
-/* First field that is wrong, or ERR_OK. *field gets its name, *wanted the range in words (either may be NULL).
+/* Checks settings. *field gets the name of the first field that is wrong, *wanted its range in words (either may be NULL).
  * NaN and infinity anywhere are ERR_NOT_FINITE, all else is ERR_RANGE. */
 MUST_CHECK enum err two_position_validate(const struct two_position_config *config,
                                           const char **field, const char **wanted);
 
-/* Contents are the block's own; listed here so that it can be placed statically. */
+/* The fields are private to the block; the struct is defined here so that callers can hold one. */
 struct two_position {
     num_t band, lo, hi;
     num_t output;
     bool direct;
 };
 
-/* Output lo. Errors as two_position_validate; on error *t is unchanged. */
+/* Starts with the output lo. Errors as two_position_validate; on error *t is unchanged. */
 MUST_CHECK enum err two_position_init(struct two_position *t,
                                       const struct two_position_config *config);
-/* New settings: an output that was at one of the two values goes to the new one, any other stays. Errors as
+/* Takes new settings: an output at one of the two values goes to the new value, any other stays. Errors as
  * two_position_init. */
 MUST_CHECK enum err two_position_retune(struct two_position *t,
                                         const struct two_position_config *config);
 
 num_t two_position_step(struct two_position *t, num_t setpoint, num_t measurement);
-/* The output that is there while the block does not act. */
+/* Takes the output in effect while the block does not act. */
 void two_position_follow(struct two_position *t, num_t applied);
 
 /* A loop's own controller: settings are a struct loop_settings, one member. */
