@@ -1,8 +1,8 @@
 /* Kind `gmv`: composes its parts, and answers the calls of the tick. The law and its samples: gmv.h; who computes and who learns:
  * gmv_supervise.h.
  *
- * The output is the last one applied plus the change against the applied MV, so that feedforward, a hand, or a limit is no
- * error of the model, and each controller begins where the one before has ended. */
+ * The output is the last one applied plus the change against the applied MV, so that feedforward, a manual change, or a limit is no
+ * error of the model, and each controller starts from the last output of the one before. */
 #include "kinds/gmv/gmv_kind.h"
 
 #include <string.h>
@@ -257,7 +257,7 @@ static void gmv_step(void *state, struct block_io *io)
     take_signals(s, io);
     io->gives_up = lacks(s, io);
     if (io->gives_up) {
-        s->acting = 0; /* nothing goes on from here */
+        s->acting = 0; /* no member continues from here */
         return;
     }
     take_sample(s, io, &sample);

@@ -41,7 +41,7 @@ void gmv_lambda_apply(const struct gmv_lambda_search *s, struct gmv *g)
         gmv_set_lambda(g, i, num_from_float(s->lambda[i] * s->times * gmv_own_gain(g, i)));
 }
 
-/* While tuning it finds its lambda anew; a law that acts is tried as it is, and so is one without lambda. */
+/* Searches lambda anew while tuning; tries a law that acts, or that has no lambda, as it is. */
 static void begin_lambda_trial(struct gmv_lambda_search *s, struct gmv *g, uint8_t acting,
                                bool searches, float better, const struct gmv_record *record)
 {

@@ -18,7 +18,7 @@ void gmv_learner_retune(struct gmv_learner *l, const struct gmv_config *c);
 /* Estimates are theta, the covariance is p0. */
 void gmv_learner_start_again(struct gmv_learner *l, unsigned i, const num_t *theta);
 
-/* A step of loop i whose regression is complete. used: its parameters in use. learns: its estimator may learn from the step. */
+/* Takes a step of loop i whose regression is complete. used: its parameters in use. learns: its estimator may learn from the step. */
 void gmv_learner_step(struct gmv_learner *l, struct gmv_samples *m, const struct gmv_sample *s,
                       unsigned i, const num_t *used, bool learns);
 /* Keeps what the estimator predicted a step ago, where past predictions are among the terms. */

@@ -3,7 +3,7 @@
 #include "kinds/gmv/gmv_proposals_state.h"
 #include "kinds/gmv/gmv_settings.h"
 
-/* The n-th of all parameters of all loops, in one row. False past the end. */
+/* Finds the n-th of all parameters of all loops, in one row. False past the end. */
 static bool nth_parameter(const struct gmv_shape *shape, unsigned n, unsigned *i, unsigned *p)
 {
     for (*i = 0; *i < shape->loops; (*i)++) {
@@ -27,7 +27,7 @@ void gmv_proposals_begin(struct gmv_proposals *s, const struct gmv *g)
     s->waits = false;
 }
 
-/* Those that are settings with other values. */
+/* Proposes the adopted parameters that differ from the settings. */
 static void put_parameters(const struct gmv_proposals *s, const struct gmv_shape *shape,
                            struct block_proposal *room)
 {

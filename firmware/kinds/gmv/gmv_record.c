@@ -3,33 +3,35 @@
 #include "kinds/gmv/gmv_record_state.h"
 #include "num/real.h"
 
-#define WINDOW  64u  /* steps at rest */
-#define WINDOWS 2u   /* one after the other */
-#define ENOUGH  32u  /* samples at rest that make a record */
-#define MEMORY  256u /* samples */
-/* The law does worse: mean squares, times the PI's. */
+/* Steps at rest of a window, and windows in a row. */
+#define WINDOW  64u
+#define WINDOWS 2u
+/* Samples at rest that make a record; samples that it remembers. */
+#define ENOUGH 32u
+#define MEMORY 256u
+/* Mean squares of a law that does worse, as multiples of the PI's; and its least error, fraction of span, r.m.s. */
 #define ERROR_TIMES 4.0f
 #define MOVES_TIMES 9.0f
-#define ERROR_LEAST 0.005f /* of span, r.m.s. */
-/* As many moves are too many wherever the error is no smaller than the PI's, if they are as large as this, r.m.s. */
+#define ERROR_LEAST 0.005f
+/* Moves of MOVES_TIMES are too large even at the PI's error, if they exceed this, r.m.s. */
 #define MOVES_LEAST 0.005f
-/* A PI that does not move at all has moved by as much, r.m.s. */
+/* A PI that does not move at all counts as moving by this, r.m.s. */
 #define STILL 1e-4f
-/* The squared mean size of white noise is this part of its mean square: 2/pi. The mean square of its second differences is six times its
+/* The squared mean size of white noise is 2/pi of its mean square. The mean square of its second differences is six times its
  * own. */
 #define MEAN_OF_SQUARE   0.63661977f
 #define SQUARE_OF_JITTER (1 / (6 * MEAN_OF_SQUARE))
 
-/* Answers to setpoints: steps that are remembered, that are enough to compare; how much worse the law's must be, and its mean error,
- * so that noise while an outer loop moves the setpoint a little is no reason. */
+/* Answers to setpoints: steps that are remembered; steps that are enough to compare; least ratio of the law's error to the PI's; least
+ * mean error of the law, because noise must not count while an outer loop moves the setpoint a little. */
 #define ANSWERS_MEMORY 512u
 #define ANSWERS_ENOUGH 128u
 #define ANSWER_TIMES   1.3f
 #define ANSWER_LEAST   0.002f
-/* Where the PI has left fewer answers, and perhaps nothing at rest, the law must be as much worse. */
+/* With fewer answers of the PI, and perhaps nothing at rest, the law must be TIMES_OF_FEW times worse. */
 #define FEW_ANSWERS  32u
 #define TIMES_OF_FEW 3.0f
-/* An answer is whole when the PV has come as near, in parts of the next move. */
+/* An answer is complete when the PV is within this part of the next move. */
 #define ANSWER_NEAR 0.2f
 
 static void begin_record_window(struct gmv_record *r)
@@ -60,7 +62,7 @@ static void take_in_answer(struct gmv_record *r, struct gmv_answers *whose, floa
     whose->cut += ((cut ? 1 : 0) - whose->cut) / (float)whose->samples;
 }
 
-/* None of the PI's was cut short, and there are as many steps of them. */
+/* Returns whether there are as many samples of the PI's answers and none was cut short. */
 static bool answers_are_whole(const struct gmv_record *r, unsigned samples)
 {
     return r->pi.samples >= samples && r->pi.moved > 0 && r->pi.cut * (float)ANSWERS_MEMORY < 0.5f;
@@ -71,8 +73,8 @@ float gmv_record_answer(const struct gmv_record *r)
     return answers_are_whole(r, ANSWERS_ENOUGH) ? r->pi.error / r->pi.moved : 0;
 }
 
-/* The PI's mean error after setpoints if they had moved by as much as under the law. Noise and loads do not become smaller with the
- * move, so after smaller moves they are counted as they are at rest. */
+/* Returns the PI's mean error after setpoints, scaled to the moves under the law. Noise and loads do not scale with the
+ * move, so after smaller moves their size at rest is added. */
 static float answer_of_pi(const struct gmv_record *r)
 {
     float part = r->law.moved / r->pi.moved;
@@ -80,7 +82,7 @@ static float answer_of_pi(const struct gmv_record *r)
     return part * r->pi.error + (part < 1 ? (1 - part) * at_rest : 0);
 }
 
-/* Errors of the law after setpoints, times the PI's, where that is too much; 0: it is not, or there are not enough yet. */
+/* Returns the law's error after setpoints as a multiple of the PI's where that is too large; 0: it is not, or there are too few answers. */
 static float worse_answers(const struct gmv_record *r)
 {
     float most = r->pi.samples >= ANSWERS_ENOUGH ? ANSWER_TIMES : TIMES_OF_FEW;
@@ -89,7 +91,8 @@ static float worse_answers(const struct gmv_record *r)
     return enough && of_pi > 0 && of_law > most * of_pi ? of_law / of_pi : 0;
 }
 
-/* `of`: whose answer it is while the setpoint has not settled. What the PV does while the MV stands still is nobody's answer. */
+/* Takes a sample. True: it is at rest. Until the setpoint has settled the sample belongs to the answers of `whose`, except where the MV
+ * stands still. */
 static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
                            uint32_t settled, struct gmv_answers *whose)
 {
@@ -120,7 +123,7 @@ static void sum_window(struct gmv_record *r, float away, float moved)
     r->seen++;
 }
 
-/* Of three readings at rest. Their mean size, because a load now and then must not count as noise. */
+/* Takes the second difference of three readings at rest. Keeps its mean size, because a rare load must not count as noise. */
 static void take_in_jitter(struct gmv_record *r, float away, bool rests)
 {
     float second = real_abs(away - 2 * r->before[0] + r->before[1]);
@@ -158,7 +161,7 @@ static float at_least(float x, float least)
     return x > least ? x : least;
 }
 
-/* Mean squares of the law. */
+/* Returns whether these mean squares of the law are worse than the PI's. */
 static bool is_worse(const struct gmv_record *r, float error, float moves)
 {
     if (!(moves > MOVES_TIMES * at_least(r->moves, STILL * STILL)))
@@ -167,7 +170,7 @@ static bool is_worse(const struct gmv_record *r, float error, float moves)
            (error >= r->error && moves > MOVES_LEAST * MOVES_LEAST);
 }
 
-/* Of the window that is over. */
+/* Returns the moves of the window that is over as a multiple of the PI's. */
 static float times_the_moves(const struct gmv_record *r)
 {
     return real_sqrt(r->moves_sum / ((float)WINDOW * at_least(r->moves, STILL * STILL)));

@@ -31,6 +31,7 @@ struct gmv_record {
     /* Sensor noise at rest: the last two control errors, and the mean size of second differences. */
     float before[2], jitter;
     uint16_t jitters;
+    /* Answers of the PI and of the law. */
     struct gmv_answers pi, law;
 };
 

@@ -22,7 +22,7 @@
     {                                                                                              \
         id, BLOCK_WORD, PLACE(field), 1, 1, name, words, help, 0, 0, initial                       \
     }
-/* Single numbers, since a row of a table cannot be proposed. */
+/* Single numbers, because a row of a table cannot be proposed. */
 #define NTH_THETA(i, p) (GMV_PARAMETERS * ((i)-1) + ((p)-1))
 #define THETA(i, p)                                                                                \
     {                                                                                              \
@@ -91,10 +91,10 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
 };
 _Static_assert(GMV_PARAMETERS == 12 && GMV_LOOPS == 2, "rows of theta, lo and hi");
 
-/* ---- what they come to ---- */
+/* ---- configurations made of them ---- */
 
 #define DETERMINANT_LEAST 0.01f
-/* Time constant of P where none is set: it takes the edge off minimum variance. Steps at least, and part of the delay. */
+/* Time constant of P where none is set, which makes minimum variance gentler: least steps, and part of the delay. */
 #define STEPS_OF_P 2.0f
 #define DELAY_OF_P 0.5f
 /* Terms of each MV where none are set. */
@@ -180,7 +180,7 @@ void gmv_config_of(const struct block_setup *setup, struct gmv_config *c)
     }
 }
 
-/* A test has at least so many steps: fewer tell nothing. */
+/* Least steps of a test: fewer prove nothing. */
 #define CHECK_STEPS_LEAST 10u
 
 static uint32_t steps_of(float seconds, float interval_s)

@@ -5,20 +5,20 @@
 #include "kinds/gmv/gmv_supervise_state.h"
 #include "num/real.h"
 
-/* The law pushes an MV into a limit when it asks for so much more; a control error above that is far, fractions of span. */
+/* Least request of the law beyond a limit, and least control error, that count as pushing the wrong way; fractions of span. */
 #define PUSHED   0.0004f
 #define FAR_AWAY 0.01f
-/* Errors of predictions as small as this (mean square: 0.1 % of span r.m.s.) decide nothing: at rest "as it is" is perfect, and a
- * model that is that near does no harm. */
+/* Smaller prediction errors (mean square: 0.1 % of span r.m.s.) decide nothing: at rest a standstill predicts perfectly, and a
+ * model with such errors does no harm. */
 #define SMALL_SQUARE 1e-6f
-/* A model in use is given up when its squares are so many times those of "as it is": twice the errors. */
+/* A model in use is given up when its squares are this multiple of those of a standstill: twice the errors. */
 #define WORSE 4.0f
-/* Above this it grows; the trial tells no finer. */
+/* An upset grows above this decay; the trial is no more precise. */
 #define GROWTH 1.001f
-/* An estimate of the wrong sign is given so many times the length of the regressors to turn back. */
+/* Time for an estimate of the wrong sign to turn back, as a multiple of the regressors' length. */
 #define WRONG_REACHES 4u
-/* Steps over which what samples tell is averaged. */
-#define TOLD_MEMORY 50.0f
+/* Steps over which the information of samples is averaged. */
+#define INFORMATION_MEMORY 50.0f
 
 static void begin_window(struct gmv_supervise *s)
 {
@@ -105,9 +105,9 @@ uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
     return learn;
 }
 
-/* ---- what a step says ---- */
+/* ---- results of a step ---- */
 
-/* A sample in a window of constant forgetting v tells 1 - v for each parameter. */
+/* With constant forgetting v a sample usually carries the information 1 - v for each parameter. */
 static void watch_excitation(struct gmv_supervise *s, const struct gmv_result *result, unsigned i)
 {
     float usual = (1.0f - result->forgetting[i]) * (float)result->parameters[i];
@@ -118,7 +118,8 @@ static void watch_excitation(struct gmv_supervise *s, const struct gmv_result *r
             s->status.information[i] = result->information[i];
         return;
     }
-    s->status.information[i] += (result->information[i] - s->status.information[i]) / TOLD_MEMORY;
+    s->status.information[i] +=
+        (result->information[i] - s->status.information[i]) / INFORMATION_MEMORY;
     s->is_quiet[i] = s->status.information[i] < least;
 }
 
@@ -138,7 +139,7 @@ static void sum_up(struct gmv_supervise *s, const struct gmv_result *result)
     s->left -= s->left > 0;
 }
 
-/* At least as well as "as it is", its squares times `times`. */
+/* Returns whether the model predicts at least as well as a standstill, whose squares count `times` times. */
 static bool predicts(const struct gmv_supervise *s, uint8_t acting, float times)
 {
     for (unsigned i = 0; i < s->config.loops; i++) {
@@ -164,7 +165,7 @@ static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_result
     return true;
 }
 
-/* The g_ii,0 in use never follow one of the wrong sign; where that is no passing matter, it is: loops, or it is none. */
+/* Returns the loop whose estimated g_ii,0 has been wrong for too long, or `loops`. The g_ii,0 in use never follow such an estimate. */
 static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_result *result,
                                    uint8_t acting)
 {
@@ -213,7 +214,8 @@ static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_result *resu
     return GMV_WISH_PROPOSE;
 }
 
-/* No setpoint that the law would have to answer half-way has moved; one that moves all the time is waited for as long as a test. */
+/* Returns whether the setpoints have settled, because the law must not take over half-way through an answer. Waits no longer than
+ * a test lasts. */
 static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
 {
     for (unsigned i = 0; i < s->config.loops; i++)
@@ -243,7 +245,7 @@ static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_result *re
         begin_window(s);
         return GMV_WISH_CANDIDATE | GMV_WISH_TRIAL;
     }
-    if (s->tested != acting) { /* somebody else acts now: from the beginning */
+    if (s->tested != acting) { /* other loops act: the test starts again */
         s->status.testing = false;
         return 0;
     }
@@ -264,7 +266,7 @@ uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
 
 /* ---- self-tuning ---- */
 
-/* This one counts; whether there were as many within a day as are allowed. */
+/* Counts a return to the PI. True: the day's last one that is allowed. */
 static bool too_often(struct gmv_supervise *s)
 {
     uint8_t recent = 0;
@@ -287,7 +289,7 @@ static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
     return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
 }
 
-/* How large the moves of an MV that swings are, r.m.s.; 0: none does. */
+/* Returns the moves of an MV that swings, r.m.s.; 0: none does. */
 static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     float most = 0;
@@ -299,7 +301,7 @@ static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
     return most;
 }
 
-/* How far a PV is away that keeps swinging at rest, r.m.s.; 0: none does. */
+/* Returns the control error of a PV that keeps swinging at rest, r.m.s.; 0: none does. */
 static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
                      const struct gmv_result *result)
 {
@@ -312,8 +314,8 @@ static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
     return most;
 }
 
-/* An MV stands against a limit into which the law pushes it, and its own loop is far away and needs it the other way: for a
- * while that may be the best for both loops, not for long. How far away, fractions of span; 0: none. */
+/* Finds an MV that the law pushes against a limit although its own loop has a large error and needs it the other way: for a
+ * while that may be best for both loops, not for long. Returns the control error, fraction of span; 0: none. */
 static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     float most = 0;
@@ -330,7 +332,7 @@ static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
     return most;
 }
 
-/* Steps after which an answer to a setpoint is over. */
+/* Returns the steps after which an answer to a setpoint is over. */
 static uint32_t settled_steps(const struct gmv_supervise *s)
 {
     return 2u * s->config.reach + 32u;
@@ -344,7 +346,7 @@ static void keep_record(struct gmv_supervise *s, const struct gmv_seen *seen)
                           settled_steps(s));
 }
 
-/* By how many times the law does worse than the PI's record; 0: it does not. */
+/* Returns by which factor the law does worse than the PI's record; 0: it does not. */
 static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     float most = 0;
@@ -358,7 +360,7 @@ static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
     return most;
 }
 
-/* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
+/* Returns the g_ii,0 nearest to the wrong sign, or farthest beyond it, signed. */
 static float worst_gain(const struct gmv_supervise *s, const struct gmv_result *result)
 {
     unsigned worst = 0;
@@ -369,7 +371,7 @@ static float worst_gain(const struct gmv_supervise *s, const struct gmv_result *
     return result->gain[worst];
 }
 
-/* The largest of the predictions' errors in this window, r.m.s. */
+/* Returns the largest prediction error of this window, r.m.s. */
 static float worst_error(const struct gmv_supervise *s)
 {
     float most = 0;
@@ -384,7 +386,7 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
 {
     if (!s->config.on)
         return 0;
-    if (seen->acting & (uint8_t)~s->tested) { /* a loop has come whose model nobody has tried */
+    if (seen->acting & (uint8_t)~s->tested) { /* a loop acts whose model has not been tested */
         enter_state(s, GMV_TUNING);
         return GMV_WISH_PI;
     }
@@ -434,14 +436,14 @@ uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen
         return judge_tuning(s, result, seen->acting);
     case GMV_SELF_TUNING:
         return judge_self_tuning(s, seen, result);
-    default: /* waiting; a loop has come whose model nobody has tried */
+    default: /* waiting; a loop acts whose model has not been tested */
         if (seen->acting & (uint8_t)~s->tested)
             enter_state(s, GMV_TUNING);
         return 0;
     }
 }
 
-/* ---- verbs, and what others may see ---- */
+/* ---- verbs ---- */
 
 void gmv_supervise_thaw(struct gmv_supervise *s)
 {

@@ -7,15 +7,17 @@
 #include "num/real.h"
 
 #define PIECE_STEPS 4u
-#define GONE        1e-25f /* of the upset: soon float ends */
-#define BEYOND      1e9f   /* it has grown by as much: no doubt is left */
-#define GROWS       1.5f   /* and nobody needs to know how fast */
+/* The upset is gone at this part of it, because float ends soon below. */
+#define GONE 1e-25f
+/* The loop is unstable when the upset has grown by this factor; its decay is then reported as GROWS. */
+#define BEYOND 1e9f
+#define GROWS  1.5f
 /* The second loop's setpoint steps behind the first one's, then the load comes. */
 #define SECOND_AT (GMV_TRIAL_STEPS / 4u)
 #define LOAD_AT   (GMV_TRIAL_STEPS / 2u)
 #define UPSET(i)  ((i) ? -0.7f : 1.0f)
 
-/* ---- a copy ---- */
+/* ---- copy of the parameters ---- */
 
 static void copy_plant(struct gmv_trial_loop *l, const struct gmv *g, unsigned i)
 {
@@ -60,7 +62,7 @@ static void begin_run(struct gmv_trial *t)
     t->first_window = 0;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         t->setpoint[i] = t->setpoint_before[i] = t->error[i] = 0;
-        if (t->run != GMV_TRIAL_PI) /* it has that of the law */
+        if (t->run != GMV_TRIAL_PI) /* its load is the law's */
             t->load[i] = 0;
     }
 }
@@ -107,7 +109,7 @@ static float steps_before(const float *signal, unsigned now, unsigned steps)
     return signal[(now - steps) % GMV_TRIAL_KEPT];
 }
 
-/* As the form takes it: the value, or its change over k steps. */
+/* Returns the signal in its form: the value, or its change over k steps. */
 static float taken(const struct gmv_trial *t, const float *signal, unsigned now, unsigned steps,
                    unsigned k)
 {
@@ -115,13 +117,13 @@ static float taken(const struct gmv_trial *t, const float *signal, unsigned now,
     return t->incremental ? value - steps_before(signal, now, steps + k) : value;
 }
 
-/* P y of this step. */
+/* Returns P y of this step. */
 static float auxiliary_output(const struct gmv_trial_loop *l, const float *y, unsigned now)
 {
     return l->law_p_scale * (steps_before(y, now, 0) - l->law_p * steps_before(y, now, 1));
 }
 
-/* R w: the setpoint, or P of it. */
+/* Returns R w: the setpoint, or P of it. */
 static float trial_setpoint(const struct gmv_trial *t, unsigned i)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
@@ -129,7 +131,7 @@ static float trial_setpoint(const struct gmv_trial *t, unsigned i)
     return l->weighs_setpoint ? l->law_p_scale * (w - l->law_p * t->setpoint_before[i]) : w;
 }
 
-/* By what P y of this step, or its change, is more than was predicted a horizon ago. */
+/* Returns P y of this step, or its change, less the prediction made a horizon ago. */
 static float prediction_error(const struct gmv_trial *t, unsigned i, unsigned now)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
@@ -153,21 +155,21 @@ static bool is_of_pi(const struct gmv_trial *t)
     return t->run == GMV_TRIAL_PI || t->run == GMV_TRIAL_PI_NOISE;
 }
 
-/* The PV itself; t->y is what is measured. */
+/* Returns the PV itself; t->y is the reading. */
 static float true_pv(const struct gmv_trial *t, unsigned i, unsigned now, unsigned steps)
 {
     float noise = has_noise(t) && now - steps == GMV_TRIAL_KEPT ? UPSET(i) : 0;
     return steps_before(t->y[i], now, steps) - noise;
 }
 
-/* MV and load. */
+/* Returns MV plus load. */
 static float trial_moved(const struct gmv_trial *t, unsigned j, unsigned now, unsigned steps)
 {
     float load = now - steps >= GMV_TRIAL_KEPT + LOAD_AT ? t->load[j] : 0;
     return steps_before(t->u[j], now, steps) + load;
 }
 
-/* Where the model is unstable under the PI, what it does is limited, so that its errors stay numbers. */
+/* Limits the PI's signals, because its errors must stay numbers where the model is unstable under it. */
 static float trial_bounded(const struct gmv_trial *t, float x)
 {
     if (!is_of_pi(t))
@@ -175,8 +177,8 @@ static float trial_bounded(const struct gmv_trial *t, float x)
     return x > BEYOND ? BEYOND : x < -BEYOND ? -BEYOND : x;
 }
 
-/* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
- * incremental one has besides is a load that stays, which is no part of the loop. */
+/* Computes y_i of this step by the regression with the gains of this run, on values in either form: a constant load is all that
+ * the incremental form has besides, and it is no part of the loop. */
 static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
@@ -196,7 +198,7 @@ static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
         t->y[i][now % GMV_TRIAL_KEPT] += UPSET(i);
 }
 
-/* What loop i's law predicts as long as no MV moves in this step. */
+/* Returns the prediction of loop i's law without the moves of this step. */
 static float known_prediction(const struct gmv_trial *t, unsigned i, unsigned now)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
@@ -222,7 +224,7 @@ static float safely_divided(float a, float b)
     return real_abs(b) < 1e-6f ? 0 : a / b;
 }
 
-/* The equations of those that act, as gmv_solve does it without limits. */
+/* Solves the equations of the loops that act, as gmv_solve does without limits. */
 static void solve_trial(const struct gmv_trial *t, float m[GMV_LOOPS][GMV_LOOPS], const float *rhs,
                         float *move)
 {
@@ -286,7 +288,7 @@ static void move_inputs_by_pi(struct gmv_trial *t, unsigned now)
     }
 }
 
-/* A load sets the MVs back to where they were at first; what the form of the law takes for its bias is not learnt here. */
+/* Steps the setpoints; then a load takes the MVs back to their first values. The bias of the law does not adapt here. */
 static void move_setpoints(struct gmv_trial *t, unsigned now)
 {
     unsigned step = now - GMV_TRIAL_KEPT;
@@ -316,7 +318,7 @@ static void sum_answer(struct gmv_trial *t, unsigned now)
     }
 }
 
-/* How large what moves is now: PVs, and MVs by what they do to them. A sum, so that one that is no number is seen. */
+/* Returns the size of the upset: PVs, and moves of MVs by their effect on them. A sum, because NaN must show in it. */
 static float size_of_upset(const struct gmv_trial *t, unsigned now)
 {
     float sum = 0;
@@ -331,7 +333,7 @@ static float size_of_upset(const struct gmv_trial *t, unsigned now)
 
 /* ---- runs ---- */
 
-/* The window that ends now, against the first that is looked at. True: the run is over. */
+/* Compares the window that ends here with the first one that counts. True: the run is over. */
 static bool judge_window(struct gmv_trial *t, unsigned window)
 {
     float now = t->largest;
@@ -340,18 +342,18 @@ static bool judge_window(struct gmv_trial *t, unsigned window)
         t->first = t->start = now;
         return false;
     }
-    if (!(now < BEYOND * t->start)) { /* also where it is no number */
+    if (!(now < BEYOND * t->start)) { /* also NaN */
         t->decay[t->run] = GROWS;
         return true;
     }
     bool gone = now <= GONE * t->start;
-    if (gone && window > 1) /* as the windows before have it */
+    if (gone && window > 1) /* the decay of the windows before stands */
         return true;
     if (gone)
         now = GONE * t->start;
     t->decay[t->run] =
         real_pow(now / t->first, 1.0f / (float)((window - t->first_window) * GMV_TRIAL_WINDOW));
-    if (window == 1) { /* what was fast is over */
+    if (window == 1) { /* fast modes are over */
         t->first = now;
         t->first_window = 1;
     }
@@ -384,7 +386,7 @@ static void one_step(struct gmv_trial *t)
     if (!over)
         return;
     t->run++;
-    if (t->run == GMV_TRIAL_GAINS && !(gmv_trial_worst(t) <= 1)) /* it is not worth more */
+    if (t->run == GMV_TRIAL_GAINS && !(gmv_trial_worst(t) <= 1)) /* no further runs: it grows */
         t->run = GMV_TRIAL_RUNS;
     begin_run(t);
 }
@@ -424,7 +426,7 @@ float gmv_trial_worst(const struct gmv_trial *t)
     return worst;
 }
 
-/* Also where it is no number. */
+/* Returns x, at most `most`; NaN gives `most`. */
 static float not_above(float x, float most)
 {
     return x < most ? x : most;
@@ -435,7 +437,7 @@ static float part_of_pi(float a, float b)
     return not_above(a / b, 1000);
 }
 
-/* A positional law is not tried on loads, since what its bias learns of them is not simulated. */
+/* A positional law is not tried on loads, because the adaptation of its bias is not simulated. */
 float gmv_trial_ratio(const struct gmv_trial *t, const float *answer)
 {
     float worst = 0;

@@ -14,14 +14,14 @@
 
 #include "kinds/gmv/gmv.h"
 
-/* Steps that are kept of a signal, a power of two, as the self-tuner keeps (gmv_samples_state.h). */
+/* Number of samples kept of a signal, a power of two, as the self-tuner keeps (gmv_samples_state.h). */
 #define GMV_TRIAL_KEPT 32u
 /* Gains of the plant: as estimated, over the margin, times it. */
 #define GMV_TRIAL_GAINS  3u
 #define GMV_TRIAL_WINDOW 128u
 #define GMV_TRIAL_STEPS  (5u * GMV_TRIAL_WINDOW)
 
-/* Runs behind those for the decay, with the gains as estimated, first of the law and then of the PI: setpoint steps and a load;
+/* Runs after the three for the decay, with the gains as estimated, first of the law and then of the PI: setpoint steps and a load;
  * one sample of noise. */
 enum gmv_trial_run {
     GMV_TRIAL_LAW = GMV_TRIAL_GAINS,
@@ -38,7 +38,7 @@ struct gmv_trial_pi {
 
 struct gmv_trial;
 
-/* The parameters in use of g. acting: a bit for each loop that acts; MVs of the others rest. margin: > 1. pi: of each loop. */
+/* Copies the parameters in use of g. acting: a bit for each loop that acts; MVs of the others rest. margin: > 1. pi: of each loop. */
 void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin,
                     const struct gmv_trial_pi *pi);
 /* Runs a few steps. True: not finished. */
@@ -46,16 +46,16 @@ bool gmv_trial_piece(struct gmv_trial *t);
 /* Starts again with every lambda times `times`. */
 void gmv_trial_again(struct gmv_trial *t, float times);
 bool gmv_trial_acts(const struct gmv_trial *t, unsigned i);
-/* Factor by which the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), over the
+/* Returns the factor by which the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), over the
  * margin (1), times it (2). Above 1 it grows. An upset that is gone within a window counts as 0.64. */
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
-/* The largest of the three. */
+/* Returns the largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);
-/* Errors of the law after a setpoint step and after a load, as parts of the PI's on the same model: the worst of all. answer: one for
- * each loop, the PI's error after a setpoint step of 1 as it really was, in steps; it counts where it is smaller, because
- * then the model is at fault. 0: not known. */
+/* Returns the law's errors after a setpoint step and after a load, as parts of the PI's on the same model: the worst of all. answer: for
+ * each loop the PI's recorded error after a setpoint step of 1, in steps; it counts where it is smaller, because
+ * then the model is wrong. 0: not known. */
 float gmv_trial_ratio(const struct gmv_trial *t, const float *answer);
-/* Effect of sensor noise with the mean square 1 on loop i under the law: mean square of its moves, and that of its PV less the
+/* Gives the effect of sensor noise with the mean square 1 on loop i under the law: mean square of its moves, and that of its PV less the
  * PI's; both 1e6 at most. */
 void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_more, float *moves);
 
