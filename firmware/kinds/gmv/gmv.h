@@ -72,7 +72,7 @@ bool gmv_is_excited(const struct gmv *g, unsigned i, float deviations);
 void gmv_use_estimates(struct gmv *g, unsigned i);
 /* Moves loop i's parameters in use towards the estimates, each by `speed` times its size, or times `least`, at most. */
 void gmv_approach_estimates(struct gmv *g, unsigned i, num_t speed, num_t least);
-/* Of the last gmv_learn with a complete regression. */
+/* Predictions of the last gmv_learn with a complete regression. */
 struct gmv_predicted gmv_predicted(const struct gmv *g, unsigned i);
 
 #endif

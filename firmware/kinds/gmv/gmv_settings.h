@@ -14,7 +14,7 @@ enum gmv_weight_word { GMV_WORD_DELTA, GMV_WORD_SCALAR, GMV_WORD_RELATIVE };
 
 struct gmv_settings {
     float tau_p_s[GMV_LOOPS], tau_r_s[GMV_LOOPS], lambda[GMV_LOOPS];
-    /* Of PVs and the rest, of MVs. */
+    /* P(0) of PVs and the rest, of MVs. */
     float p0[2];
     float forget, forget_least, memory, trace, correct_rate, error_most, dead_zone;
     float tune_gain[GMV_LOOPS], tune_ti_s[GMV_LOOPS];

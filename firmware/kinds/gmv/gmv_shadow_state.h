@@ -7,7 +7,7 @@
 
 struct gmv_shadow {
     struct pid pi[GMV_LOOPS];
-    /* Of the last step. */
+    /* Inputs of the last step. */
     num_t pv[GMV_LOOPS], setpoint[GMV_LOOPS];
 };
 

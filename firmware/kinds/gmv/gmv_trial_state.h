@@ -9,7 +9,7 @@ struct gmv_trial_loop {
     /* R is P. */
     bool weighs_setpoint;
     struct gmv_trial_pi pi;
-    /* Of the regression, of the law; steps. */
+    /* Steps that the regression and the law look ahead. */
     uint8_t horizon, delay;
     /* Steps from u_j's entry to its first one, in the regression and in the law. */
     uint8_t plant_behind[GMV_LOOPS];
@@ -49,7 +49,7 @@ struct gmv_trial {
     float setpoint[GMV_LOOPS], setpoint_before[GMV_LOOPS], load[GMV_LOOPS];
     /* The PI's last errors. */
     float error[GMV_LOOPS];
-    /* Of the law and of the PI. */
+    /* Sums of the law and of the PI. */
     struct gmv_trial_sums sums[2][GMV_LOOPS];
 };
 

@@ -72,7 +72,7 @@ static void at_rest_away_from_zero_no_mv_moves(void)
     }
 }
 
-/* Of which the oldest value is that of an MV with a long way to the other loop's PV. */
+/* The oldest value is that of an MV with a long delay to the other loop's PV. */
 static void what_is_remembered_reaches_back_to_the_oldest_mv_of_any_regression(void)
 {
     for (unsigned loop = 0; loop < GMV_LOOPS; loop++) {
@@ -227,7 +227,7 @@ static void the_joint_law_is_what_newtons_method_comes_to(void)
     }
 }
 
-/* Of all pairs with one at its limit, the other that keeps its own equation: found by trying. */
+/* One MV stands at its limit; the other keeps the equation of its own loop. */
 static void where_one_mv_is_at_its_limit_the_other_is_solved_with_it_there(void)
 {
     static const uint8_t md1[2][2] = {{1, 1}, {1, 1}};

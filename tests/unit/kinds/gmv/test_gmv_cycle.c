@@ -49,7 +49,7 @@ static double load(unsigned t)
     return t % 200 < 10 ? 0 : 0.1 * exp(-((double)(t % 200) - 10) / 15);
 }
 
-/* Whether anything is found in 400 steps; errors of predictions are `error` of either sign. */
+/* Returns whether a cycle is found in 400 steps; prediction errors are `error` of either sign. */
 static bool found(signal away, double error, unsigned setpoint_every)
 {
     for (unsigned t = 0; t < 400; t++) {

@@ -147,7 +147,7 @@ static void no_lambda_is_beyond_the_most_that_is_allowed(void)
     TEST_ASSERT_TRUE(d.best.times <= 5);
 }
 
-/* What is there when a tick clears the state in the midst of a piece. */
+/* A tick may clear the state during a piece. */
 static void a_search_of_nothing_ends(void)
 {
     unsigned pieces = 0;

@@ -28,7 +28,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Whether it is given up within n steps. */
+/* Returns whether it is given up within n steps. */
 static bool given_up_within(unsigned n)
 {
     const struct gmv_result result = {.whole = 1,

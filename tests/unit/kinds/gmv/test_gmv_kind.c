@@ -205,7 +205,7 @@ static void at_rest_no_mv_moves_when_the_law_takes_over(void)
                       ((const struct gmv_block *)(const void *)state)->watch.status.state);
 }
 
-/* What an MV would do beyond its limit is no reason for the other to move. */
+/* A request beyond one MV's limit must not move the other MV. */
 static void
 a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends(void)
 {

@@ -37,7 +37,7 @@ static void run_trial(uint8_t acting, float margin)
         TEST_ASSERT_TRUE(pieces++ < PIECES_MOST);
 }
 
-/* What the loop itself does with the plant's gains times `factor`, from the same upset. */
+/* Returns the decay of the loop itself with the plant's gains times `factor`, from the same upset. */
 static double real_decay(const struct gmv_bench *from, double factor)
 {
     struct gmv_bench run = *from;
@@ -256,7 +256,7 @@ static void a_loop_that_cannot_bear_its_margin_grows(void)
     TEST_ASSERT_EQUAL_FLOAT(gmv_trial_decay(&trial, 2), gmv_trial_worst(&trial));
 }
 
-/* What is there when a tick clears the state in the midst of a piece. */
+/* A tick may clear the state during a piece. */
 static void a_trial_of_nothing_ends(void)
 {
     memset(&trial, 0, sizeof trial);

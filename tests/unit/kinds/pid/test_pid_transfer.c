@@ -119,7 +119,7 @@ static void any_parameter_can_be_changed_without_a_bump(void)
     }
 }
 
-/* What is left of it dies away as it was going to; none of it stays. */
+/* The rest of it decays as before; none of it stays. */
 static void switching_the_derivative_off_while_it_acts_makes_no_bump(void)
 {
     for (int form = 0; form < 2; form++) {
