@@ -28,23 +28,6 @@ const struct block_event gmv_event_rows[GMV_EVENTS] = {
                       "PI acts: it did better; law's moves or errors over the PI's"},
 };
 
-static float value_of_event(const struct gmv_status *s, unsigned loops, enum gmv_event event,
-                            uint8_t rest)
-{
-    switch (event) {
-    case EVENT_ADOPTED:
-        return s->outcome.decay;
-    case EVENT_REFUSED:
-        return s->refusal;
-    case EVENT_FROZEN:
-        return rest;
-    case EVENT_SINGULAR:
-        return (float)loops;
-    default:
-        return s->alarm_value;
-    }
-}
-
 void gmv_events_raise(const struct gmv_status *s, struct block_io *io, unsigned loops, uint8_t wish,
                       bool singular)
 {
@@ -64,5 +47,9 @@ void gmv_events_raise(const struct gmv_status *s, struct block_io *io, unsigned 
     raised |= s->alarms & GMV_ALARM_RECORD ? 1u << EVENT_RECORD : 0;
     io->raised = (uint16_t)raised;
     for (unsigned k = 0; k < GMV_EVENTS; k++)
-        io->event_value[k] = value_of_event(s, loops, (enum gmv_event)k, rest);
+        io->event_value[k] = s->alarm_value;
+    io->event_value[EVENT_ADOPTED] = s->outcome.decay;
+    io->event_value[EVENT_REFUSED] = s->refusal;
+    io->event_value[EVENT_FROZEN] = rest;
+    io->event_value[EVENT_SINGULAR] = (float)loops;
 }
