@@ -195,7 +195,8 @@ static void use_estimates(struct gmv_block *s, uint8_t learn, bool at_once)
     for (unsigned i = 0; i < s->loops; i++)
         if (at_once)
             gmv_use_estimates(g, i);
-        else if ((learn & (1u << i)) && gmv_supervise_gain(&s->watch, i, gmv_estimated_gain(g, i)))
+        else if ((learn & (1u << i)) &&
+                 gmv_gain_allowed(gmv_supervise_settings(&s->watch), i, gmv_estimated_gain(g, i)))
             gmv_approach_estimates(g, i, s->speed, s->gain_least);
 }
 
@@ -314,6 +315,7 @@ static const char *gmv_describe(const void *state, size_t i, float *value)
     const struct gmv_block *s = state;
     const struct gmv_view view = {.gmv = gmv_of_const(s),
                                   .status = gmv_supervise_status(&s->watch),
+                                  .information = gmv_supervise_information(&s->watch),
                                   .stored = gmv_proposals_stored(&s->proposals),
                                   .lambda_times = gmv_lambda_times(&s->lambda)};
     return gmv_value(&view, i, value);
@@ -362,7 +364,8 @@ static const char *run_adopt(void *state, const float *number)
     if (supervision_state(s) == GMV_SELF_TUNING)
         return "adopted already";
     for (unsigned i = 0; i < s->loops; i++)
-        if ((s->acting & (1u << i)) && !gmv_supervise_gain(&s->watch, i, gmv_estimated_gain(g, i)))
+        if ((s->acting & (1u << i)) &&
+            !gmv_gain_allowed(gmv_supervise_settings(&s->watch), i, gmv_estimated_gain(g, i)))
             return "sign or size of a gain";
     gmv_supervise_adopt(&s->watch);
     return NULL;

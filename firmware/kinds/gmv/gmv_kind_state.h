@@ -9,11 +9,6 @@
 #include "kinds/gmv/gmv_supervise_state.h"
 
 struct gmv_block {
-    struct gmv_shadow shadow;
-    struct gmv_supervise watch;
-    struct gmv_moves moves;
-    struct gmv_proposals proposals;
-    struct gmv_lambda_search lambda;
     uint8_t loops, disturbances;
     /* Members that acted in the last step, a bit each. */
     uint8_t acting;
@@ -21,6 +16,11 @@ struct gmv_block {
     bool begun;
     float excite;
     num_t speed, gain_least;
+    struct gmv_moves moves;
+    struct gmv_supervise watch;
+    struct gmv_shadow shadow;
+    struct gmv_proposals proposals;
+    struct gmv_lambda_search lambda;
 };
 
 static inline struct gmv *gmv_of(struct gmv_block *s)

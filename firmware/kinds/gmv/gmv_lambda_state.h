@@ -6,14 +6,14 @@
 #include "kinds/gmv/gmv_trial_state.h"
 
 struct gmv_lambda_search {
-    /* As set; the multiple of it that is in use; the largest multiple. */
-    float lambda[GMV_LOOPS], times, most;
-    float margin;
-    struct gmv_trial_pi pi[GMV_LOOPS];
     /* Lambda is a multiple of g_ii,0. */
     bool relative;
     /* The result of the trial under way will be used; another trial is to begin. */
     bool tries, wanted;
+    /* As set; the multiple of it that is in use; the largest multiple. */
+    float lambda[GMV_LOOPS], times, most;
+    float margin;
+    struct gmv_trial_pi pi[GMV_LOOPS];
     /* The work between ticks owns these two while it is under way. */
     struct gmv_trial trial;
     struct gmv_detune search;

@@ -6,15 +6,16 @@
 #include "kinds/gmv/gmv_moves.h"
 
 struct gmv_moves {
-    /* Outputs that took effect last; outputs of the last step before limits. */
-    num_t applied[GMV_LOOPS], given[GMV_LOOPS];
-    /* Limits of the MVs, as far as they have shown; requests of the law. */
-    num_t lo[GMV_LOOPS], hi[GMV_LOOPS], asked[GMV_LOOPS];
+    /* The law has asked for moves. */
     bool has_asked;
     /* The loops were solved one by one. */
     bool singular;
     /* Steps since the law began to compute, up to FADE_STEPS. */
     uint8_t fading_in;
+    /* Outputs that took effect last; outputs of the last step before limits. */
+    num_t applied[GMV_LOOPS], given[GMV_LOOPS];
+    /* Limits of the MVs, as far as they have shown; requests of the law. */
+    num_t lo[GMV_LOOPS], hi[GMV_LOOPS], asked[GMV_LOOPS];
 };
 
 static inline num_t gmv_moves_applied(const struct gmv_moves *m, unsigned i)

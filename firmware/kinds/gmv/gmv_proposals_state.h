@@ -6,12 +6,12 @@
 #include "kinds/gmv/gmv_proposals.h"
 
 struct gmv_proposals {
-    /* theta of the settings; the parameters adopted last. */
-    float theta[GMV_LOOPS][GMV_PARAMETERS], adopted[GMV_LOOPS][GMV_PARAMETERS];
     /* A proposal is under way, and has been handed over. */
     bool open, waits;
     /* Number of adopted parameters that are in the settings. */
     uint8_t stored;
+    /* theta of the settings; the parameters adopted last. */
+    float theta[GMV_LOOPS][GMV_PARAMETERS], adopted[GMV_LOOPS][GMV_PARAMETERS];
 };
 
 /* A proposal is under way. */

@@ -16,6 +16,8 @@ struct gmv_record {
     bool has_setpoint;
     /* A setpoint has moved since the controller changed. */
     bool answers;
+    /* The window of the law, or of the PI until it has enough: samples at rest, and windows in a row that were worse. */
+    uint8_t seen, beyond;
     float setpoint;
     /* Steps since the setpoint moved or the controller changed. */
     uint32_t rests;
@@ -25,8 +27,7 @@ struct gmv_record {
     uint16_t samples;
     /* Samples of any kind, until enough are at rest. */
     uint16_t any_samples;
-    /* The window of the law, or of the PI until it has enough: samples at rest, and windows in a row that were worse. */
-    uint8_t seen, beyond;
+    /* Sums of squares in the window. */
     float error_sum, moves_sum;
     /* Sensor noise at rest: the last two control errors, and the mean size of second differences. */
     float before[2], jitter;

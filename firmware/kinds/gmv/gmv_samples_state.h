@@ -17,21 +17,21 @@ struct gmv_samples {
     uint8_t newest;
     /* Steps since the samples began. */
     uint32_t steps;
+    /* R is P. */
+    bool weighs_setpoint[GMV_LOOPS];
+    /* R w, of R with a time constant. */
+    struct accumulator setpoint[GMV_LOOPS];
+    /* p and 1/(1 - p) of P. */
+    num_t p[GMV_LOOPS], p_scale[GMV_LOOPS];
+    /* Setpoints of the last two samples. */
+    num_t w[GMV_LOOPS], w_before[GMV_LOOPS];
+    /* 1 - r of R. */
+    struct coefficient r_share[GMV_LOOPS];
     struct gmv_signal y[GMV_LOOPS], disturbance[GMV_DISTURBANCES];
     /* m_i */
     struct gmv_signal residual[GMV_LOOPS];
     /* Each stands at the step that made it. */
     struct gmv_signal prediction[GMV_LOOPS];
-    /* p and 1/(1 - p) of P. */
-    num_t p[GMV_LOOPS], p_scale[GMV_LOOPS];
-    /* 1 - r of R. */
-    struct coefficient r_share[GMV_LOOPS];
-    /* R w, of R with a time constant. */
-    struct accumulator setpoint[GMV_LOOPS];
-    /* R is P. */
-    bool weighs_setpoint[GMV_LOOPS];
-    /* Setpoints of the last two samples. */
-    num_t w[GMV_LOOPS], w_before[GMV_LOOPS];
 };
 
 /* Starts the samples anew. */

@@ -34,21 +34,21 @@ struct gmv_trial {
     bool incremental, scalar, implicit;
     /* The bias is the prediction error. */
     bool takes_error;
-    float determinant, gain[GMV_TRIAL_GAINS];
-    struct gmv_trial_loop loop[GMV_LOOPS];
     /* The run under way. */
     uint8_t run;
     uint16_t step;
-    float y[GMV_LOOPS][GMV_TRIAL_KEPT], u[GMV_LOOPS][GMV_TRIAL_KEPT];
-    float target[GMV_LOOPS][GMV_TRIAL_KEPT], predicted[GMV_LOOPS][GMV_TRIAL_KEPT];
-    /* Largest size of an upset: in this window, in the window compared with, in the first one. */
-    float largest, first, start;
     /* Number of the window compared with. */
     uint16_t first_window;
+    float determinant, gain[GMV_TRIAL_GAINS];
+    /* Largest size of an upset: in this window, in the window compared with, in the first one. */
+    float largest, first, start;
     float decay[GMV_TRIAL_GAINS];
     float setpoint[GMV_LOOPS], setpoint_before[GMV_LOOPS], load[GMV_LOOPS];
     /* The PI's last errors. */
     float error[GMV_LOOPS];
+    struct gmv_trial_loop loop[GMV_LOOPS];
+    float y[GMV_LOOPS][GMV_TRIAL_KEPT], u[GMV_LOOPS][GMV_TRIAL_KEPT];
+    float target[GMV_LOOPS][GMV_TRIAL_KEPT], predicted[GMV_LOOPS][GMV_TRIAL_KEPT];
     /* Sums of the law and of the PI. */
     struct gmv_trial_sums sums[2][GMV_LOOPS];
 };

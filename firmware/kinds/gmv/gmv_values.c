@@ -55,7 +55,7 @@ static const char *loop_value(const struct gmv_view *view, unsigned loop, size_t
         {{"predicted_1", "predicted_2"}, num_to_float(predicted.used)},
         {{"error_sd_1", "error_sd_2"}, rls_error_sd(r)},
         {{"v_1", "v_2"}, rls_forgot(r)},
-        {{"told_1", "told_2"}, s->information[loop]},
+        {{"told_1", "told_2"}, view->information[loop]},
         {{"trace_1", "trace_2"}, rls_trace(r)},
         {{"lambda_1", "lambda_2"}, num_to_float(gmv_lambda(view->gmv, loop))},
     };

@@ -10,6 +10,8 @@
 struct gmv_view {
     const struct gmv *gmv;
     const struct gmv_status *status;
+    /* Mean information of a sample of each loop. */
+    const float *information;
     /* Number of adopted parameters that are in the settings. */
     uint8_t stored;
     /* Lambda in use as a multiple of the setting. */

@@ -1,5 +1,5 @@
 /* An MV pushed against a limit while its own loop needs it the other way: for a while that may serve both loops, not for
- * long. REACH and the others are made up; given up after 4 * REACH + 32 steps (gmv_supervise.c). */
+ * long. REACH and the others are made up; given up after 4 * REACH + 32 steps (gmv_monitors.c). */
 #include "kinds/gmv/gmv_supervise_state.h"
 #include "unity.h"
 

@@ -484,7 +484,7 @@ static void an_mv_stands_still_that_moves_by_less_than_a_hundred_thousandth_of_i
 
 static void asked_to_rest_it_rests(void)
 {
-    s.frozen = true;
+    s.gate.frozen = true;
     TEST_ASSERT_EQUAL_HEX8(0, looks());
     TEST_ASSERT_EQUAL(GMV_RESTS_ASKED, s.status.rest[0]);
 }
