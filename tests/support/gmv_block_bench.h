@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "block_defaults.h"
-#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_kind.h"
+#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_settings.h"
 
 #define GMV_BENCH_DEPTH  64

@@ -7,8 +7,8 @@
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "formats.h"
-#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_kind.h"
+#include "kinds/gmv/gmv_kind_state.h"
 #include "kinds/gmv/gmv_settings.h"
 #include "unity.h"
 
