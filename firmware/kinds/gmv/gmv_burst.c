@@ -22,9 +22,9 @@ void gmv_burst_begin(struct gmv_burst *b)
 bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float ratio, uint32_t settled)
 {
     if (setpoint != b->setpoint)
-        b->rests = 0;
-    else if (b->rests < UINT32_MAX)
-        b->rests++;
+        b->steps_at_rest = 0;
+    else if (b->steps_at_rest < UINT32_MAX)
+        b->steps_at_rest++;
     b->setpoint = setpoint;
     float square = moved * moved;
     b->turns -= b->turns / TURNS_MEMORY;
@@ -33,15 +33,15 @@ bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float rati
         b->last = moved;
     }
     b->recent += (square - b->recent) / SHORT_MEMORY;
-    if (b->rests < settled)
+    if (b->steps_at_rest < settled)
         return false;
-    b->seen += b->seen < UINT32_MAX;
-    float memory = (float)b->seen < LONG_MEMORY ? (float)b->seen : LONG_MEMORY;
+    b->mean_steps += b->mean_steps < UINT32_MAX;
+    float memory = (float)b->mean_steps < LONG_MEMORY ? (float)b->mean_steps : LONG_MEMORY;
     float most = 4 * b->usual + LEAST_MOVE * LEAST_MOVE;
-    bool ordinary = square <= most || (float)b->seen < LONG_MEMORY;
+    bool ordinary = square <= most || (float)b->mean_steps < LONG_MEMORY;
     /* Clipped, so that a burst stands out for long. */
     b->usual += ((ordinary ? square : most) - b->usual) / memory;
-    return (float)b->seen >= LONG_MEMORY && b->recent > ratio * b->usual &&
+    return (float)b->mean_steps >= LONG_MEMORY && b->recent > ratio * b->usual &&
            b->recent > LEAST_MOVE * LEAST_MOVE && b->turns >= TURNS;
 }
 

@@ -19,7 +19,7 @@
 
 static void begin_cycle_window(struct gmv_cycle *c)
 {
-    c->seen = c->crossings = 0;
+    c->window_steps = c->crossings = 0;
     c->first = c->second = c->surprise = c->last = 0;
 }
 
@@ -45,28 +45,29 @@ static bool keeps_swinging(const struct gmv_cycle *c)
 bool gmv_cycle_step(struct gmv_cycle *c, float setpoint, float away, float error, uint32_t settled)
 {
     if (setpoint != c->setpoint)
-        c->rests = 0;
-    else if (c->rests < UINT32_MAX)
-        c->rests++;
+        c->steps_at_rest = 0;
+    else if (c->steps_at_rest < UINT32_MAX)
+        c->steps_at_rest++;
     c->setpoint = setpoint;
-    if (c->rests < settled || c->seen >= WINDOW)
+    if (c->steps_at_rest < settled || c->window_steps >= WINDOW)
         begin_cycle_window(c);
-    if (c->rests < settled) {
-        c->windows = 0;
+    if (c->steps_at_rest < settled) {
+        c->swinging_windows = 0;
         return false;
     }
     if (away * away > LEAST * LEAST / 4) {
         c->crossings += away * c->last < 0;
         c->last = away;
     }
-    if (c->seen < WINDOW / 2u)
+    if (c->window_steps < WINDOW / 2u)
         c->first += away * away;
     else
         c->second += away * away;
     c->surprise += error * error;
-    c->seen++;
-    if (c->seen < WINDOW)
+    c->window_steps++;
+    if (c->window_steps < WINDOW)
         return false;
-    c->windows = keeps_swinging(c) ? (uint8_t)(c->windows + (c->windows < WINDOWS)) : 0;
-    return c->windows == WINDOWS;
+    c->swinging_windows =
+        keeps_swinging(c) ? (uint8_t)(c->swinging_windows + (c->swinging_windows < WINDOWS)) : 0;
+    return c->swinging_windows == WINDOWS;
 }

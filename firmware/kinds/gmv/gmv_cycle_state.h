@@ -7,12 +7,12 @@ struct gmv_cycle {
     /* Setpoint; last control error that is not small. */
     float setpoint, last;
     /* Steps since the setpoint moved or the law began. */
-    uint32_t rests;
+    uint32_t steps_at_rest;
     /* Steps of this window. */
-    uint32_t seen;
+    uint32_t window_steps;
     uint32_t crossings;
     /* Windows in a row that have swung. */
-    uint8_t windows;
+    uint8_t swinging_windows;
     /* Sums of squares: control errors of both halves, prediction errors. */
     float first, second, surprise;
 };

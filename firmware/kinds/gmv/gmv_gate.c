@@ -18,7 +18,7 @@ static void forget_quiet(struct gmv_gate *g)
 void gmv_gate_begin(struct gmv_gate *g)
 {
     for (unsigned i = 0; i < GMV_LOOPS; i++)
-        g->still[i] = g->spoilt[i] = 0;
+        g->still_steps[i] = g->spoilt_steps[i] = 0;
     forget_quiet(g);
 }
 
@@ -29,19 +29,20 @@ void gmv_gate_thaw(struct gmv_gate *g)
 }
 
 static enum gmv_rest reason_to_rest(struct gmv_gate *g, const struct gmv_supervise_config *c,
-                                    const struct gmv_seen *seen, unsigned i)
+                                    const struct gmv_observation *seen, unsigned i)
 {
-    g->still[i] =
-        real_abs(seen->moved[i]) >= GMV_STANDS_STILL ? 0 : g->still[i] + (g->still[i] < UINT32_MAX);
+    g->still_steps[i] = real_abs(seen->move[i]) >= GMV_STANDS_STILL
+                            ? 0
+                            : g->still_steps[i] + (g->still_steps[i] < UINT32_MAX);
     if (!(seen->good & (1u << i)))
-        g->spoilt[i] = c->reach + 1u;
-    else if (g->spoilt[i])
-        g->spoilt[i]--;
+        g->spoilt_steps[i] = c->reach + 1u;
+    else if (g->spoilt_steps[i])
+        g->spoilt_steps[i]--;
     if (!(seen->acting & (1u << i)))
         return GMV_RESTS_MANUAL;
-    if (g->spoilt[i])
+    if (g->spoilt_steps[i])
         return GMV_RESTS_READING;
-    if (g->still[i] > c->reach)
+    if (g->still_steps[i] > c->reach)
         return GMV_RESTS_STILL;
     if (c->on && g->is_quiet[i])
         return GMV_RESTS_QUIET;
@@ -49,7 +50,7 @@ static enum gmv_rest reason_to_rest(struct gmv_gate *g, const struct gmv_supervi
 }
 
 uint8_t gmv_gate_look(struct gmv_gate *g, const struct gmv_supervise_config *c,
-                      const struct gmv_seen *seen, uint8_t *rest)
+                      const struct gmv_observation *seen, uint8_t *rest)
 {
     uint8_t learn = 0;
     for (unsigned i = 0; i < c->loops; i++) {

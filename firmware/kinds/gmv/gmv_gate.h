@@ -10,7 +10,7 @@ struct gmv_gate;
 void gmv_gate_begin(struct gmv_gate *g);
 /* Looks at a step before the regressions. rest: enum gmv_rest of each loop. Returns the loops that may learn, a bit each. */
 uint8_t gmv_gate_look(struct gmv_gate *g, const struct gmv_supervise_config *c,
-                      const struct gmv_seen *seen, uint8_t *rest);
+                      const struct gmv_observation *seen, uint8_t *rest);
 /* Weighs the information of loop i's sample after its regression. */
 void gmv_gate_weigh(struct gmv_gate *g, const struct gmv_supervise_config *c,
                     const struct gmv_result *result, unsigned i);

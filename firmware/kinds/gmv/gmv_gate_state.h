@@ -8,7 +8,7 @@ struct gmv_gate {
     bool frozen;
     bool is_quiet[GMV_LOOPS];
     /* Steps without a move; steps until no bad reading is among the regressors. */
-    uint32_t still[GMV_LOOPS], spoilt[GMV_LOOPS];
+    uint32_t still_steps[GMV_LOOPS], spoilt_steps[GMV_LOOPS];
     /* Mean information of a sample. */
     float information[GMV_LOOPS];
 };
@@ -21,7 +21,7 @@ static inline void gmv_gate_freeze(struct gmv_gate *g)
 /* A bad reading is among the regressors of loop i. */
 static inline bool gmv_gate_spoilt(const struct gmv_gate *g, unsigned i)
 {
-    return g->spoilt[i] != 0;
+    return g->spoilt_steps[i] != 0;
 }
 
 /* Mean information of a sample of each loop. */

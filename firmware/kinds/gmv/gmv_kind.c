@@ -148,10 +148,10 @@ static void take_sample(struct gmv_block *s, const struct block_io *io, struct g
         sample->disturbance[m] = io->input[s->loops + m];
 }
 
-static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io *io,
-                               const struct gmv_sample *sample)
+static struct gmv_observation seen_of(const struct gmv_block *s, const struct block_io *io,
+                                      const struct gmv_sample *sample)
 {
-    struct gmv_seen seen = {.acting = io->acting};
+    struct gmv_observation seen = {.acting = io->acting};
     bool good = true;
     for (unsigned m = 0; m < s->disturbances; m++)
         good = good && io->quality[s->loops + m] == QUALITY_GOOD;
@@ -159,9 +159,9 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
         if (good && io->quality[i] == QUALITY_GOOD)
             seen.good = (uint8_t)(seen.good | (1u << i));
         seen.setpoint[i] = num_to_float(io->setpoint[i]);
-        seen.away[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
-        seen.moved[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
-        seen.lacked[i] = gmv_moves_lacked(&s->moves, sample, i);
+        seen.control_error[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
+        seen.move[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
+        seen.shortfall[i] = gmv_moves_lacked(&s->moves, sample, i);
     }
     return seen;
 }
@@ -169,7 +169,7 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
 static struct gmv_result result_of(struct gmv_block *s, uint8_t whole, const struct block_io *io)
 {
     const struct gmv *g = gmv_of_const(s);
-    struct gmv_result result = {.whole = whole};
+    struct gmv_result result = {.complete = whole};
     bool asks = gmv_supervise_needs_excitation(&s->watch);
     for (unsigned i = 0; i < s->loops; i++) {
         struct gmv_predicted predicted = gmv_predicted(g, i);
@@ -184,7 +184,7 @@ static struct gmv_result result_of(struct gmv_block *s, uint8_t whole, const str
         if (asks && gmv_is_excited(g, i, s->excite))
             result.excited = (uint8_t)(result.excited | (1u << i));
     }
-    result.tried = gmv_lambda_take(&s->lambda, io, &result.outcome);
+    result.trial_done = gmv_lambda_take(&s->lambda, io, &result.outcome);
     return result;
 }
 
@@ -270,7 +270,7 @@ static void gmv_step(void *state, struct block_io *io)
             follow_with_pi(s, i, io->out[i]);
     gmv_moves_learn_limits(&s->moves, &sample, s->loops);
     gmv_take(g, &sample);
-    struct gmv_seen seen = seen_of(s, io, &sample);
+    struct gmv_observation seen = seen_of(s, io, &sample);
     uint8_t learn = gmv_supervise_look(&s->watch, &seen);
     uint8_t whole = gmv_learn(g, &sample, learn);
     if (supervision_state(s) == GMV_SELF_TUNING)

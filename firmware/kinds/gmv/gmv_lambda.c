@@ -26,7 +26,7 @@ void gmv_lambda_configure(struct gmv_lambda_search *s, const struct block_setup 
 
 void gmv_lambda_cancel(struct gmv_lambda_search *s)
 {
-    s->tries = s->wanted = false;
+    s->trial_running = s->trial_wanted = false;
 }
 
 void gmv_lambda_reset(struct gmv_lambda_search *s)
@@ -57,24 +57,24 @@ void gmv_lambda_ask(struct gmv_lambda_search *s, struct gmv *g, struct block_io 
                     bool searches, float better, const struct gmv_record *record)
 {
     if (wanted) {
-        s->wanted = true;
-        s->tries = false;
+        s->trial_wanted = true;
+        s->trial_running = false;
     }
-    if (!s->wanted || io->work_wanted)
+    if (!s->trial_wanted || io->work_wanted)
         return;
     begin_lambda_trial(s, g, io->acting, searches, better, record);
     io->ask_work = TRIAL_STEPS;
-    s->tries = true;
-    s->wanted = false;
+    s->trial_running = true;
+    s->trial_wanted = false;
 }
 
 bool gmv_lambda_take(struct gmv_lambda_search *s, const struct block_io *io,
                      struct gmv_outcome *outcome)
 {
-    if (!s->tries || !io->work_done)
+    if (!s->trial_running || !io->work_done)
         return false;
     *outcome = *gmv_detune_best(&s->search);
     s->times = outcome->times;
-    s->tries = false;
+    s->trial_running = false;
     return true;
 }

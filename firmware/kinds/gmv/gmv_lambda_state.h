@@ -9,7 +9,7 @@ struct gmv_lambda_search {
     /* Lambda is a multiple of g_ii,0. */
     bool relative;
     /* The result of the trial under way will be used; another trial is to begin. */
-    bool tries, wanted;
+    bool trial_running, trial_wanted;
     /* As set; the multiple of it that is in use; the largest multiple. */
     float lambda[GMV_LOOPS], times, most;
     float margin;
@@ -28,7 +28,7 @@ static inline float gmv_lambda_times(const struct gmv_lambda_search *s)
 /* The result of a trial under way is dropped. */
 static inline void gmv_lambda_drop(struct gmv_lambda_search *s)
 {
-    s->tries = false;
+    s->trial_running = false;
 }
 
 /* Runs a few steps of a trial. True: not finished. */

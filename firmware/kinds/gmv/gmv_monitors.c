@@ -15,7 +15,7 @@ void gmv_monitors_begin(struct gmv_monitors *m)
         gmv_burst_begin(&m->burst[i]);
         gmv_cycle_begin(&m->cycle[i]);
         gmv_record_begin(&m->record[i]);
-        m->jammed[i] = 0;
+        m->jammed_steps[i] = 0;
     }
 }
 
@@ -26,11 +26,11 @@ static uint32_t settled_steps(const struct gmv_supervise_config *c)
 }
 
 void gmv_monitors_keep_record(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                              const struct gmv_seen *seen)
+                              const struct gmv_observation *seen)
 {
     for (unsigned i = 0; i < c->loops; i++)
         if ((seen->acting & seen->good & (1u << i)))
-            gmv_record_pi(&m->record[i], seen->setpoint[i], seen->away[i], seen->moved[i],
+            gmv_record_pi(&m->record[i], seen->setpoint[i], seen->control_error[i], seen->move[i],
                           settled_steps(c));
 }
 
@@ -77,8 +77,8 @@ static unsigned loop_of_wrong_sign(struct gmv_monitors *m, const struct gmv_supe
     unsigned wrong = c->loops;
     for (unsigned i = 0; i < c->loops; i++) {
         bool right = gmv_gain_allowed(c, i, result->estimated[i]);
-        m->wrong[i] = right || !(acting & (1u << i)) ? 0 : m->wrong[i] + 1u;
-        if (m->wrong[i] > WRONG_REACHES * c->reach)
+        m->wrong_steps[i] = right || !(acting & (1u << i)) ? 0 : m->wrong_steps[i] + 1u;
+        if (m->wrong_steps[i] > WRONG_REACHES * c->reach)
             wrong = i;
     }
     return wrong;
@@ -88,26 +88,26 @@ static unsigned loop_of_wrong_sign(struct gmv_monitors *m, const struct gmv_supe
 
 /* Returns the moves of an MV that swings, r.m.s.; 0: none does. */
 static float swing(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                   const struct gmv_seen *seen)
+                   const struct gmv_observation *seen)
 {
     float most = 0;
     uint32_t settled = 4u * c->reach + 32u;
     for (unsigned i = 0; i < c->loops; i++)
         if ((seen->acting & (1u << i)) &&
-            gmv_burst_step(&m->burst[i], seen->setpoint[i], seen->moved[i], c->burst, settled))
+            gmv_burst_step(&m->burst[i], seen->setpoint[i], seen->move[i], c->burst, settled))
             most = gmv_burst_size(&m->burst[i]);
     return most;
 }
 
 /* Returns the control error of a PV that keeps swinging at rest, r.m.s.; 0: none does. */
 static float cycling(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                     const struct gmv_seen *seen, const struct gmv_result *result)
+                     const struct gmv_observation *seen, const struct gmv_result *result)
 {
     float most = 0;
     for (unsigned i = 0; i < c->loops; i++)
-        if ((seen->acting & result->whole & (1u << i)) &&
-            gmv_cycle_step(&m->cycle[i], seen->setpoint[i], seen->away[i], result->error[i],
-                           c->reach + 4u))
+        if ((seen->acting & result->complete & (1u << i)) &&
+            gmv_cycle_step(&m->cycle[i], seen->setpoint[i], seen->control_error[i],
+                           result->error[i], c->reach + 4u))
             most = gmv_cycle_size(&m->cycle[i]);
     return most;
 }
@@ -115,17 +115,17 @@ static float cycling(struct gmv_monitors *m, const struct gmv_supervise_config *
 /* Finds an MV that the law pushes against a limit although its own loop has a large error and needs it the other way: for a
  * while that may be best for both loops, not for long. Returns the control error, fraction of span; 0: none. */
 static float jammed_away(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                         const struct gmv_seen *seen)
+                         const struct gmv_observation *seen)
 {
     float most = 0;
     for (unsigned i = 0; i < c->loops; i++) {
-        float away = real_abs(seen->away[i]);
-        float needed = c->negative[i] ? -seen->away[i] : seen->away[i];
-        bool jammed = (seen->acting & (1u << i)) && real_abs(seen->moved[i]) < GMV_STANDS_STILL &&
-                      real_abs(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
-                      needed * seen->lacked[i] < 0;
-        m->jammed[i] = jammed ? m->jammed[i] + 1u : 0;
-        if (m->jammed[i] > 4u * c->reach + 32u)
+        float away = real_abs(seen->control_error[i]);
+        float needed = c->negative[i] ? -seen->control_error[i] : seen->control_error[i];
+        bool jammed = (seen->acting & (1u << i)) && real_abs(seen->move[i]) < GMV_STANDS_STILL &&
+                      real_abs(seen->shortfall[i]) > PUSHED && away > FAR_AWAY &&
+                      needed * seen->shortfall[i] < 0;
+        m->jammed_steps[i] = jammed ? m->jammed_steps[i] + 1u : 0;
+        if (m->jammed_steps[i] > 4u * c->reach + 32u)
             most = away;
     }
     return most;
@@ -133,22 +133,22 @@ static float jammed_away(struct gmv_monitors *m, const struct gmv_supervise_conf
 
 /* Returns by which factor the law does worse than the PI's record; 0: it does not. */
 static float worse_than_pi(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                           const struct gmv_seen *seen)
+                           const struct gmv_observation *seen)
 {
     float most = 0;
     for (unsigned i = 0; i < c->loops; i++) {
         if (!(seen->acting & seen->good & (1u << i)))
             continue;
-        float times = gmv_record_law(&m->record[i], seen->setpoint[i], seen->away[i],
-                                     seen->moved[i], settled_steps(c));
+        float times = gmv_record_law(&m->record[i], seen->setpoint[i], seen->control_error[i],
+                                     seen->move[i], settled_steps(c));
         most = times > most ? times : most;
     }
     return most;
 }
 
 enum gmv_alarm gmv_monitors_step(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                                 const struct gmv_seen *seen, const struct gmv_result *result,
-                                 float *value)
+                                 const struct gmv_observation *seen,
+                                 const struct gmv_result *result, float *value)
 {
     if (!gmv_monitors_gains(c, result, seen->acting)) {
         *value = worst_gain(c, result);

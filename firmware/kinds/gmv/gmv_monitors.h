@@ -10,11 +10,11 @@ struct gmv_monitors;
 void gmv_monitors_begin(struct gmv_monitors *m);
 /* Takes a step of the PIs. */
 void gmv_monitors_keep_record(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                              const struct gmv_seen *seen);
+                              const struct gmv_observation *seen);
 /* Takes a step of the law. Returns the alarm that sends it back to the PI, with the value that raised it. */
 enum gmv_alarm gmv_monitors_step(struct gmv_monitors *m, const struct gmv_supervise_config *c,
-                                 const struct gmv_seen *seen, const struct gmv_result *result,
-                                 float *value);
+                                 const struct gmv_observation *seen,
+                                 const struct gmv_result *result, float *value);
 /* Returns whether loop i's g_ii,0 may have this value: its sign, and not too small. */
 bool gmv_gain_allowed(const struct gmv_supervise_config *c, unsigned i, float gain);
 /* Returns whether the g_ii,0 of all loops that act are allowed. */

@@ -11,9 +11,9 @@ struct gmv_monitors {
     struct gmv_cycle cycle[GMV_LOOPS];
     struct gmv_record record[GMV_LOOPS];
     /* Steps for which an MV has been pushed against a limit that its loop needs it to leave. */
-    uint32_t jammed[GMV_LOOPS];
+    uint32_t jammed_steps[GMV_LOOPS];
     /* Steps for which the estimated g_ii,0 has been wrong. */
-    uint32_t wrong[GMV_LOOPS];
+    uint32_t wrong_steps[GMV_LOOPS];
 };
 
 /* Records of the PIs, one for each loop. */

@@ -24,7 +24,7 @@ void gmv_proposals_begin(struct gmv_proposals *s, const struct gmv *g)
             s->adopted[i][p] = num_to_float(gmv_used(g, i, p));
     s->open = true;
     s->stored = 0;
-    s->waits = false;
+    s->handed_over = false;
 }
 
 /* Proposes the adopted parameters that differ from the settings. */
@@ -55,8 +55,8 @@ enum gmv_answer gmv_proposals_step(struct gmv_proposals *s, const struct gmv *g,
         return GMV_NO_ANSWER;
     put_parameters(s, shape, room);
     room->manner = ask ? PROPOSAL_WHEN_ACCEPTED : PROPOSAL_AT_ONCE;
-    if (room->n && !s->waits) {
-        s->waits = true;
+    if (room->n && !s->handed_over) {
+        s->handed_over = true;
         return GMV_NO_ANSWER;
     }
     bool accepted = room->n == 0; /* else refused, or rejected */

@@ -7,7 +7,7 @@
 
 struct gmv_proposals {
     /* A proposal is under way, and has been handed over. */
-    bool open, waits;
+    bool open, handed_over;
     /* Number of adopted parameters that are in the settings. */
     uint8_t stored;
     /* theta of the settings; the parameters adopted last. */

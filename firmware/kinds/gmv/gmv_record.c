@@ -36,14 +36,14 @@
 
 static void begin_record_window(struct gmv_record *r)
 {
-    r->seen = 0;
+    r->window_samples = 0;
     r->error_sum = r->moves_sum = 0;
 }
 
 void gmv_record_begin(struct gmv_record *r)
 {
-    r->rests = 0;
-    r->beyond = 0;
+    r->steps_at_rest = 0;
+    r->worse_windows = 0;
     r->answers = false;
     r->law = (struct gmv_answers){0};
     begin_record_window(r);
@@ -58,26 +58,27 @@ static void take_in_answer(struct gmv_record *r, struct gmv_answers *whose, floa
         return;
     whose->samples = (uint16_t)(whose->samples + (whose->samples < ANSWERS_MEMORY));
     whose->error += (real_abs(away) - whose->error) / (float)whose->samples;
-    whose->moved += (change - whose->moved) / (float)whose->samples;
-    whose->cut += ((cut ? 1 : 0) - whose->cut) / (float)whose->samples;
+    whose->move += (change - whose->move) / (float)whose->samples;
+    whose->cut_share += ((cut ? 1 : 0) - whose->cut_share) / (float)whose->samples;
 }
 
 /* Returns whether there are as many samples of the PI's answers and none was cut short. */
 static bool answers_are_whole(const struct gmv_record *r, unsigned samples)
 {
-    return r->pi.samples >= samples && r->pi.moved > 0 && r->pi.cut * (float)ANSWERS_MEMORY < 0.5f;
+    return r->pi.samples >= samples && r->pi.move > 0 &&
+           r->pi.cut_share * (float)ANSWERS_MEMORY < 0.5f;
 }
 
 float gmv_record_answer(const struct gmv_record *r)
 {
-    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->pi.error / r->pi.moved : 0;
+    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->pi.error / r->pi.move : 0;
 }
 
 /* Returns the PI's mean error after setpoints, scaled to the moves under the law. Noise and loads do not scale with the
  * move, so after smaller moves their size at rest is added. */
 static float answer_of_pi(const struct gmv_record *r)
 {
-    float part = r->law.moved / r->pi.moved;
+    float part = r->law.move / r->pi.move;
     float at_rest = r->samples ? real_sqrt(MEAN_OF_SQUARE * r->error) : 0;
     return part * r->pi.error + (part < 1 ? (1 - part) * at_rest : 0);
 }
@@ -96,17 +97,17 @@ static float worse_answers(const struct gmv_record *r)
 static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
                            uint32_t settled, struct gmv_answers *whose)
 {
-    bool answers = r->rests + 1u < settled && real_abs(moved) >= GMV_STANDS_STILL;
+    bool answers = r->steps_at_rest + 1u < settled && real_abs(moved) >= GMV_STANDS_STILL;
     float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
     r->has_setpoint = true;
     if (change > 0 || answers)
         take_in_answer(r, whose, change, away);
     if (setpoint != r->setpoint)
-        r->rests = 0;
-    else if (r->rests < UINT32_MAX)
-        r->rests++;
+        r->steps_at_rest = 0;
+    else if (r->steps_at_rest < UINT32_MAX)
+        r->steps_at_rest++;
     r->setpoint = setpoint;
-    return r->rests >= settled;
+    return r->steps_at_rest >= settled;
 }
 
 static void take_in_means(struct gmv_record *r, uint16_t *samples, float away, float moved)
@@ -120,7 +121,7 @@ static void sum_window(struct gmv_record *r, float away, float moved)
 {
     r->error_sum += away * away;
     r->moves_sum += moved * moved;
-    r->seen++;
+    r->window_samples++;
 }
 
 /* Takes the second difference of three readings at rest. Keeps its mean size, because a rare load must not count as noise. */
@@ -148,7 +149,7 @@ void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved
     if (!rests)
         return;
     sum_window(r, away, moved);
-    if (r->seen < ENOUGH)
+    if (r->window_samples < ENOUGH)
         return;
     r->error = r->error_sum / (float)ENOUGH;
     r->moves = r->moves_sum / (float)ENOUGH;
@@ -181,13 +182,13 @@ static float worse_at_rest(struct gmv_record *r, float away, float moved)
     if (!r->samples && r->any_samples < ENOUGH)
         return 0;
     sum_window(r, away, moved);
-    if (r->seen < WINDOW)
+    if (r->window_samples < WINDOW)
         return 0;
     bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
     float times = times_the_moves(r);
-    r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
+    r->worse_windows = worse ? (uint8_t)(r->worse_windows + 1u) : 0;
     begin_record_window(r);
-    return r->beyond >= WINDOWS ? times : 0;
+    return r->worse_windows >= WINDOWS ? times : 0;
 }
 
 float gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
@@ -202,7 +203,7 @@ float gmv_record_law(struct gmv_record *r, float setpoint, float away, float mov
 
 uint32_t gmv_record_rests(const struct gmv_record *r)
 {
-    return r->rests;
+    return r->steps_at_rest;
 }
 
 float gmv_record_error(const struct gmv_record *r)

@@ -6,9 +6,9 @@
 /* Answers to setpoints: means over the steps until the setpoint has settled. */
 struct gmv_answers {
     /* |setpoint - PV|, |change of the setpoint| */
-    float error, moved;
+    float error, move;
     /* Share of the changes that came before the PV was near the setpoint. */
-    float cut;
+    float cut_share;
     uint16_t samples;
 };
 
@@ -17,10 +17,10 @@ struct gmv_record {
     /* A setpoint has moved since the controller changed. */
     bool answers;
     /* The window of the law, or of the PI until it has enough: samples at rest, and windows in a row that were worse. */
-    uint8_t seen, beyond;
+    uint8_t window_samples, worse_windows;
     float setpoint;
     /* Steps since the setpoint moved or the controller changed. */
-    uint32_t rests;
+    uint32_t steps_at_rest;
     /* Mean squares of the PI at rest, of all its samples until enough of these are at rest. */
     float error, moves;
     /* Samples at rest; 0: not enough yet. */

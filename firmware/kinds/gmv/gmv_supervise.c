@@ -15,7 +15,7 @@
 
 static void begin_window(struct gmv_supervise *s)
 {
-    s->left = s->config.check_steps;
+    s->steps_left = s->config.check_steps;
     s->overtime = 0;
     s->has_outcome = false;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
@@ -35,7 +35,7 @@ static void enter_state(struct gmv_supervise *s, enum gmv_state state)
 
 void gmv_supervise_begin(struct gmv_supervise *s)
 {
-    s->tested = 0;
+    s->tested_loops = 0;
     gmv_gate_begin(&s->gate);
     enter_state(s, GMV_TUNING);
 }
@@ -51,11 +51,11 @@ void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_conf
 void gmv_supervise_retune(struct gmv_supervise *s, const struct gmv_supervise_config *c)
 {
     s->config = *c;
-    if (s->left > c->check_steps)
-        s->left = c->check_steps;
+    if (s->steps_left > c->check_steps)
+        s->steps_left = c->check_steps;
 }
 
-uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
+uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_observation *seen)
 {
     return gmv_gate_look(&s->gate, &s->config, seen, s->status.rest);
 }
@@ -65,17 +65,17 @@ uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
 static void sum_up(struct gmv_supervise *s, const struct gmv_result *result)
 {
     for (unsigned i = 0; i < s->config.loops; i++) {
-        if (!(result->whole & (1u << i)) || gmv_gate_spoilt(&s->gate, i))
+        if (!(result->complete & (1u << i)) || gmv_gate_spoilt(&s->gate, i))
             continue;
         s->samples[i]++;
         s->model_squares[i] += result->error[i] * result->error[i];
         s->standstill_squares[i] += result->standstill[i] * result->standstill[i];
     }
-    if (result->tried) {
+    if (result->trial_done) {
         s->has_outcome = true;
         s->status.outcome = result->outcome;
     }
-    s->left -= s->left > 0;
+    s->steps_left -= s->steps_left > 0;
 }
 
 /* Returns whether the model predicts at least as well as a standstill, whose squares count `times` times. */
@@ -106,7 +106,7 @@ static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct g
 
 static uint8_t take_over(struct gmv_supervise *s, uint8_t acting)
 {
-    s->tested = acting;
+    s->tested_loops = acting;
     s->status.alarms = 0;
     enter_state(s, GMV_SELF_TUNING);
     return GMV_WISH_LAW;
@@ -120,7 +120,7 @@ static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_result *resu
         return GMV_WISH_REFUSED;
     if (!s->config.ask)
         return take_over(s, acting) | GMV_WISH_PROPOSE;
-    s->tested = acting;
+    s->tested_loops = acting;
     enter_state(s, GMV_WAITING);
     return GMV_WISH_PROPOSE;
 }
@@ -139,7 +139,7 @@ static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
 static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_result *result,
                             uint8_t acting)
 {
-    bool whole = (result->whole & acting) == acting;
+    bool whole = (result->complete & acting) == acting;
     if (s->adopt_asked && whole)
         return take_over(s, acting) | GMV_WISH_CANDIDATE | GMV_WISH_PROPOSE;
     if (!s->config.on && whole && s->elapsed >= s->config.tune_steps)
@@ -150,15 +150,15 @@ static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_result *re
         if (s->elapsed < s->config.tune_steps || !whole || (result->excited & acting) != acting)
             return 0;
         s->status.testing = true;
-        s->tested = acting;
+        s->tested_loops = acting;
         begin_window(s);
         return GMV_WISH_CANDIDATE | GMV_WISH_TRIAL;
     }
-    if (s->tested != acting) { /* other loops act: the test starts again */
+    if (s->tested_loops != acting) { /* other loops act: the test starts again */
         s->status.testing = false;
         return 0;
     }
-    bool over = s->left == 0 && s->has_outcome && setpoints_rest(s, acting);
+    bool over = s->steps_left == 0 && s->has_outcome && setpoints_rest(s, acting);
     return over ? judge_test(s, result, acting) : 0;
 }
 
@@ -167,7 +167,7 @@ uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
     if (s->status.state != GMV_WAITING)
         return 0;
     if (accepted)
-        return take_over(s, s->tested);
+        return take_over(s, s->tested_loops);
     s->status.refusal = GMV_REFUSED_BY_HAND;
     enter_state(s, GMV_TUNING);
     return GMV_WISH_REFUSED;
@@ -179,11 +179,11 @@ uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
 static bool too_often(struct gmv_supervise *s)
 {
     uint8_t recent = 0;
-    memmove(&s->given_up_step[1], &s->given_up_step[0],
-            sizeof s->given_up_step - sizeof s->given_up_step[0]);
-    s->given_up_step[0] = s->steps;
-    s->given_up = (uint8_t)(s->given_up + (s->given_up < GMV_TRIES_MOST));
-    while (recent < s->given_up && s->steps - s->given_up_step[recent] < s->config.day_steps)
+    memmove(&s->return_step[1], &s->return_step[0],
+            sizeof s->return_step - sizeof s->return_step[0]);
+    s->return_step[0] = s->steps;
+    s->returns = (uint8_t)(s->returns + (s->returns < GMV_TRIES_MOST));
+    while (recent < s->returns && s->steps - s->return_step[recent] < s->config.day_steps)
         recent++;
     return s->config.tries && recent >= s->config.tries;
 }
@@ -193,7 +193,7 @@ static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
     uint8_t wish = GMV_WISH_PI | GMV_WISH_FORGET;
     s->status.alarms = (uint8_t)why;
     s->status.alarm_value = value;
-    s->tested = 0;
+    s->tested_loops = 0;
     enter_state(s, GMV_TUNING);
     return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
 }
@@ -208,12 +208,13 @@ static float worst_error(const struct gmv_supervise *s)
     return real_sqrt(most);
 }
 
-static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen *seen,
+static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_observation *seen,
                                  const struct gmv_result *result)
 {
     if (!s->config.on)
         return 0;
-    if (seen->acting & (uint8_t)~s->tested) { /* a loop acts whose model has not been tested */
+    uint8_t untested = seen->acting & (uint8_t)~s->tested_loops;
+    if (untested) {
         enter_state(s, GMV_TUNING);
         return GMV_WISH_PI;
     }
@@ -223,7 +224,7 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         return give_up(s, alarm, value);
     if (s->elapsed == 1)
         return GMV_WISH_TRIAL;
-    if (s->left || !s->has_outcome)
+    if (s->steps_left || !s->has_outcome)
         return 0;
     if (!(s->status.outcome.decay <= GROWTH))
         return give_up(s, GMV_ALARM_POLES, s->status.outcome.decay);
@@ -233,13 +234,13 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     return GMV_WISH_TRIAL;
 }
 
-uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
+uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_observation *seen,
                             const struct gmv_result *result)
 {
     s->steps++;
     s->elapsed += s->elapsed < UINT32_MAX;
     for (unsigned i = 0; i < s->config.loops; i++)
-        if ((result->whole & (1u << i)) &&
+        if ((result->complete & (1u << i)) &&
             (s->status.rest[i] == GMV_LEARNS || s->status.rest[i] == GMV_RESTS_QUIET))
             gmv_gate_weigh(&s->gate, &s->config, result, i);
     sum_up(s, result);
@@ -251,7 +252,7 @@ uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen
     case GMV_SELF_TUNING:
         return judge_self_tuning(s, seen, result);
     default: /* waiting; a loop acts whose model has not been tested */
-        if (seen->acting & (uint8_t)~s->tested)
+        if (seen->acting & (uint8_t)~s->tested_loops)
             enter_state(s, GMV_TUNING);
         return 0;
     }

@@ -76,9 +76,9 @@ void gmv_supervise_retune(struct gmv_supervise *s, const struct gmv_supervise_co
 void gmv_supervise_begin(struct gmv_supervise *s);
 
 /* Returns the loops that may learn from this step, a bit each. */
-uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen);
+uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_observation *seen);
 /* Returns enum gmv_wish. */
-uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
+uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_observation *seen,
                             const struct gmv_result *result);
 /* Takes the answer to the proposal, in waiting. Returns enum gmv_wish. */
 uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted);

@@ -12,19 +12,19 @@ struct gmv_supervise {
     /* The last trial is of this window. */
     bool has_outcome;
     /* Loops whose models have passed, a bit each. */
-    uint8_t tested;
-    /* Number of entries of given_up_step. */
-    uint8_t given_up;
+    uint8_t tested_loops;
+    /* Number of entries of return_step. */
+    uint8_t returns;
     struct gmv_supervise_config config;
     /* Steps in this state. */
     uint32_t elapsed;
     /* The window of a test or a check: steps still to go; steps for which a test has waited for setpoints to rest. */
-    uint32_t left, overtime;
+    uint32_t steps_left, overtime;
     uint32_t samples[GMV_LOOPS];
     /* Sums of squares of the prediction errors. */
     float model_squares[GMV_LOOPS], standstill_squares[GMV_LOOPS];
     /* All steps; those of the last returns to the PI. */
-    uint32_t steps, given_up_step[GMV_TRIES_MOST];
+    uint32_t steps, return_step[GMV_TRIES_MOST];
     struct gmv_gate gate;
     struct gmv_monitors monitors;
 };

@@ -46,21 +46,21 @@ struct gmv_supervise_config {
 };
 
 /* Measurements and moves of a step, one entry for each loop. */
-struct gmv_seen {
+struct gmv_observation {
     /* A bit for each loop: it acts; all of its readings are good. */
     uint8_t acting, good;
     /* w; the last move of the applied MV. */
-    float setpoint[GMV_LOOPS], moved[GMV_LOOPS];
+    float setpoint[GMV_LOOPS], move[GMV_LOOPS];
     /* w - y */
-    float away[GMV_LOOPS];
+    float control_error[GMV_LOOPS];
     /* Move that the law asked for last and the MV did not make. */
-    float lacked[GMV_LOOPS];
+    float shortfall[GMV_LOOPS];
 };
 
 /* Results of the regressions of a step. */
 struct gmv_result {
     /* A bit for each loop: it has errors of this step. */
-    uint8_t whole;
+    uint8_t complete;
     /* Prediction errors of the parameters in use and of a standstill. */
     float error[GMV_LOOPS], standstill[GMV_LOOPS];
     /* Information of the sample, and v of its forgetting. */
@@ -71,7 +71,7 @@ struct gmv_result {
     /* A bit for each loop: its parameters are known well enough. */
     uint8_t excited;
     /* The trial that was asked for is over, with this outcome. */
-    bool tried;
+    bool trial_done;
     struct gmv_outcome outcome;
 };
 

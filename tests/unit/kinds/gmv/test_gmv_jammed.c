@@ -7,7 +7,7 @@
 #define LONG  (4u * REACH + 32u)
 
 static struct gmv_supervise s;
-static struct gmv_seen seen;
+static struct gmv_observation seen;
 
 void setUp(void)
 {
@@ -20,10 +20,11 @@ void setUp(void)
                                                 .gain_least = 0.001f,
                                                 .quiet = 0.2f,
                                                 .burst = 25};
-    seen = (struct gmv_seen){.acting = 1, .good = 1, .away = {-0.1f}, .lacked = {0.001f}};
+    seen = (struct gmv_observation){
+        .acting = 1, .good = 1, .control_error = {-0.1f}, .shortfall = {0.001f}};
     gmv_supervise_init(&s, &config);
     s.status.state = GMV_SELF_TUNING;
-    s.tested = 1;
+    s.tested_loops = 1;
 }
 
 void tearDown(void) {}
@@ -31,7 +32,7 @@ void tearDown(void) {}
 /* Returns whether it is given up within n steps. */
 static bool given_up_within(unsigned n)
 {
-    const struct gmv_result result = {.whole = 1,
+    const struct gmv_result result = {.complete = 1,
                                       .error = {0.0001f},
                                       .standstill = {0.02f},
                                       .information = {0.1f},
@@ -39,7 +40,7 @@ static bool given_up_within(unsigned n)
                                       .parameters = {3},
                                       .gain = {0.1f},
                                       .estimated = {0.1f},
-                                      .tried = true,
+                                      .trial_done = true,
                                       .outcome = {.decay = 0.9f}};
     for (unsigned k = 0; k < n; k++) {
         (void)gmv_supervise_look(&s, &seen);
@@ -59,25 +60,25 @@ static void pushed_the_wrong_way_for_long_it_is_given_up_with_how_far_the_pv_is_
 
 static void pushed_the_way_its_loop_needs_it_it_goes_on(void)
 {
-    seen.lacked[0] = -0.001f;
+    seen.shortfall[0] = -0.001f;
     TEST_ASSERT_FALSE(given_up_within(4 * LONG));
 }
 
 static void near_its_setpoint_or_moving_it_goes_on(void)
 {
-    seen.away[0] = -0.009f;
+    seen.control_error[0] = -0.009f;
     TEST_ASSERT_FALSE(given_up_within(4 * LONG));
     setUp();
-    seen.moved[0] = 0.001f;
+    seen.move[0] = 0.001f;
     TEST_ASSERT_FALSE(given_up_within(4 * LONG));
 }
 
 /* A law that asks for as little beyond the limit as a rounding would is not pushing. */
 static void it_is_pushed_by_more_than_four_parts_in_ten_thousand_of_the_span(void)
 {
-    seen.lacked[0] = 0.00039f;
+    seen.shortfall[0] = 0.00039f;
     TEST_ASSERT_FALSE(given_up_within(4 * LONG));
-    seen.lacked[0] = 0.00041f;
+    seen.shortfall[0] = 0.00041f;
     TEST_ASSERT_TRUE(given_up_within(LONG + 1));
 }
 

@@ -11,7 +11,7 @@
 
 static struct gmv_supervise s;
 static struct gmv_supervise_config config;
-static struct gmv_seen seen;
+static struct gmv_observation seen;
 static struct gmv_result result;
 
 void setUp(void)
@@ -28,8 +28,8 @@ void setUp(void)
                                            .quiet = 0.2f,
                                            .burst = 25,
                                            .better = 0.05f};
-    seen = (struct gmv_seen){.acting = 1, .good = 1, .setpoint = {0.5f, 0.5f}};
-    result = (struct gmv_result){.whole = 3,
+    seen = (struct gmv_observation){.acting = 1, .good = 1, .setpoint = {0.5f, 0.5f}};
+    result = (struct gmv_result){.complete = 3,
                                  .error = {0.01f, 0.01f},
                                  .standstill = {0.02f, 0.02f},
                                  .information = {0.1f, 0.1f},
@@ -48,9 +48,9 @@ void tearDown(void) {}
 static uint8_t step(void)
 {
     static bool asked;
-    seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
-    seen.moved[1] = seen.moved[0];
-    result.tried = asked;
+    seen.move[0] = seen.move[0] > 0 ? -0.001f : 0.001f;
+    seen.move[1] = seen.move[0];
+    result.trial_done = asked;
     (void)gmv_supervise_look(&s, &seen);
     uint8_t wish = gmv_supervise_judge(&s, &seen, &result);
     asked = wish & GMV_WISH_TRIAL;
@@ -179,12 +179,12 @@ static void numbers_that_are_none_are_not_adopted(void)
 static void without_a_trial_nothing_is_adopted_however_long_the_test(void)
 {
     for (unsigned k = 0; k < TUNE + 3 * CHECK; k++) {
-        seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
+        seen.move[0] = seen.move[0] > 0 ? -0.001f : 0.001f;
         (void)gmv_supervise_look(&s, &seen);
         (void)gmv_supervise_judge(&s, &seen, &result);
         TEST_ASSERT_EQUAL(GMV_TUNING, s.status.state);
     }
-    result.tried = true;
+    result.trial_done = true;
     (void)gmv_supervise_judge(&s, &seen, &result);
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
 }
@@ -209,7 +209,7 @@ static void a_loop_that_joins_during_the_test_begins_it_anew(void)
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL, step());
     TEST_ASSERT_EQUAL_HEX8(0, steps(CHECK - 1));
     TEST_ASSERT_EQUAL_HEX8(GMV_WISH_LAW | GMV_WISH_PROPOSE, step());
-    TEST_ASSERT_EQUAL_HEX8(3, s.tested);
+    TEST_ASSERT_EQUAL_HEX8(3, s.tested_loops);
 }
 
 static void spoilt_samples_are_no_part_of_the_test(void)
@@ -350,10 +350,10 @@ static void a_law_that_does_worse_than_the_pi_before_it_is_given_up_with_its_mov
     gmv_supervise_init(&s, &config);
     (void)steps(200 + CHECK + 2);
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
-    seen.away[0] = 0.02f;
+    seen.control_error[0] = 0.02f;
     uint8_t wish = 0;
     for (unsigned k = 0; k < 200 && !wish; k++) {
-        seen.moved[0] = seen.moved[0] > 0 ? -0.01f : 0.01f;
+        seen.move[0] = seen.move[0] > 0 ? -0.01f : 0.01f;
         (void)gmv_supervise_look(&s, &seen);
         wish = gmv_supervise_judge(&s, &seen, &result) & GMV_WISH_PI;
     }
@@ -436,7 +436,7 @@ static void a_loop_that_comes_without_a_tried_model_sends_both_back_to_tuning(vo
 
 static uint8_t looks(void)
 {
-    seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
+    seen.move[0] = seen.move[0] > 0 ? -0.001f : 0.001f;
     return gmv_supervise_look(&s, &seen);
 }
 
@@ -463,7 +463,7 @@ static void nothing_is_learnt_in_manual(void)
 
 static void nothing_is_learnt_when_the_mv_has_not_moved_for_longer_than_the_regressors_reach(void)
 {
-    seen.moved[0] = 0;
+    seen.move[0] = 0;
     for (unsigned k = 0; k < REACH; k++)
         TEST_ASSERT_EQUAL_HEX8(1, gmv_supervise_look(&s, &seen));
     TEST_ASSERT_EQUAL_HEX8(0, gmv_supervise_look(&s, &seen));
@@ -475,7 +475,7 @@ static void an_mv_stands_still_that_moves_by_less_than_a_hundred_thousandth_of_i
 {
     for (unsigned moves = 0; moves < 2; moves++) {
         gmv_supervise_init(&s, &config);
-        seen.moved[0] = moves ? 1e-5f : 0.99e-5f;
+        seen.move[0] = moves ? 1e-5f : 0.99e-5f;
         for (unsigned k = 0; k < 2 * REACH; k++)
             (void)gmv_supervise_look(&s, &seen);
         TEST_ASSERT_EQUAL(moves ? GMV_LEARNS : GMV_RESTS_STILL, s.status.rest[0]);
@@ -612,8 +612,8 @@ static void bursting_is_given_up_with_the_size_of_the_moves(void)
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.status.state);
     uint8_t wish = 0;
     for (unsigned k = 0; k < 30 && !(wish & GMV_WISH_PI); k++) {
-        seen.moved[0] = k % 2 ? 0.1f : -0.1f;
-        result.tried = wish & GMV_WISH_TRIAL;
+        seen.move[0] = k % 2 ? 0.1f : -0.1f;
+        result.trial_done = wish & GMV_WISH_TRIAL;
         (void)gmv_supervise_look(&s, &seen);
         wish = gmv_supervise_judge(&s, &seen, &result);
     }
@@ -627,7 +627,7 @@ static void a_pv_that_keeps_swinging_at_rest_is_given_up_with_the_size_of_the_sw
     uint8_t wish = 0;
     result.error[0] = 0.002f;
     for (unsigned k = 0; k < 400 && !(wish & GMV_WISH_PI); k++) {
-        seen.away[0] = 0.03f * sinf(6.2831853f * (float)k / 9);
+        seen.control_error[0] = 0.03f * sinf(6.2831853f * (float)k / 9);
         wish = step();
     }
     given_up_for(GMV_ALARM_BURST, wish);
