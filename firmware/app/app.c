@@ -110,3 +110,8 @@ void app_background(struct app *app)
     busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
     hal_idle(!busy);
 }
+
+void app_tick(struct app *app)
+{
+    tick_context_run(app);
+}

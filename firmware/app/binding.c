@@ -5,6 +5,11 @@
 #include "exchange/block_work.h"
 #include "hal/clock.h"
 
+static void tick_event(struct app *app, enum event_code code, const char *subject, float value)
+{
+    event_put(&app->service.tick_events, app->supervisor.time_ms, code, subject, value, 0);
+}
+
 /* Binds a point that a block writes, together with what it is made from. A measurement of the plant with the same name stays
  * unused, and an event says so. */
 static void bind_point(struct app *app, const struct plan *plan, uint8_t i)

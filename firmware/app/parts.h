@@ -51,9 +51,8 @@ struct app {
 
 /* ---- tick context ---- */
 
-/* Puts an event of the tick into its queue. */
-void tick_event(struct app *app, enum event_code code, const char *subject, float value);
-
+/* Link input, the tick when a sample is due, silence: app_tick(). */
+void tick_context_run(struct app *app);
 /* Binds the channels of the plan in force to those of the plant, as far as it has them. */
 void binding_bind(struct app *app);
 /* Announces a plan that has come into force, and binds its channels: whoever is next to act meets it so. Several plans that

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "app/app.h"
 #include "base/elapsed.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
@@ -30,11 +29,6 @@ void tick_context_start(struct app *app, enum hal_reset cause)
     restart_init(&app->tick.restart,
                  hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
-}
-
-void tick_event(struct app *app, enum event_code code, const char *subject, float value)
-{
-    event_put(&app->service.tick_events, app->supervisor.time_ms, code, subject, value, 0);
 }
 
 /* Requests wait for the tick. A new plan is put into force before the sample is looked at, with all that was
@@ -237,7 +231,7 @@ static bool next_sample(struct app *app, uint64_t now_ms, struct io_sample *samp
     return sample_gate_poll(&app->tick.gate, io, wait, now_ms, sample);
 }
 
-void app_tick(struct app *app)
+void tick_context_run(struct app *app)
 {
     struct io_sample sample;
     uint64_t now_ms = hal_clock_ms();

@@ -5,16 +5,13 @@
 #ifndef REFLUX_EXCHANGE_BLOCK_SETTINGS_H
 #define REFLUX_EXCHANGE_BLOCK_SETTINGS_H
 
-#include "block/block.h"
+#include "exchange/block_kinds.h"
 #include "exchange/config.h"
 
 /* Of a table: a row is set in one line and stored in one piece. So many values of nine digits with sign and exponent, and the
  * name, are a line that the console takes and prints (LINE_EDITOR_MAX, CONSOLE_OUTPUT_MAX). */
 #define RECORD_COLS_MAX 8
 #define RECORD_ROWS_MAX 1024
-
-/* Place in block_kinds[], PLAN_NONE (0xFF) where this build has no such kind. */
-uint8_t block_kind_find(const char *name);
 
 /* May blockN.kind be that? Kinds without parameters have them elsewhere (loopN, decoupleN, ffN); one with a larger table
  * cannot be. */

@@ -1,4 +1,6 @@
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
+#include "exchange/reach.h"
 
 #include <string.h>
 
@@ -10,21 +12,6 @@ void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, 
     const struct mv_config *o = &plan->config.mv[from];
     *lo = output ? o->lo : m->lo;
     *hi = output ? o->hi : m->hi;
-}
-
-float plan_own_reach(const struct plan *plan, uint8_t i)
-{
-    float below = 0.0f, above = 1.0f;
-    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        const struct ff_config *f = &plan->config.feedforward[k];
-        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
-            continue;
-        below += f->hi > 0.0f ? f->hi : 0.0f;
-        above -= f->lo < 0.0f ? f->lo : 0.0f;
-    }
-    below += plan_added_reach(plan, plan->loop[i].mv);
-    above += plan_added_reach(plan, plan->loop[i].mv);
-    return below > above ? below : above;
 }
 
 void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)

@@ -25,41 +25,5 @@ void plan_setup_element(const struct plan *plan, uint8_t element, struct block_i
 
 /* Span of what feedforward element i looks at, EU. Its source is resolved already. */
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);
-/* The largest |MV - feedforward| of the MV of loop i, fraction of span. */
-float plan_own_reach(const struct plan *plan, uint8_t i);
-
-#if CONFIG_BLOCKS
-void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
-/* Base ticks of a step of the block with record n. */
-uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);
-/* The kind of block n is known, and runs in that stage. */
-bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage);
-/* The most that elements with a record add to an MV, either way. */
-float plan_added_reach(const struct plan *plan, uint8_t output);
-/* The largest |MV - feedforward| of the MV of loop i behind compensator n, fraction of span. */
-float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i);
-/* The parameter with which a block of that kind names another, or NULL. */
-const struct block_parameter *plan_names_with(const struct block_kind *kind);
-/* The number of the block that block n names; 0: it names none. */
-uint16_t plan_number_named(const struct plan *plan, uint8_t n);
-/* Settings of the block that block n names, or NULL. */
-const void *plan_named(const struct plan *plan, uint8_t n);
-/* Block n names one of that kind; one of the second kind that its own kind can use. */
-bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind);
-bool plan_names_other(const struct plan *plan, uint8_t n);
-#else
-static inline void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
-{
-    (void)plan;
-    (void)n;
-    (void)setup;
-}
-static inline float plan_added_reach(const struct plan *plan, uint8_t output)
-{
-    (void)plan;
-    (void)output;
-    return 0.0f;
-}
-#endif
 
 #endif

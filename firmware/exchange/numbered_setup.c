@@ -2,13 +2,8 @@
 #include <string.h>
 
 #include "exchange/block_settings.h"
-#include "exchange/block_setup.h"
-
-bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
-{
-    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
-    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
-}
+#include "exchange/numbered_setup.h"
+#include "exchange/reach.h"
 
 /* Compensators and feedforward elements run in every base tick, whatever the divisors of the loops. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
@@ -69,27 +64,6 @@ bool plan_names_other(const struct plan *plan, uint8_t n)
     uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
     return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
            plan_names_a(plan, n, block_kinds[kind]->other_kind);
-}
-
-float plan_added_reach(const struct plan *plan, uint8_t output)
-{
-    float reach = 0.0f;
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        for (uint8_t k = 0; k < plan->record[n].points; k++)
-            if (plan_has_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
-                reach += PLAN_ELEMENT_MOST;
-    return reach;
-}
-
-/* Nobody knows what another compensator behind it makes of its outputs. */
-float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
-{
-    for (uint8_t behind = (uint8_t)(n + 1u); behind < CONFIG_BLOCKS; behind++)
-        for (uint8_t k = 0; k < plan->record[behind].members; k++)
-            if (plan_has_stage(plan, behind, STAGE_COMPENSATE) &&
-                plan->record[behind].member[k] == i)
-                return NUM_MAX_MAGNITUDE;
-    return plan_own_reach(plan, i);
 }
 
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)

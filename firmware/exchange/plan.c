@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "exchange/block_settings.h"
-
 uint8_t config_find_measurement(const struct config *config, const char *name)
 {
     for (uint8_t i = 0; name[0] && i < CHANNEL_MAX; i++)
@@ -42,12 +40,4 @@ void plan_manual_limits(const struct plan *plan, uint8_t output, float *lo, floa
     const struct mv_config *o = &plan->config.mv[output];
     *lo = o->min < o->safe ? o->min : o->safe;
     *hi = o->max > o->safe ? o->max : o->safe;
-}
-
-uint8_t block_kind_find(const char *name)
-{
-    for (uint8_t k = 0; name[0] && k < block_kind_count; k++)
-        if (strcmp(block_kinds[k]->name, name) == 0)
-            return k;
-    return PLAN_NONE;
 }

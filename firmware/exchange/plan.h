@@ -146,6 +146,12 @@ static inline bool alarm_is_on_event(const struct alarm_config *a)
 {
     return CONFIG_BLOCKS && strchr(a->on, '.') != NULL;
 }
+/* The kind of block n is known, and runs in that stage. */
+static inline bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
+{
+    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+}
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);
 

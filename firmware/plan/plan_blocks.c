@@ -5,7 +5,7 @@
 #include "exchange/arena_sizes.h"
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
-#include "plan/plan_build.h"
+#include "plan/plan_blocks.h"
 #include "plan/plan_parts.h"
 
 #define NOT_IN_BUILD "is not in this build"

@@ -14,19 +14,6 @@
 
 _Static_assert(DECOUPLER_MAX <= CONFIG_LOOPS && DECOUPLER_MAX <= 8, "a bit of a byte for each");
 
-enum err plan_refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
-                     const char *field, const char *subject, const char *wanted)
-{
-    memset(fault, 0, sizeof *fault);
-    fault->code = code;
-    fault->group = group;
-    fault->index = (uint8_t)index;
-    fault->field = field;
-    fault->wanted = wanted;
-    strncpy(fault->subject, subject, sizeof fault->subject - 1);
-    return code;
-}
-
 /* Words that begin or end a reply of the console. */
 static bool reserved(const char *name)
 {

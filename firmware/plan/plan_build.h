@@ -13,7 +13,4 @@ MUST_CHECK enum err plan_build(struct plan *plan, const struct config *config, f
 /* Resolves the plan again in place for another base tick. On error *plan is unusable. */
 MUST_CHECK enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault);
 
-/* Whether the compensator of this build takes such a matrix for the first `loops` loops. */
-bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops);
-
 #endif

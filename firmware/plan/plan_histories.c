@@ -1,6 +1,7 @@
 /* Histories of applied inputs in a plan: which MV has one, and how deep it is. */
 #include "exchange/arena_sizes.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "plan/plan_parts.h"
 
 static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)

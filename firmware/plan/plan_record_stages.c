@@ -1,6 +1,7 @@
 /* Compensators and feedforward elements with a record, in a plan. */
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "plan/plan_parts.h"
 
 _Static_assert(CHANNEL_MAX <= 32, "a bit for each manipulated variable");

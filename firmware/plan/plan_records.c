@@ -4,19 +4,8 @@
 
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "plan/plan_parts.h"
-
-const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE])
-{
-    size_t n = 0;
-    memset(name, 0, CHANNEL_NAME_SIZE);
-    while (*list == ' ')
-        list++;
-    while (list[n] && list[n] != ' ')
-        n++;
-    memcpy(name, list, n < CHANNEL_NAME_SIZE ? n : CHANNEL_NAME_SIZE - 1u);
-    return n ? list + n : NULL;
-}
 
 static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t n,
                               const char *field, const char *subject, const char *wanted)

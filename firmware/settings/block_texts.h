@@ -3,7 +3,7 @@
 #ifndef REFLUX_SETTINGS_BLOCK_TEXTS_H
 #define REFLUX_SETTINGS_BLOCK_TEXTS_H
 
-#include "settings/parameter.h"
+#include "settings/parameter_table.h"
 
 #if CONFIG_BLOCKS
 /* Bytes of the value; 0 of a row without its kind. */

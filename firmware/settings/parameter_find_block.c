@@ -1,4 +1,4 @@
-/* Parameters of all, those of blocks included, by number, name and id. */
+/* Parameters of all, those of blocks included, by number and name; those of blocks by id. */
 #include <string.h>
 
 #include "settings/parameter_find.h"

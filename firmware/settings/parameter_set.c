@@ -46,6 +46,36 @@ static void put_float(const struct parameter *p, struct config *config, float f)
     memcpy((uint8_t *)parameter_place(p, config) + parameter_number_offset(p), &f, sizeof f);
 }
 
+void parameters_defaults(struct config *config)
+{
+    struct parameter p;
+    memset(config, 0, sizeof *config);
+    for (unsigned n = 0; parameter_at(n, &p); n++) {
+        uint8_t *at = parameter_place(&p, config);
+        float f = parameter_initial(&p);
+        /* Only real ones may be negative. */
+        uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)field_initial(p.field);
+        uint16_t u16 = (uint16_t)u32;
+        switch (p.field->type) {
+        case PARAMETER_FLOAT:
+            memcpy(at, &f, sizeof f);
+            break;
+        case PARAMETER_U32:
+        case PARAMETER_FIXED:
+            memcpy(at, &u32, sizeof u32);
+            break;
+        case PARAMETER_U16:
+            memcpy(at, &u16, sizeof u16);
+            break;
+        case PARAMETER_WORD:
+            *at = (uint8_t)field_initial(p.field);
+            break;
+        default:
+            break; /* names and units begin empty */
+        }
+    }
+}
+
 enum err parameter_set(const struct parameter *p, struct config *config, const char *value)
 {
     enum err full = parameter_to_write(p, config);

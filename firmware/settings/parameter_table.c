@@ -2,7 +2,7 @@
 #include <stddef.h>
 
 #include "exchange/rows.h"
-#include "settings/parameters.h"
+#include "settings/parameter_table.h"
 
 #define BIG 1e9f
 

@@ -90,43 +90,13 @@ size_t parameter_size(const struct parameter *p)
     }
 }
 
-static float initial(const struct parameter *p)
+float parameter_initial(const struct parameter *p)
 {
     if (parameter_own(p))
         return p->own->initial;
     bool diagonal =
         p->group->offset == offsetof(struct config, decoupler) && p->field->id == p->index + 1u;
     return diagonal ? 1.0f : field_initial(p->field);
-}
-
-void parameters_defaults(struct config *config)
-{
-    struct parameter p;
-    memset(config, 0, sizeof *config);
-    for (unsigned n = 0; parameter_at(n, &p); n++) {
-        uint8_t *at = parameter_place(&p, config);
-        float f = initial(&p);
-        /* Only real ones may be negative. */
-        uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)field_initial(p.field);
-        uint16_t u16 = (uint16_t)u32;
-        switch (p.field->type) {
-        case PARAMETER_FLOAT:
-            memcpy(at, &f, sizeof f);
-            break;
-        case PARAMETER_U32:
-        case PARAMETER_FIXED:
-            memcpy(at, &u32, sizeof u32);
-            break;
-        case PARAMETER_U16:
-            memcpy(at, &u16, sizeof u16);
-            break;
-        case PARAMETER_WORD:
-            *at = (uint8_t)field_initial(p.field);
-            break;
-        default:
-            break; /* names and units begin empty */
-        }
-    }
 }
 
 bool parameter_is_secret(const struct parameter *p)
@@ -197,15 +167,15 @@ void parameter_default(const struct parameter *p, const struct config *config, s
     const float *source = parameter_follows(p, config);
     switch (p->field->type) {
     case PARAMETER_FLOAT:
-        text_float(t, source ? *source : initial(p));
+        text_float(t, source ? *source : parameter_initial(p));
         break;
     case PARAMETER_U32:
     case PARAMETER_U16:
     case PARAMETER_FIXED:
-        text_u32(t, (uint32_t)initial(p));
+        text_u32(t, (uint32_t)parameter_initial(p));
         break;
     case PARAMETER_WORD:
-        words_put(parameter_word_list(p), (unsigned)initial(p), t);
+        words_put(parameter_word_list(p), (unsigned)parameter_initial(p), t);
         break;
     default:
         if (block_text_put_initial(p, t))
@@ -258,7 +228,7 @@ bool parameter_equal(const struct parameter *p, const struct config *a, const st
 bool parameter_is_default(const struct parameter *p, const struct config *config)
 {
     const uint8_t *at = place_const(p, config);
-    float f = initial(p), there;
+    float f = parameter_initial(p), there;
     uint32_t u32;
     uint16_t u16;
     switch (p->field->type) {

@@ -11,10 +11,12 @@
 
 #include <stdbool.h>
 
-#include "settings/parameter.h"
+#include "settings/parameter_table.h"
 
 /* Every parameter at its default. */
 void parameters_defaults(struct config *config);
+/* The default as a number; 0 of names and units. */
+float parameter_initial(const struct parameter *p);
 
 /* The n-th of all parameters in the order of the table; false past the end. Not those of blocks. */
 bool parameter_at(unsigned n, struct parameter *p);
@@ -36,9 +38,6 @@ bool parameter_is_secret(const struct parameter *p);
 const char *field_unit(const struct parameter_field *field);
 /* "off|on", of a PARAMETER_WORD. */
 const char *field_words(const struct parameter_field *field);
-float field_lo(const struct parameter_field *field);
-float field_hi(const struct parameter_field *field);
-float field_initial(const struct parameter_field *field);
 /* The same of every parameter. */
 const char *parameter_unit(const struct parameter *p);
 const char *parameter_word_list(const struct parameter *p);

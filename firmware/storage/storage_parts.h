@@ -1,4 +1,4 @@
-/* What the files of storage share, and nobody else sees: storage.c (a start, turns), storage_read.c (find, check, load)
+/* What the files of storage share, and nobody else sees: storage_turns.c (a start, turns), storage_read.c (find, check, load)
  * and storage_write.c (erase, save). Format: docs/storage.md. */
 #ifndef REFLUX_STORAGE_STORAGE_PARTS_H
 #define REFLUX_STORAGE_STORAGE_PARTS_H
@@ -92,9 +92,10 @@ void storage_tell(struct storage *st, enum event_code code, const char *subject,
  * again, else in PREPARING. */
 void storage_begin_scan(struct storage *st);
 void storage_scan(struct storage *st);
-/* Read the candidate whole and compare its checksum. */
+/* Read the candidate whole and compare its checksum. The verdict is for who has saved it; else what comes next has begun. */
+enum storage_verdict { STORAGE_GOES_ON, STORAGE_NOT_WHOLE, STORAGE_WHOLE };
 void storage_begin_check(struct storage *st);
-void storage_check(struct storage *st);
+enum storage_verdict storage_check(struct storage *st);
 
 /* Must the newest set be closed again before anything else is written? Its own confirmation is missing, or there is
  * something later that was never confirmed and might read whole another time. */

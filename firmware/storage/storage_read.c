@@ -45,6 +45,11 @@ static void look_at(struct storage *st, const uint8_t *grain)
     }
 }
 
+void storage_tell(struct storage *st, enum event_code code, const char *subject, float value)
+{
+    service_record(st->service, code, subject, value, 0);
+}
+
 void storage_begin_check(struct storage *st)
 {
     st->at = st->candidate.address;
@@ -235,15 +240,15 @@ void storage_scan(struct storage *st)
         found(st);
 }
 
-static void check_is_over(struct storage *st, bool whole)
+static enum storage_verdict check_is_over(struct storage *st, bool whole)
 {
     if (whole) {
         st->newest = st->candidate;
         see_sequence(st, st->newest.sequence);
     }
-    if (st->saving) {
-        storage_verified(st, whole);
-    } else if (whole) {
+    if (st->saving)
+        return whole ? STORAGE_WHOLE : STORAGE_NOT_WHOLE;
+    if (whole) {
         found(st);
     } else if (!st->again) {
         st->again = true;
@@ -252,6 +257,7 @@ static void check_is_over(struct storage *st, bool whole)
         st->limit = st->candidate; /* an older one, perhaps */
         storage_begin_scan(st);
     }
+    return STORAGE_GOES_ON;
 }
 
 /* The first grain of a set is its head, and the last one closes it. */
@@ -272,7 +278,7 @@ static bool closes(const struct storage_set *set, const uint8_t *grain, uint32_t
     return memcmp(grain, wanted, STORAGE_GRAIN) == 0;
 }
 
-void storage_check(struct storage *st)
+enum storage_verdict storage_check(struct storage *st)
 {
     const struct storage_set *set = &st->candidate;
     uint32_t end = set->address + set_size(set->length) - STORAGE_GRAIN;
@@ -281,17 +287,16 @@ void storage_check(struct storage *st)
         bool last = st->at == end;
         if (storage_read(last ? set->tail : st->at, grain, sizeof grain) != ERR_OK ||
             (st->at == set->address && !is_its_head(set, grain))) {
-            check_is_over(st, false);
-            return;
+            return check_is_over(st, false);
         }
         if (last) {
             st->newest_crc = st->crc;
-            check_is_over(st, closes(set, grain, st->crc));
-            return;
+            return check_is_over(st, closes(set, grain, st->crc));
         }
         st->crc = crc32_update(st->crc, grain, sizeof grain);
         st->at += STORAGE_GRAIN;
     }
+    return STORAGE_GOES_ON;
 }
 
 /* ---- values ---- */

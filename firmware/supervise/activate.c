@@ -13,6 +13,8 @@
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
+#include "supervise/setpoint_cascade.h"
+#include "supervise/setpoint_limits.h"
 #include "supervise/supervisor.h"
 #include "supervise/switch_offs.h"
 

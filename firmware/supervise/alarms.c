@@ -6,6 +6,7 @@
 #include "exchange/alarm_names.h"
 #include "exchange/sampling.h"
 #include "exchange/span.h"
+#include "supervise/alarms_of_blocks.h"
 #include "supervise/deviations.h"
 
 static void tell_alarm(struct supervisor *s, uint8_t i, enum event_code code, float value)

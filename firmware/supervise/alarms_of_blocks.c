@@ -1,5 +1,4 @@
-/* Alarms on events of blocks. */
-#include "supervise/alarms.h"
+#include "supervise/alarms_of_blocks.h"
 
 void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value)
 {

@@ -5,6 +5,8 @@
 #include "supervise/constrain.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
+#include "supervise/setpoint_cascade.h"
+#include "supervise/test_signal.h"
 
 /* Directions in which the setpoint of loop i should not be pushed, because its own output is at a limit. */
 static uint8_t saturation(const struct supervisor *s, uint8_t i)

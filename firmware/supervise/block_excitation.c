@@ -446,11 +446,3 @@ void excitation_check_commands(struct supervisor *s)
             s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
     excitation_end(s, reason);
 }
-
-num_t mv_without_signal(const struct mv_state *o, num_t at)
-{
-    if (o->interlocked)
-        return at;
-    num_t part = num_abs(o->excitation);
-    return num_clamp(num_sub(o->commanded, o->excitation), num_sub(at, part), num_add(at, part));
-}

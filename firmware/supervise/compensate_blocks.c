@@ -5,6 +5,7 @@
 #include "supervise/constrain.h"
 #include "supervise/raised.h"
 #include "supervise/served_io.h"
+#include "supervise/test_signal.h"
 
 _Static_assert(CONFIG_LOOPS <= 32, "a bit for each loop");
 

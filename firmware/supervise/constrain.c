@@ -3,6 +3,7 @@
 #include "base/elapsed.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
+#include "supervise/test_signal.h"
 
 static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
 {

@@ -4,6 +4,7 @@
 
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "supervise/block_excitation.h"
 
 /* Parts of a configuration count whole, unused bytes too, as in its checksum. */

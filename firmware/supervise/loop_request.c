@@ -3,6 +3,7 @@
 #include "exchange/span.h"
 #include "supervise/block_excitation.h"
 #include "supervise/setpoint.h"
+#include "supervise/setpoint_limits.h"
 
 static num_t output_fraction(const struct supervisor *s, unsigned j, float value)
 {

@@ -1,7 +1,7 @@
 #include "supervise/raised.h"
 
 #include "exchange/block_settings.h"
-#include "supervise/alarms.h"
+#include "supervise/alarms_of_blocks.h"
 
 void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {

@@ -1,6 +1,7 @@
 #include "supervise/restart_sequence.h"
 
 #include "supervise/sequence.h"
+#include "supervise/sequence_act.h"
 
 bool restart_in_sequence(const struct restart_sequence *kept)
 {

@@ -1,4 +1,5 @@
 #include "supervise/sequence.h"
+#include "supervise/sequence_act.h"
 
 #include <string.h>
 

@@ -30,11 +30,6 @@ void sequence_safe(struct supervisor *s, const char *reason);
 /* It ran when the board was reset, and does not go on. */
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step);
 
-/* Does the action of row k. False: it could not be done. */
-bool sequence_act(struct supervisor *s, uint8_t k);
-
-/* Switches the offset of measurement i; its value moves at once, loops on it make room. */
-void measurement_offset(struct supervisor *s, uint8_t i, bool on);
 #else
 #define sequence_run(s)          ((void)(s))
 #define sequence_request(s, r)   ((void)(s), (void)(r))

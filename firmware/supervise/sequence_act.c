@@ -1,7 +1,7 @@
 /* What a row of a sequence does, as if an operator had asked for it. */
+#include "supervise/sequence_act.h"
 #include "exchange/span.h"
 #include "supervise/loop_request.h"
-#include "supervise/sequence.h"
 
 static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
                      enum loop_mode mode, float value)

@@ -4,6 +4,7 @@
 
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/compensate_blocks.h"

@@ -2,6 +2,7 @@
 
 #include "base/elapsed.h"
 #include "exchange/block_setup.h"
+#include "exchange/numbered_setup.h"
 #include "exchange/sampling.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"

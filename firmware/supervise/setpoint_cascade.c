@@ -1,8 +1,8 @@
 /* The setpoint that an outer loop gives, which may act on the estimate of a block. */
+#include "supervise/setpoint_cascade.h"
 #include "exchange/block_settings.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
-#include "supervise/setpoint.h"
 
 /* What holds for the loop below `outer` when the estimate that `outer` acts on is lost; NULL: it acts on no such estimate. */
 static const struct block_return *return_of(const struct supervisor *s, uint8_t outer)

@@ -1,5 +1,5 @@
 /* The same as setpoint_cascade.c on a board without blocks, which has no estimates. */
-#include "supervise/setpoint.h"
+#include "supervise/setpoint_cascade.h"
 
 void setpoint_from_outer(struct supervisor *s, uint8_t i)
 {

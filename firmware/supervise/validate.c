@@ -8,6 +8,7 @@
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/setpoint.h"
+#include "supervise/setpoint_cascade.h"
 #include "supervise/watch.h"
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */

@@ -1,6 +1,7 @@
 /* Sequences: from row to row, and what a person may ask meanwhile. Faults: test_sequence_faults.c */
 #include "exchange/sequence_rows.h"
 #include "sequence_bench.h"
+#include "supervise/sequence_act.h"
 
 void setUp(void)
 {

@@ -38,7 +38,7 @@ def way(graph: stack_use.Graph, caller: dict[int, int | None], start: int) -> st
 
 def check(image: Image, graph: stack_use.Graph, parts: list[memory_map.Placed], rules: Rules) -> list[str]:
     """A line for each function that runs where its layer must not."""
-    text = sorted((p.at, p.at + p.size, memory_map.layer_of(p.owner)) for p in parts if p.kind == "text" and p.owner)
+    text = sorted((p.address, p.address + p.size, memory_map.layer_of(p.owner)) for p in parts if p.kind == "text" and p.owner)
     out: list[str] = []
 
     def layer(address: int) -> str:

@@ -27,11 +27,6 @@ void storage_init(struct storage *st, struct service *service)
     st->used[0] = st->used[1] = STORAGE_GRAIN; /* the mark's place, whatever it reads */
 }
 
-void storage_tell(struct storage *st, enum event_code code, const char *subject, float value)
-{
-    service_record(st->service, code, subject, value, 0);
-}
-
 /* ---- into force, after a start ---- */
 
 static void take_stored(struct storage *st)
@@ -114,6 +109,12 @@ bool storage_ready(struct storage *st)
     return st->state == NO_STORAGE || st->state == READY;
 }
 
+static void take_verdict(struct storage *st, enum storage_verdict verdict)
+{
+    if (verdict != STORAGE_GOES_ON)
+        storage_verified(st, verdict == STORAGE_WHOLE);
+}
+
 bool storage_poll(struct storage *st)
 {
     switch ((enum storage_state)st->state) {
@@ -130,7 +131,7 @@ bool storage_poll(struct storage *st)
         storage_scan(st);
         break;
     case CHECKING:
-        storage_check(st);
+        take_verdict(st, storage_check(st));
         break;
     case TAKING:
         take_stored(st);

@@ -1,6 +1,6 @@
 /* One parameter: the row that declares it, the group it is in, which of the group it is. parameters.h says what can be done with it. */
-#ifndef REFLUX_SETTINGS_PARAMETER_H
-#define REFLUX_SETTINGS_PARAMETER_H
+#ifndef REFLUX_SETTINGS_PARAMETER_TABLE_H
+#define REFLUX_SETTINGS_PARAMETER_TABLE_H
 
 #include <stdbool.h>
 
@@ -84,5 +84,10 @@ static inline bool parameter_names_event(const struct parameter *p)
 {
     return CONFIG_BLOCKS && p->field->unit[0] == PARAMETER_SUBJECT[0];
 }
+
+/* Limits and default of a row of the table. */
+float field_lo(const struct parameter_field *field);
+float field_hi(const struct parameter_field *field);
+float field_initial(const struct parameter_field *field);
 
 #endif

@@ -1,0 +1,39 @@
+#include "exchange/reach.h"
+
+#include <string.h>
+
+float plan_own_reach(const struct plan *plan, uint8_t i)
+{
+    float below = 0.0f, above = 1.0f;
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
+        const struct ff_config *f = &plan->config.feedforward[k];
+        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
+            continue;
+        below += f->hi > 0.0f ? f->hi : 0.0f;
+        above -= f->lo < 0.0f ? f->lo : 0.0f;
+    }
+    below += plan_added_reach(plan, plan->loop[i].mv);
+    above += plan_added_reach(plan, plan->loop[i].mv);
+    return below > above ? below : above;
+}
+
+float plan_added_reach(const struct plan *plan, uint8_t output)
+{
+    float reach = 0.0f;
+    for (uint8_t n = 0; CONFIG_BLOCKS && n < plan->records; n++)
+        for (uint8_t k = 0; k < plan->record[n].points; k++)
+            if (plan_has_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
+                reach += PLAN_ELEMENT_MOST;
+    return reach;
+}
+
+/* Nobody knows what another compensator behind it makes of its outputs. */
+float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
+{
+    for (uint8_t behind = (uint8_t)(n + 1u); CONFIG_BLOCKS && behind < plan->records; behind++)
+        for (uint8_t k = 0; k < plan->record[behind].members; k++)
+            if (plan_has_stage(plan, behind, STAGE_COMPENSATE) &&
+                plan->record[behind].member[k] == i)
+                return NUM_MAX_MAGNITUDE;
+    return plan_own_reach(plan, i);
+}
