@@ -15,7 +15,7 @@
 /* One stage's equations: unknowns are its own changes; the right sides are the changes of the stage above, then numbers. */
 #define WIDTH (2 * M_MAX + 1)
 struct rows {
-    real_t of[M_MAX][WIDTH];
+    real_t row[M_MAX][WIDTH];
 };
 
 /* The change of the vapour that comes from below: slope times that of this stage's liquid, and a number. */
@@ -55,7 +55,7 @@ static ALWAYS_INLINE void balances(size_t m, const struct column *column, const 
     real_t from_below = out * (ONE - efficiency) - vapour_in;
 
     for (size_t i = 0; i < m; i++) {
-        real_t *row = rows->of[i];
+        real_t *row = rows->row[i];
         for (size_t j = 0; j < m; j++) {
             row[j] = (i == j ? own : ZERO) + out * efficiency * dy[i * m + j] +
                      from_below * below->slope[i * m + j];
@@ -68,7 +68,7 @@ static ALWAYS_INLINE void balances(size_t m, const struct column *column, const 
 static ALWAYS_INLINE void draw(size_t m, const struct column *column, const struct column_pull *p,
                                const real_t *dt, struct rows *rows)
 {
-    real_t *row = rows->of[p->component];
+    real_t *row = rows->row[p->component];
     real_t part = column->holdup[p->stage] / dt[p->component];
 
     for (size_t j = 0; j < m; j++)
@@ -81,7 +81,7 @@ static ALWAYS_INLINE void close_rows(size_t m, const struct column *column, size
                                      struct rows *rows)
 {
     const real_t *k = &column->k[s * (m + 1)];
-    real_t *row = rows->of[m - 1];
+    real_t *row = rows->row[m - 1];
 
     for (size_t j = 0; j < m; j++) {
         row[j] = (k[j] - k[m]) / (k[m - 1] - k[m]);
@@ -103,9 +103,9 @@ static ALWAYS_INLINE void leave(size_t m, real_t efficiency, const real_t *dy,
         for (size_t j = 0; j < m; j++) {
             real_t slope = ZERO;
             for (size_t l = 0; l < m; l++)
-                slope += by_own[i * m + l] * rows->of[l][m + j];
+                slope += by_own[i * m + l] * rows->row[l][m + j];
             v->slope[i * m + j] = slope;
-            number += by_own[i * m + j] * rows->of[j][2 * m];
+            number += by_own[i * m + j] * rows->row[j][2 * m];
         }
         v->number[i] = number;
     }
@@ -116,8 +116,8 @@ static ALWAYS_INLINE void keep_rows(size_t m, const struct rows *rows, size_t s,
 {
     for (size_t i = 0; i < m; i++) {
         for (size_t j = 0; j < m; j++)
-            blocks->ratio[(s * m + i) * m + j] = rows->of[i][m + j];
-        blocks->change[s * m + i] = rows->of[i][2 * m];
+            blocks->ratio[(s * m + i) * m + j] = rows->row[i][m + j];
+        blocks->change[s * m + i] = rows->row[i][2 * m];
     }
 }
 
@@ -154,7 +154,7 @@ static ALWAYS_INLINE enum err step(size_t m, const struct column *column, const 
                 draw(m, column, &pull[k], dt, &rows);
         if (truncated[s])
             close_rows(m, column, s, &rows);
-        if (!solve_small(m, 2 * m + 1, WIDTH, &rows.of[0][0]))
+        if (!solve_small(m, 2 * m + 1, WIDTH, &rows.row[0][0]))
             return ERR_RANGE;
         keep_rows(m, &rows, s, blocks);
         leave(m, efficiency, dy, &rows, &below);

@@ -67,7 +67,7 @@ static ALWAYS_INLINE enum err factor(size_t m, const struct column *column, cons
     real_t rows[M_MAX * WIDTH];
 
     for (size_t s = stages; s-- > 0;) {
-        real_t *p = &t->of[s * stride], *by_vapour = p + m * m, *g = p + 2 * m * m;
+        real_t *p = &t->factors[s * stride], *by_vapour = p + m * m, *g = p + 2 * m * m;
         real_t efficiency = column_efficiency_of(column, s), keep = ONE - efficiency;
         vapour_by_liquid(m, column, x, s, efficiency, g);
         stage_rows(m, column, s, h, keep, g, by_vapour + stride, rows);
@@ -105,7 +105,7 @@ static ALWAYS_INLINE void carry_deviations(size_t m, const struct column_transit
     real_t sum[M_MAX], vapour[M_MAX] = {ZERO};
 
     for (size_t s = t->stages; s-- > 0;) {
-        const real_t *p = &t->of[s * stride];
+        const real_t *p = &t->factors[s * stride];
         real_t *here = &v[s * m], liquid = p[3 * m * m];
         for (size_t j = 0; j < m; j++)
             sum[j] = s + 1 < t->stages ? here[j] + liquid * here[m + j] : here[j];
@@ -116,7 +116,7 @@ static ALWAYS_INLINE void carry_deviations(size_t m, const struct column_transit
         }
     }
     for (size_t s = 0; s < t->stages; s++) {
-        const real_t *by_vapour = &t->of[s * stride + m * m], *g = by_vapour + m * m;
+        const real_t *by_vapour = &t->factors[s * stride + m * m], *g = by_vapour + m * m;
         real_t *here = &v[s * m], keep = g[m * m + 1];
         for (size_t i = 0; i < m; i++)
             for (size_t j = 0; j < m; j++)

@@ -18,8 +18,8 @@
 /* The factors; numbers belong to the caller. */
 struct column_transition {
     size_t stages, m; /* m: mole fractions of a stage, C - 1 */
-    real_t *
-        of; /* [stages * column_transition_stride(m)]: of a stage P, T, G (m x m, row by row), then l and keep */
+    /* [stages * column_transition_stride(m)]: P, T, G of a stage (m x m, row by row), then l and keep */
+    real_t *factors;
 };
 
 static inline size_t column_transition_stride(size_t m)
@@ -28,7 +28,7 @@ static inline size_t column_transition_stride(size_t m)
 }
 
 /* From the very x of the last column_rates or column_truncated_rates, no stage truncated, holdups constant. h > 0, s.
- * t->of is there; the rest is written. ERR_RANGE where the equations have no solution, or none in numbers of this size. */
+ * t->factors is given; the rest is written. ERR_RANGE where the equations have no solution, or none in numbers of this size. */
 MUST_CHECK enum err column_transition_make(const struct column *column, const real_t *x, real_t h,
                                            struct column_transition *t);
 

@@ -29,7 +29,7 @@
 /* d(ln gamma)/dT, at the temperature it was taken at; good for those near it. */
 struct activity_slope {
     real_t at; /* K */
-    real_t of[COLUMN_COMPONENTS_MAX];
+    real_t number[COLUMN_COMPONENTS_MAX];
 };
 #define SLOPE_HOLDS_K REAL_C(1.0)
 
@@ -38,9 +38,9 @@ static void take_activity_slope(const struct vle *vle, const real_t *x, real_t t
                                 const real_t *gamma, struct activity_slope *slope)
 {
     slope->at = temperature;
-    vle->activity(vle->activity_context, x, temperature + SLOPE_K, slope->of);
+    vle->activity(vle->activity_context, x, temperature + SLOPE_K, slope->number);
     for (size_t j = 0; j < vle->n; j++)
-        slope->of[j] = (slope->of[j] / gamma[j] - REAL_C(1.0)) / SLOPE_K;
+        slope->number[j] = (slope->number[j] / gamma[j] - REAL_C(1.0)) / SLOPE_K;
 }
 
 static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pressure,
@@ -62,7 +62,7 @@ static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pr
         take_activity_slope(vle, x, temperature, gamma, slope);
     for (size_t j = 0; j < vle->n; j++) {
         k[j] *= gamma[j];
-        dk[j] = dk[j] * gamma[j] + k[j] * slope->of[j];
+        dk[j] = dk[j] * gamma[j] + k[j] * slope->number[j];
     }
 }
 

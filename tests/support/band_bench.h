@@ -20,7 +20,7 @@ static struct covariance_band band;
 static real_t memory[4000], factors[MANY * (3 * M_MOST * M_MOST + 2)];
 static real_t push[Q_MOST * MANY * 2], keep[Q_MOST], grown[Q_MOST], noise[MANY * M_MOST];
 static real_t variance[MANY * M_MOST + Q_MOST], gain[MANY * M_MOST + Q_MOST];
-static struct column_transition transition = {.of = factors};
+static struct column_transition transition = {.factors = factors};
 static struct covariance_step step;
 
 static inline double uniform(void)
@@ -88,7 +88,7 @@ static inline void bench_band(size_t stages, size_t m, size_t q)
 
 static inline const real_t *at_stage(size_t s)
 {
-    return &band.of[s * covariance_band_stride(band.m, band.extras)];
+    return &band.blocks[s * covariance_band_stride(band.m, band.extras)];
 }
 
 static inline struct covariance_measurement draw_measurement(real_t *slope)
@@ -97,8 +97,8 @@ static inline struct covariance_measurement draw_measurement(real_t *slope)
     size_t stage = random_below(&source, (uint32_t)band.stages);
     for (size_t i = 0; i < band.m; i++)
         slope[i] = (real_t)uniform();
-    z.at = stage * band.m + random_below(&source, (uint32_t)band.m);
-    z.count = 1 + random_below(&source, (uint32_t)(band.m - z.at % band.m));
+    z.first = stage * band.m + random_below(&source, (uint32_t)band.m);
+    z.count = 1 + random_below(&source, (uint32_t)(band.m - z.first % band.m));
     if (band.extras > 0 && random_below(&source, 3) == 0) {
         z.extra = random_below(&source, (uint32_t)band.extras);
         z.extra_slope = (real_t)uniform();

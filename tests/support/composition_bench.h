@@ -8,7 +8,8 @@
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "composition_tables.h"
-#include "kinds/composition/composition_block.h"
+#include "composition_whole.h"
+#include "kinds/composition/composition_parameters.h"
 #include "unity.h"
 
 /* Inputs and points. */
@@ -29,7 +30,7 @@ static struct block_io io;
 
 static inline void temperature_at(unsigned k, unsigned stage, unsigned component)
 {
-    all_settings.s.is[k] = IS_TEMPERATURE;
+    all_settings.s.role[k] = IS_TEMPERATURE;
     all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
     all_settings.s.place[k][OF_COMPONENT] = (uint16_t)component;
     setup.input[k] = (struct block_signal){300, 400, false};
@@ -46,7 +47,7 @@ static inline void point_of(unsigned k, unsigned stage, unsigned component)
 /* Litres in an hour. */
 static inline void flow_at(unsigned k, enum composition_input is)
 {
-    all_settings.s.is[k] = (uint8_t)is;
+    all_settings.s.role[k] = (uint8_t)is;
     all_settings.s.si[k][UNIT_FACTOR] = 1.0f / 3.6e6f;
     setup.input[k] = (struct block_signal){0, 20, false};
 }
@@ -77,7 +78,7 @@ static inline void bench_pilot(void)
     temperature_at(T_HIGH, 10, 1);
     temperature_at(T_COMPARED, 7, 0);
     flow_at(FEED, IS_FEED);
-    all_settings.s.is[HEAT] = IS_HEAT;
+    all_settings.s.role[HEAT] = IS_HEAT;
     setup.input[HEAT] = (struct block_signal){0, 2000, true};
     flow_at(REFLUX, IS_REFLUX);
     point_of(TOP_FRACTION, 12, 1);
@@ -103,23 +104,23 @@ static inline void accepted(void)
 /* Mole fractions on the plant's stages. */
 static inline float truth(unsigned stage)
 {
-    return (float)plant.c.column.temperature[stage - 1];
+    return (float)plant.model.column.temperature[stage - 1];
 }
 
 static inline void plant_temperatures(void)
 {
     struct column_fault why;
-    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&plant.c.column, &plant.c.inputs, &why));
-    TEST_ASSERT_EQUAL(ERR_OK,
-                      column_truncated_rates(&plant.c.column, plant.c.truncated,
-                                             COLUMN_BETWEEN_LINE, plant.c.x, plant.c.rates));
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&plant.model.column, &plant.model.inputs, &why));
+    TEST_ASSERT_EQUAL(ERR_OK, column_truncated_rates(&plant.model.column, plant.model.truncated,
+                                                     COLUMN_BETWEEN_LINE, plant.model.x,
+                                                     plant.model.rates));
 }
 
 static inline void measure(void)
 {
     plant_temperatures();
     for (unsigned k = 0; k < setup.inputs; k++)
-        if (all_settings.s.is[k] == IS_TEMPERATURE)
+        if (all_settings.s.role[k] == IS_TEMPERATURE)
             put(k, truth(all_settings.s.place[k][AT_STAGE]));
 }
 
@@ -152,7 +153,7 @@ static inline void begin(void)
 static inline void plant_runs(unsigned n)
 {
     while (n-- > 0)
-        TEST_ASSERT_EQUAL(ERR_OK, composition_predict(&plant.c));
+        TEST_ASSERT_EQUAL(ERR_OK, composition_model_predict(&plant.model));
     measure();
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/workspace.h"
 #include "composition_bench.h"
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_job_state.h"
 
 static struct workspace workspace;
 static void *region;
@@ -184,12 +184,12 @@ static inline void move_state(void)
 
 static inline float fraction(unsigned stage)
 {
-    return (float)filter.b->c.x[stage - 1];
+    return (float)filter.b->model.x[stage - 1];
 }
 
 static inline float true_fraction(unsigned stage)
 {
-    return (float)plant.c.x[stage - 1];
+    return (float)plant.model.x[stage - 1];
 }
 
 /* The largest error of a mole fraction. */
@@ -251,7 +251,7 @@ static inline const char *way_begins(unsigned i)
 
 static inline bool has_gains(void)
 {
-    return filter.b->c.gains.of != NULL;
+    return filter.b->filter.gain != NULL;
 }
 
 #endif

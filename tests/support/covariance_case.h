@@ -62,7 +62,7 @@ static inline void case_apply(const struct column_transition *t, double *d, bool
     size_t m = t->m, stride = column_transition_stride(m);
     double w[3] = {0}, sum[3];
     for (size_t s = t->stages; s-- > 0;) {
-        const real_t *p = t->of + s * stride;
+        const real_t *p = t->factors + s * stride;
         for (size_t j = 0; j < m; j++)
             sum[j] =
                 d[s * m + j] + (s + 1 < t->stages ? (double)p[3 * m * m] * d[s * m + m + j] : 0);
@@ -74,7 +74,7 @@ static inline void case_apply(const struct column_transition *t, double *d, bool
         }
     }
     for (size_t s = 0; s < t->stages; s++) {
-        const real_t *by_vapour = t->of + s * stride + m * m, *g = by_vapour + m * m;
+        const real_t *by_vapour = t->factors + s * stride + m * m, *g = by_vapour + m * m;
         for (size_t i = 0; i < m; i++)
             for (size_t j = 0; j < m; j++)
                 d[s * m + i] += (magnitudes ? fabs((double)by_vapour[i * m + j])
@@ -159,7 +159,7 @@ static inline bool case_begin(struct covariance_case *k, size_t stages, size_t c
         return false;
     case_profile(k);
     k->n = k->column.n_fractions;
-    k->transition.of = k->numbers;
+    k->transition.factors = k->numbers;
     return column_rates(&k->column, k->x, k->rates) == ERR_OK &&
            column_transition_make(&k->column, k->x, (real_t)h, &k->transition) == ERR_OK &&
            case_extras(k, extras, h);
@@ -194,7 +194,7 @@ static inline void case_carry(struct covariance_case *k)
 static inline double case_slope(const struct covariance_case *k,
                                 const struct covariance_measurement *z, size_t i)
 {
-    double slope = i >= z->at && i < z->at + z->count ? (double)z->slope[i - z->at] : 0;
+    double slope = i >= z->first && i < z->first + z->count ? (double)z->slope[i - z->first] : 0;
     return i == k->n + z->extra && z->extra < k->extras ? (double)z->extra_slope : slope;
 }
 

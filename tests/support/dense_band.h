@@ -171,7 +171,7 @@ static inline void dense_sweeps(const struct column_transition *t, dense_square 
     memset(up, 0, sizeof(dense_square));
     memset(vapour, 0, sizeof vapour);
     for (size_t s = t->stages; s-- > 0;) {
-        const real_t *p = &t->of[s * column_transition_stride(m)];
+        const real_t *p = &t->factors[s * column_transition_stride(m)];
         for (size_t i = 0; i < m; i++)
             for (size_t k = 0; k < m; k++) {
                 down[s * m + i][s * m + k] += (double)p[i * m + k];
@@ -181,7 +181,7 @@ static inline void dense_sweeps(const struct column_transition *t, dense_square 
             }
     }
     for (size_t s = 0; s < t->stages; s++) {
-        const real_t *by = &t->of[s * column_transition_stride(m)] + m * m, *g = by + m * m;
+        const real_t *by = &t->factors[s * column_transition_stride(m)] + m * m, *g = by + m * m;
         for (size_t i = 0; i < m; i++) {
             up[s * m + i][s * m + i] = 1;
             for (size_t k = 0; k < m; k++)
@@ -235,7 +235,7 @@ static inline void dense_slopes(const struct dense_band *d, const struct covaria
     for (size_t i = 0; i < d->n + d->q; i++)
         h[i] = 0;
     for (size_t i = 0; i < z->count; i++)
-        h[z->at + i] = (double)z->slope[i];
+        h[z->first + i] = (double)z->slope[i];
     if (z->extra < d->q)
         h[d->n + z->extra] = (double)z->extra_slope;
 }

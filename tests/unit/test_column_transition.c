@@ -22,7 +22,7 @@
 
 static struct column_blocks blocks;
 static real_t numbers[STAGES * (3 * 9 + 2)];
-static struct column_transition transition = {.of = numbers};
+static struct column_transition transition = {.factors = numbers};
 static real_t v[N_MOST];
 
 void setUp(void)

@@ -25,7 +25,7 @@ static void place_numbers(struct ahead_model *m, real_t *numbers)
     m->x = numbers;
     m->later = numbers + n;
     m->rates = numbers + 2 * n;
-    m->transition.of = numbers + 3 * n;
+    m->transition.factors = numbers + 3 * n;
 }
 
 void ahead_model_rest(struct ahead_model *m)

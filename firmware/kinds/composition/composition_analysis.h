@@ -1,6 +1,6 @@
-/* Compositions that are analysed now and then, late: what the model is off by at the place of each is taken off its points. For this folder alone.
+/* Late analyses of compositions: the model's error at the place of each is taken off its points. For this folder alone.
  *
- * An analysis y of a sample that was taken a seconds ago is compared with what the estimate was then, and a share of what is left over
+ * An analysis y of a sample that was taken a seconds ago is compared with the estimate of that time, and a share of the difference
  * moves the correction:
  *
  *     c <- c + g (y - (x(t - a) + c)),   estimate = x + c, within 0..1
@@ -10,40 +10,63 @@
 #ifndef REFLUX_COMPOSITION_COMPOSITION_ANALYSIS_H
 #define REFLUX_COMPOSITION_COMPOSITION_ANALYSIS_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "kinds/composition/composition_model.h"
 
-#include "num/real.h"
+#if CONFIG_BLOCKS
 
-#define ANALYSES_MAX  2
-#define ANALYSIS_PAST 128u
+struct composition_analysis;
+struct composition_analyses;
 
-struct composition_analysis {
-    uint8_t input, stage, component; /* from 0 */
-    real_t share;                    /* g */
-    real_t correction;               /* mole fraction */
-    real_t surprise;                 /* mole fraction, by which the last one was off */
-    real_t age_s;                    /* of the last one, in the step before */
-    bool seen;                       /* there has been one */
-    bool far;                        /* the last one was too far off, and is not believed */
-    bool told;                 /* the correction is found elsewhere, from `surprise` and this: */
-    bool fresh;                /* there is one that was believed; whoever takes it in clears it */
-    real_t moved;              /* mole fraction, by the estimate since its sample was taken */
-    float past[ANALYSIS_PAST]; /* of the estimate without correction, every `every` steps */
-    uint16_t at, filled;       /* the newest is at `at` */
-    uint16_t counted;          /* steps since it was put there */
-    uint16_t every;
+/* What an analyser shows. */
+struct composition_sample {
+    real_t y;     /* mole fraction */
+    real_t age_s; /* s, since the sample was taken */
+    real_t most;  /* mole fraction; what is farther off is rejected; 0: all is believed */
+    bool usable;  /* it shows something valid */
 };
 
-/* Every how many steps the estimate is kept. h: s, of a step; reach: s, the oldest sample that counts. */
+/* ---- one analysis ---- */
+
+/* Returns every how many steps the estimate is kept. h: s, of a step; reach: s, age of the oldest sample that counts. */
 uint16_t composition_analysis_every(real_t h, real_t reach);
 
-/* h: s, of a step; reach: s, the oldest sample that counts. Nothing is known before. */
+/* Forgets all samples. h, reach: as above. */
 void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t reach);
 
-/* A step: x is the estimate now, y what the analyser shows, age_s since its sample was taken; usable: it shows something valid. most: mole
- * fraction; what is farther off is not believed; 0: all is. Returns whether a sample has come that is older than the reach. */
-bool composition_analysis_step(struct composition_analysis *a, real_t h, real_t x, bool usable,
-                               real_t y, real_t age_s, real_t most);
+/* Takes a step of h seconds to the estimate x. True: a sample has come that is older than the reach. */
+bool composition_analysis_step(struct composition_analysis *a, real_t h, real_t x,
+                               const struct composition_sample *sample);
 
+/* ---- those of a block ---- */
+
+/* keep: they are those that there were, and keep their past. */
+void composition_analyses_set(struct composition_analyses *all, struct composition_model *model,
+                              const struct block_setup *setup, bool keep);
+void composition_analyses_begin(struct composition_analyses *all, struct composition_model *model,
+                                real_t reach);
+/* Takes a step of analysis i. filtered: the filter finds the corrections. True: the sample is too old, or rejected. */
+bool composition_analyses_step(struct composition_analyses *all, struct composition_model *model,
+                               unsigned i, const struct composition_sample *sample, bool filtered);
+
+unsigned composition_analyses_count(const struct composition_analyses *all);
+/* Returns the index of the input. */
+unsigned composition_analyses_input(const struct composition_analyses *all, unsigned i);
+real_t composition_analyses_correction(const struct composition_analyses *all, unsigned i);
+/* True: analysis i is of the component on the stage. */
+bool composition_analyses_is_at(const struct composition_analyses *all, unsigned i, size_t stage,
+                                size_t component);
+/* Returns the number of the first such, from 0; ANALYSES_MAX: there is none. */
+unsigned composition_analyses_find(const struct composition_analyses *all, size_t stage,
+                                   size_t component);
+/* True: one is above the feed, or below. */
+bool composition_analyses_in_section(const struct composition_analyses *all, size_t feed_stage,
+                                     bool above);
+size_t composition_analyses_stage(const struct composition_analyses *all, unsigned i);
+size_t composition_analyses_component(const struct composition_analyses *all, unsigned i);
+
+/* Takes the last sample of analysis i for the filter. False: there is none that it has not taken yet. */
+bool composition_analyses_take(struct composition_analyses *all, unsigned i, real_t *surprise,
+                               real_t *moved);
+
+#endif
 #endif

@@ -2,73 +2,342 @@
 
 #include <string.h>
 
-#include "kinds/composition/composition_covariance.h"
+#include "kinds/composition/composition_job_state.h"
 
-#define ONE REAL_C(1.0)
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+#define HOUR REAL_C(3600.0)
 
-#define HOLDER "composition"
-#define FREES  "block N free"
+/* Mole fractions that get their noise in a cycle: of a large whole covariance it costs as much as all the rest if all get it. Of a small
+ * one all do: where trays are faster than a tick, gains would come and go with the noise. */
+#define NOISE_COUNT 8u
+#define NOISE_SMALL 36u
+/* What a mole fraction gathers is proportional to x (1 - x), at least as much as at this one. */
+#define NOISE_PURE REAL_C(0.01)
+/* An offset of the model changes in so many seconds. */
+#define OFFSET_S REAL_C(86400.0)
+/* A steady state is there when no gain moved by more than this part of the largest in a cycle. */
+#define STEADY_PART   REAL_C(1e-5)
+#define STEADY_CYCLES 20000u
 
-/* What was here before, with other settings, may have had it for so many ticks. */
-#define REFUSALS_MOST (WORKSPACE_TICKS + 1u)
-
-/* A steady state is looked for during so many seconds. */
-#define STEADY_S REAL_C(20.0)
-
-const char *composition_workspace_holder(void)
+static void find_model(struct composition_job *job)
 {
-    const struct workspace *w = workspace_shared();
-    return w && w->frees ? w->holder : NULL;
+    struct column_fault fault;
+    job->err = column_set_inputs(&job->column, &job->inputs, &fault);
+    if (!job->err)
+        job->err = column_evaluate_near(&job->column, job->x);
 }
 
-bool composition_lacks_workspace(const struct composition_block *b)
+static void find_factors(struct composition_job *job)
 {
-    const struct composition_filter *f = &b->filter;
-    return composition_is_complete(&b->c) && !f->job && !f->steady &&
-           (f->declined || f->refusals > REFUSALS_MOST);
+    job->transition.stages = job->column.config->stages;
+    job->transition.m = job->column.config->components - 1;
+    job->transition.factors = job->factors;
+    job->err = column_transition_make(&job->column, job->x, job->h, &job->transition);
 }
 
-void composition_begin_filter(struct composition_block *b)
+/* Variance of a mole fraction where one of 1/2 has `half`. */
+static real_t variance_at(real_t x, real_t half)
 {
-    b->filter.begins = true;
-    b->filter.analysed = 0;
+    real_t pure = NOISE_PURE * (ONE - NOISE_PURE), spread = x * (ONE - x);
+    spread = (spread > pure ? spread : pure) * REAL_C(4.0);
+    return half * spread * spread;
 }
 
-void composition_forget_steady(struct composition_block *b)
+/* Puts what mole fractions gather in a cycle. */
+static void find_noise(struct composition_job *job, const struct composition_parts *p)
 {
-    struct composition_filter *f = &b->filter;
-    f->begins = f->begins || b->s.covariance == COVARIANCE_STEADY;
-    f->steady = false;
+    size_t n = job->column.n_fractions;
+    size_t count = p->settings->covariance == COVARIANCE_FULL && n > NOISE_SMALL ? NOISE_COUNT : n;
+    real_t time_s = job->h * (real_t)n / (real_t)count;
+    real_t half = composition_sensors_model2(p->sensors) * time_s;
+    for (size_t i = 0; i < n; i++)
+        job->noise[i] = variance_at(job->x[i], half);
+    job->step.noise = job->noise;
+    job->step.noise_count = count;
+    job->step.noise_first = job->noise_first;
+    size_t after = job->noise_first + count;
+    job->noise_first = (uint16_t)(after < n ? after : after - n);
 }
 
-void composition_end_lease(struct composition_block *b)
+static real_t sd_of_extra(const struct composition_parts *p, size_t k)
 {
-    if (b->filter.job)
-        workspace_end(workspace_shared(), b->filter.lease);
-    b->filter.job = NULL;
+    return k >= composition_model_feed_extras(p->model) ? p->settings->offset
+           : composition_model_is_flow(p->model, k)     ? composition_feed_f(p->settings, p->inputs)
+                                                        : p->settings->feed_z;
 }
 
-/* A feed so many standard deviations from the table's is not to be expected. */
-#define FEED_MOST REAL_C(3.0)
-
-static bool expects_feed(const struct composition_block *b)
+static void let_extra_grow(struct composition_job *job, const struct composition_parts *p, size_t k)
 {
-    const struct composition_gains *g = &b->c.gains;
-    for (uint8_t k = 0; k < g->feed; k++) {
-        bool is_flow = g->has_flow && k + 1u == g->feed;
-        if (real_abs(g->extra[k]) >
-            FEED_MOST * (is_flow ? composition_feed_f(&b->s, b->inputs) : b->s.feed_z))
-            return false;
+    real_t sd = sd_of_extra(p, k);
+    bool is_offset = k >= composition_model_feed_extras(p->model);
+    real_t keep = ONE - job->h / (is_offset ? OFFSET_S : p->settings->feed_s);
+    job->keep[k] = keep > ZERO ? keep : ZERO;
+    job->grown[k] = sd * sd * (ONE - job->keep[k] * job->keep[k]);
+}
+
+/* Finds how the feed moves the column, and what the extras gather. */
+static void find_feed(struct composition_job *job, const struct composition_parts *p)
+{
+    size_t n = job->column.n_fractions;
+    size_t feed = composition_model_feed_extras(p->model);
+    size_t extras = composition_model_extras(p->model);
+    memset(job->push + feed * n, 0, (extras - feed) * n * sizeof(real_t));
+    composition_model_push(p->model, &job->column, job->x, job->push, job->rates, job->work);
+    for (size_t i = 0; i < feed * n; i++)
+        job->push[i] *= job->h;
+    for (size_t k = 0; k < extras; k++)
+        let_extra_grow(job, p, k);
+    job->step.transition = &job->transition;
+    job->step.extras = extras;
+    job->step.push = job->push;
+    job->step.keep = job->keep;
+    job->step.grown = job->grown;
+}
+
+/* Before any reading, however well the model is known: standard deviation of a mole fraction of 1/2. */
+#define BEGIN_SD REAL_C(0.1)
+
+/* Before any reading: each by itself. */
+static void begin_covariance(struct composition_job *job, const struct composition_parts *p)
+{
+    size_t n = job->column.n_fractions, m = job->transition.m;
+    size_t extras = composition_model_extras(p->model);
+    real_t *variance = job->noise;
+    real_t known = composition_sensors_model2(p->sensors) * HOUR,
+           half = known > BEGIN_SD * BEGIN_SD ? known : BEGIN_SD * BEGIN_SD;
+    for (size_t i = 0; i < n; i++)
+        variance[i] = variance_at(job->x[i], half);
+    for (size_t k = 0; k < extras; k++)
+        variance[n + k] = sd_of_extra(p, k) * sd_of_extra(p, k);
+    job->err = composition_is_banded(p->settings)
+                   ? covariance_band_begin(&job->covariance.band, job->transition.stages, m, extras,
+                                           variance, job->memory)
+                   : covariance_ud_begin(&job->covariance.ud, job->transition.stages, m, extras,
+                                         variance, job->memory);
+    job->begin = false;
+}
+
+static bool carry(struct composition_job *job, const struct composition_parts *p)
+{
+    struct covariance_ud *ud = &job->covariance.ud;
+    struct covariance_band *band = &job->covariance.band;
+    bool banded = composition_is_banded(p->settings);
+    if (!job->carrying)
+        find_noise(job, p);
+    job->carrying = banded ? covariance_band_carry_piece(band, &job->step, COVARIANCE_BAND_EFFORT)
+                           : covariance_ud_carry_piece(ud, &job->step, COVARIANCE_UD_EFFORT);
+    if (!job->carrying)
+        job->err = banded ? covariance_band_err(band) : covariance_ud_err(ud);
+    return job->carrying;
+}
+
+static real_t work_in(struct composition_job *job, const struct composition_parts *p,
+                      const struct covariance_measurement *z, real_t *gain)
+{
+    return composition_is_banded(p->settings) ? covariance_band_take(&job->covariance.band, z, gain)
+                                              : covariance_ud_take(&job->covariance.ud, z, gain);
+}
+
+/* The largest gain of a cycle, and by how much one has moved since the cycle before. */
+static void watch_gain(struct composition_job *job, const real_t *gain, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        real_t moved = real_abs(gain[i] - job->before[i]), size = real_abs(gain[i]);
+        job->moved = moved > job->moved ? moved : job->moved;
+        job->largest = size > job->largest ? size : job->largest;
     }
-    return true;
 }
 
-bool composition_is_unsure(const struct composition_block *b)
+static void slopes_at(const struct composition_job *job, size_t stage, real_t *dt)
 {
-    return composition_is_complete(&b->c) && (!b->c.gains.of || !expects_feed(b));
+    real_t full[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
+    size_t c = job->transition.m + 1u;
+    for (size_t j = 0; j < c; j++)
+        full[j] = column_fraction(&job->column, job->x, stage, j);
+    vle_full_slopes(&job->column.vle, job->column.temperature[stage], full,
+                    &job->column.k[stage * c], &job->column.dk[stage * c], dt, dy);
 }
 
-/* ---- sizes ---- */
+static void work_in_sensor(struct composition_job *job, const struct composition_parts *p,
+                           unsigned k)
+{
+    size_t length = composition_model_length(p->model);
+    size_t stage = composition_sensors_stage(p->sensors, k);
+    real_t *gain = &job->gain[k * length];
+    real_t dt[COLUMN_COMPONENTS_MAX];
+    struct covariance_measurement z = {.first = stage * job->transition.m,
+                                       .count = job->transition.m,
+                                       .slope = dt,
+                                       .extra = COVARIANCE_EXTRAS_MAX,
+                                       .variance = composition_sensors_noise2(p->sensors, k)};
+    if (!(job->present & 1u << k)) {
+        memset(gain, 0, length * sizeof(real_t));
+        return;
+    }
+    slopes_at(job, stage, dt);
+    if (p->settings->covariance == COVARIANCE_STEADY)
+        memcpy(job->before, gain, length * sizeof(real_t));
+    job->spread[k] = work_in(job, p, &z, gain);
+    if (p->settings->covariance == COVARIANCE_STEADY)
+        watch_gain(job, gain, length);
+}
+
+/* A mole fraction of a stage, the closing one too, with the offset of its place where there is an analysis. */
+static void put_fraction(const struct composition_job *job, const struct composition_parts *p,
+                         size_t stage, size_t component, struct covariance_measurement *z,
+                         real_t *slope)
+{
+    size_t m = job->transition.m;
+    for (size_t j = 0; j < m; j++)
+        slope[j] = component == m ? -ONE : j == component ? ONE : ZERO;
+    *z = (struct covariance_measurement){.first = stage * m,
+                                         .count = m,
+                                         .slope = slope,
+                                         .extra = COVARIANCE_EXTRAS_MAX,
+                                         .extra_slope = ONE};
+    for (unsigned i = 0; p->settings->offset > 0 && i < composition_analyses_count(p->analyses);
+         i++)
+        if (composition_analyses_is_at(p->analyses, i, stage, component))
+            z->extra = composition_model_feed_extras(p->model) + i;
+}
+
+static void work_in_analysis(struct composition_job *job, const struct composition_parts *p,
+                             unsigned i)
+{
+    size_t length = composition_model_length(p->model);
+    real_t slope[COLUMN_COMPONENTS_MAX];
+    real_t *gain = &job->gain[(composition_sensors_count(p->sensors) + i) * length];
+    struct covariance_measurement z;
+    if (!(job->analysed & 1u << i))
+        return;
+    put_fraction(job, p, composition_analyses_stage(p->analyses, i),
+                 composition_analyses_component(p->analyses, i), &z, slope);
+    z.variance = p->settings->analyser * p->settings->analyser + job->older[i];
+    (void)work_in(job, p, &z, gain);
+}
+
+static real_t variance_of(struct composition_job *job, const struct composition_parts *p,
+                          const struct covariance_measurement *z)
+{
+    real_t variance = composition_is_banded(p->settings)
+                          ? covariance_band_of(&job->covariance.band, z)
+                          : covariance_ud_of(&job->covariance.ud, z);
+    return variance > ZERO ? variance : ZERO;
+}
+
+/* A point of the feed, mole fraction or part of its flow; false: no extra stands for it. */
+static bool put_feed(const struct composition_job *job, const struct composition_parts *p,
+                     unsigned k, struct covariance_measurement *z, real_t *slope)
+{
+    bool is_flow = p->settings->quantity[k] == OF_FEED_FLOW;
+    for (size_t j = 0; j < job->transition.m; j++)
+        slope[j] = ZERO;
+    *z = (struct covariance_measurement){.first = 0,
+                                         .count = job->transition.m,
+                                         .slope = slope,
+                                         .extra = is_flow
+                                                      ? composition_model_feed_extras(p->model) - 1u
+                                                      : p->settings->point[k][OF_COMPONENT] - 1u,
+                                         .extra_slope = ONE};
+    return is_flow ? composition_model_has_flow(p->model) : composition_model_has_feed(p->model);
+}
+
+static void find_point(struct composition_job *job, const struct composition_parts *p, unsigned k)
+{
+    size_t stage = p->settings->point[k][AT_STAGE] - 1u,
+           component = p->settings->point[k][OF_COMPONENT];
+    real_t slope[COLUMN_COMPONENTS_MAX];
+    struct covariance_measurement z;
+    if (p->settings->quantity[k] != OF_STAGE) {
+        bool is_found = put_feed(job, p, k, &z, slope);
+        job->certainty.sd[k] = is_found ? real_sqrt(variance_of(job, p, &z)) : ZERO;
+        return;
+    }
+    put_fraction(job, p, stage, component ? component - 1u : 0, &z, slope);
+    if (!component) {
+        slopes_at(job, stage, slope);
+        z.extra = COVARIANCE_EXTRAS_MAX;
+    }
+    job->certainty.sd[k] = real_sqrt(variance_of(job, p, &z));
+}
+
+static void end_points(struct composition_job *job, const struct composition_parts *p)
+{
+    real_t least, most;
+    if (composition_is_banded(p->settings))
+        covariance_band_extremes(&job->covariance.band, &least, &most);
+    else
+        covariance_ud_extremes(&job->covariance.ud, &least, &most);
+    job->certainty.least = real_sqrt(least > ZERO ? least : ZERO);
+    job->certainty.most = real_sqrt(most);
+    if (!isfinite(job->certainty.most) || !(least > ZERO))
+        job->err = ERR_NOT_FINITE;
+}
+
+/* True: a steady state needs another cycle. */
+static bool goes_round(struct composition_job *job, const struct composition_parts *p)
+{
+    if (p->settings->covariance != COVARIANCE_STEADY)
+        return false;
+    bool still = job->moved <= STEADY_PART * job->largest;
+    job->moved = job->largest = ZERO;
+    return !still && ++job->cycles < STEADY_CYCLES;
+}
+
+static void go_to_phase(struct composition_job *job, enum composition_phase phase)
+{
+    job->phase = (uint8_t)phase;
+    job->next = 0;
+}
+
+static void do_phase(struct composition_job *job, const struct composition_parts *p)
+{
+    switch ((enum composition_phase)job->phase) {
+    case PHASE_MODEL:
+        find_model(job);
+        go_to_phase(job, PHASE_FACTORS);
+        break;
+    case PHASE_FACTORS:
+        find_factors(job);
+        go_to_phase(job, PHASE_FEED);
+        break;
+    case PHASE_FEED:
+        find_feed(job, p);
+        if (job->begin)
+            begin_covariance(job, p);
+        go_to_phase(job, PHASE_CARRY);
+        break;
+    case PHASE_CARRY:
+        if (!carry(job, p))
+            go_to_phase(job, PHASE_SENSORS);
+        break;
+    case PHASE_SENSORS:
+        if (job->next < composition_sensors_count(p->sensors))
+            work_in_sensor(job, p, job->next++);
+        else
+            go_to_phase(job, goes_round(job, p) ? PHASE_CARRY : PHASE_ANALYSES);
+        break;
+    case PHASE_ANALYSES:
+        if (job->next < composition_analyses_count(p->analyses))
+            work_in_analysis(job, p, job->next++);
+        else
+            go_to_phase(job, PHASE_POINTS);
+        break;
+    case PHASE_POINTS:
+        if (job->next < p->points)
+            find_point(job, p, job->next++);
+        else {
+            end_points(job, p);
+            go_to_phase(job, PHASE_DONE);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+/* ---- the order ---- */
 
 uint32_t composition_job_bytes(unsigned covariance, size_t stages, size_t m, size_t extras)
 {
@@ -77,218 +346,110 @@ uint32_t composition_job_bytes(unsigned covariance, size_t stages, size_t m, siz
     return (uint32_t)(sizeof(struct composition_job) + bytes);
 }
 
-size_t composition_numbers(const struct block_setup *setup)
+struct composition_job *composition_job_make(void *memory, const struct composition_model *model)
 {
-    const struct composition_settings *s = setup->settings;
-    const struct column_record *record = setup->named;
-    unsigned sensors = 0;
-    if (!record || (s->method != METHOD_EKF && s->method != METHOD_KALMAN))
-        return 0;
-    float stages_said = record->value[COLUMN_TABLE_N_STAGES];
-    float components = record->value[COLUMN_TABLE_N_COMPONENTS];
-    if (!(stages_said >= 1 && stages_said <= (float)COLUMN_STAGES_MAX && components >= 2 &&
-          components <= (float)COLUMN_COMPONENTS_MAX))
-        return 0; /* refused by check() */
-    size_t stages = (size_t)stages_said, m = (size_t)components - 1u;
-    for (unsigned k = 0; k < setup->inputs; k++)
-        sensors += composition_is_sensor(s, k) ? 1u : 0u;
-    size_t n = sensors * (stages * m + composition_extras(s, setup->inputs, m));
-    size_t feed = (s->feed_z > 0 ? m : 0u) + (composition_feed_f(s, setup->inputs) > 0 ? 1u : 0u);
-    return s->method == METHOD_KALMAN ? n + stages * (column_transition_stride(m) + feed * m) : n;
+    struct composition_job *job = memory;
+    memset(job, 0, sizeof *job);
+    job->column = *composition_model_column(model); /* what changes comes with the order */
+    job->phase = PHASE_POINTS;                      /* there is no result */
+    return job;
 }
 
-/* ---- the order ---- */
-
-static uint8_t cycle_steps(const struct composition_block *b)
+/* Bubble points as the tick has left them, a step from the state. Where the profile of the table is asked for and they are not its own,
+ * they are only a beginning. */
+static void put_column(const struct column *from, bool warm, struct column *column)
 {
-    real_t wanted = b->s.covariance == COVARIANCE_STEADY ? STEADY_S : b->s.cycle_s;
-    real_t steps = wanted / b->c.h + REAL_C(0.5);
-    return steps < ONE ? 1u : steps > REAL_C(255.0) ? 255u : (uint8_t)steps;
-}
-
-/* Where the model is linear it stays at the profile of the table; gains that are found once are those of that profile. */
-static bool at_profile(const struct composition_block *b)
-{
-    return b->c.method == METHOD_KALMAN || b->s.covariance == COVARIANCE_STEADY;
-}
-
-/* Bubble points as the tick has left them, a step from the state; where those are not the table's profile's, but that is asked for, only as
- * a beginning. */
-static void put_column(const struct composition_block *b, struct column *column)
-{
-    const struct column *from = &b->c.column;
-    size_t stages = b->c.table.config.stages, all = stages * b->c.table.config.components;
+    size_t stages = from->config->stages, all = stages * from->config->components;
     memcpy(column->temperature, from->temperature, stages * sizeof(real_t));
     memcpy(column->k, from->k, all * sizeof(real_t));
     memcpy(column->dk, from->dk, all * sizeof(real_t));
     column->inputs.pressure_top = from->inputs.pressure_top;
-    column->warm = from->warm && (b->c.method == METHOD_KALMAN || !at_profile(b));
+    column->warm = from->warm && warm;
 }
 
-static void put_state(const struct composition_block *b, struct composition_job *job)
+/* A linear model stays at the profile of the table; gains of a steady state are those of that profile. */
+static void put_state(struct composition_job *job, const struct composition_parts *p)
 {
-    const struct composition *c = &b->c;
-    size_t n = c->column.n_fractions;
-    const real_t *x = at_profile(b) ? c->table.profile : c->x;
-    memcpy(job->x, x, n * sizeof(real_t));
-    put_column(b, &job->column);
-    if (at_profile(b))
-        job->inputs = c->table.nominal;
+    const struct column_table *table = composition_model_table(p->model);
+    const struct column *column = composition_model_column(p->model);
+    bool is_linear = p->settings->method == METHOD_KALMAN;
+    bool at_profile = is_linear || p->settings->covariance == COVARIANCE_STEADY;
+    memcpy(job->x, at_profile ? table->profile : composition_model_x(p->model),
+           column->n_fractions * sizeof(real_t));
+    put_column(column, is_linear || !at_profile, &job->column);
+    if (at_profile)
+        job->inputs = table->nominal;
     else
-        composition_inputs(c, &job->inputs);
+        composition_model_inputs(p->model, &job->inputs);
 }
 
-static void put_analyses(struct composition_block *b, struct composition_job *job)
+static void put_analyses(struct composition_job *job, const struct composition_parts *p,
+                         real_t *surprise)
 {
     job->analysed = 0;
-    for (uint8_t i = 0; i < b->analyses; i++) {
-        struct composition_analysis *a = &b->analysis[i];
-        if (!a->fresh)
+    for (unsigned i = 0; i < composition_analyses_count(p->analyses); i++) {
+        real_t moved;
+        if (!composition_analyses_take(p->analyses, i, &surprise[i], &moved))
             continue;
         job->analysed = (uint8_t)(job->analysed | 1u << i);
-        job->older[i] = a->moved * a->moved;
-        b->taken[i] = a->surprise;
-        a->fresh = false;
+        job->older[i] = moved * moved;
     }
-    b->filter.analysed = job->analysed;
 }
 
-static void put_order(struct composition_block *b, uint8_t steps)
+bool composition_job_order(struct composition_job *job, const struct composition_parts *p,
+                           uint8_t steps, bool begins, real_t *surprise, uint8_t *analysed)
 {
-    struct composition_job *job = b->filter.job;
-    bool steady = b->s.covariance == COVARIANCE_STEADY;
-    if (!b->filter.begins && job->phase != PHASE_DONE)
-        return; /* given up half-way: it goes on, since the covariance is half-way too */
-    put_state(b, job);
-    job->h = b->c.h * (steady ? REAL_C(1.0) : (real_t)steps);
-    job->there = 0;
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        if (b->c.sensor[k].moves && (steady || b->c.sensor[k].there))
-            job->there = (uint16_t)(job->there | 1u << k);
-    put_analyses(b, job);
-    job->begin = b->filter.begins;
-    b->filter.begins = false;
+    bool steady = p->settings->covariance == COVARIANCE_STEADY;
+    if (!begins && job->phase != PHASE_DONE)
+        return false; /* given up half-way: it goes on, since the covariance is half-way too */
+    put_state(job, p);
+    job->h = composition_model_h(p->model) * (steady ? REAL_C(1.0) : (real_t)steps);
+    job->present = composition_sensors_present(p->sensors, steady);
+    put_analyses(job, p, surprise);
+    *analysed = job->analysed;
+    job->begin = begins;
     job->phase = PHASE_MODEL;
-    job->at = 0;
+    job->next = 0;
     job->cycles = 0;
     job->err = ERR_OK;
     job->carrying = false;
+    return true;
 }
 
-uint8_t composition_order(struct composition_block *b)
+bool composition_job_piece(struct composition_job *job, const struct composition_parts *p)
 {
-    struct composition_filter *f = &b->filter;
-    if (!composition_is_complete(&b->c) || f->declined || f->steady)
-        return 0;
-    uint8_t steps = cycle_steps(b);
-    if (f->job) {
-        put_order(b, steps);
-        return steps;
-    }
-    for (uint8_t i = 0; i < b->analyses; i++)
-        b->analysis[i].fresh = false; /* there was nobody to take it in */
-    return 1;                         /* the workspace */
-}
-
-void composition_keep_lease(struct composition_block *b, bool working)
-{
-    struct composition_filter *f = &b->filter;
-    struct workspace *w = workspace_shared();
-    if (!f->job)
-        return;
-    if ((f->declined || f->steady || !composition_is_complete(&b->c)) && !working) {
-        composition_end_lease(b);
-    } else if (!workspace_renew(w, f->lease)) {
-        f->job = NULL;
-    }
+    if (job->phase == PHASE_DONE)
+        return false;
+    composition_model_point_column(p->model, &job->column); /* the state may have been moved */
+    do_phase(job, p);
+    if (job->err)
+        job->phase = PHASE_DONE;
+    return job->phase != PHASE_DONE;
 }
 
 /* ---- the result ---- */
 
-/* What a sample of an analyser said when it was compared moves everything once. */
-static void apply_analyses(struct composition_block *b)
+bool composition_job_is_done(const struct composition_job *job)
 {
-    struct composition *c = &b->c;
-    const struct composition_job *job = b->filter.job;
-    size_t n = c->column.n_fractions, stride = composition_moved(c);
-    for (uint8_t i = 0; i < b->analyses; i++) {
-        if (!(b->filter.analysed & 1u << i))
-            continue;
-        const real_t *gain = &job->gain[(c->sensors + i) * stride];
-        real_t change[COLUMN_STATES_MAX], left = b->taken[i];
-        for (size_t k = 0; k < n; k++)
-            change[k] = gain[k] * left;
-        (void)column_move(&c->column, c->x, change);
-        composition_move_extras(c, gain, left);
-    }
+    return job->phase == PHASE_DONE;
 }
 
-void composition_take_gains(struct composition_block *b)
+enum err composition_job_err(const struct composition_job *job)
 {
-    struct composition_filter *f = &b->filter;
-    struct composition *c = &b->c;
-    const struct composition_job *job = f->job;
-    if (!job || !workspace_renew(workspace_shared(), f->lease) || job->phase != PHASE_DONE)
-        return; /* it has only just got its memory, or none */
-    if (job->err) {
-        f->begins = true;
-        return;
-    }
-    memcpy(composition_gain_memory(b), job->gain,
-           c->sensors * composition_moved(c) * sizeof(real_t));
-    c->gains.of = composition_gain_memory(b);
-    for (uint8_t k = 0; k < c->sensors; k++)
-        c->sensor[k].spread = job->spread[k];
-    memcpy(f->sd, job->sd, sizeof f->sd);
-    f->least = job->least;
-    f->most = job->most;
-    apply_analyses(b);
-    f->steady = b->s.covariance == COVARIANCE_STEADY && !f->begins;
-    if (f->count < UINT32_MAX)
-        f->count++;
+    return job->err;
 }
 
-/* ---- the workspace, and work in it ---- */
-
-static bool lease_workspace(struct composition_block *b)
+const real_t *composition_job_gains(const struct composition_job *job)
 {
-    struct composition_filter *f = &b->filter;
-    struct workspace *w = workspace_shared();
-    void *memory = NULL;
-    size_t m = b->c.table.config.components - 1;
-    uint32_t bytes =
-        composition_job_bytes(b->s.covariance, b->c.table.config.stages, m, b->c.gains.extras);
-    if (!w || workspace_lease_for_now(w, HOLDER, FREES, bytes, &f->lease, &memory) != ERR_OK) {
-        f->refusals = (uint8_t)(f->refusals < UINT8_MAX ? f->refusals + 1u : UINT8_MAX);
-        return false;
-    }
-    f->refusals = 0;
-    struct composition_job *job = memory;
-    memset(job, 0, sizeof *job);
-    job->column = b->c.column; /* what does not change; the rest comes with the order */
-    job->phase = PHASE_POINTS; /* nothing to be taken */
-    f->begins = true;
-    f->job = job;
-    return true;
+    return job->gain;
 }
 
-bool composition_job_piece(struct composition_block *b)
+const real_t *composition_job_spread(const struct composition_job *job)
 {
-    struct composition_filter *f = &b->filter;
-    if (f->declined)
-        return false;
-    if (!f->job) {
-        (void)lease_workspace(b);
-        return false;
-    }
-    struct composition_job *job = f->job;
-    if (!workspace_renew(workspace_shared(), f->lease) || job->phase == PHASE_DONE)
-        return false;
-    job->column.config = &b->c.table.config; /* the state may have been moved */
-    job->column.vle.component = b->c.table.config.component;
-    job->column.vle.activity_context = b->c.table.config.activity_context;
-    composition_covariance_piece(b, job);
-    if (job->err)
-        job->phase = PHASE_DONE;
-    return job->phase != PHASE_DONE;
+    return job->spread;
+}
+
+const struct composition_certainty *composition_job_certainty(const struct composition_job *job)
+{
+    return &job->certainty;
 }

@@ -1,192 +1,142 @@
-/* How good the estimates are, and what is said of them. */
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_judge.h"
+
+#include "kinds/composition/composition_filter.h"
+#include "kinds/composition/composition_judge_state.h"
 
 #define ZERO REAL_C(0.0)
 
-/* It counts as settled after so many times 1/lambda. */
+/* The estimate counts as settled after so many times 1/lambda. */
 #define SETTLED    REAL_C(3.0)
 #define STEPS_MOST (1u << 31)
 /* Vapour to the condenser that counts as none, part of its holdup in an hour. */
 #define LITTLE REAL_C(0.1)
-/* Vapour counts as there when it was for so long. */
+/* Vapour counts after so many seconds of it. */
 #define VAPOUR_S     REAL_C(300.0)
 #define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
 #define HOUR         REAL_C(3600.0)
-/* What is purer counts as so impure: no model knows better. */
+/* The least impurity of a point: no model is better. */
 #define IMPURITY_LEAST REAL_C(1e-5)
-/* How many steps it takes until it counts as settled. */
-static real_t steps_to_settle(const struct composition_block *b)
+
+void composition_judge_begin(struct composition_judge *j)
 {
-    real_t slowest = ZERO;
-    for (uint8_t k = 0; k < b->c.sensors; k++) {
-        const struct composition_sensor *s = &b->c.sensor[k];
-        if (s->moves && s->time > slowest)
-            slowest = s->time;
-    }
-    return SETTLED * slowest / b->c.h;
+    j->steps = j->without = j->dry = 0;
+    j->seen = false;
 }
 
-bool composition_is_locked_on(const struct composition_block *b)
+void composition_judge_restart(struct composition_judge *j)
 {
-    return (real_t)b->steps >= steps_to_settle(b);
+    j->steps = 0;
 }
 
-/* How long so much vapour has reached the condenser that what temperatures say does as well. */
-static void count_vapour(struct composition_block *b)
+void composition_judge_put_missing(struct composition_judge *j, unsigned number)
 {
-    const struct composition *c = &b->c;
-    size_t top = c->table.config.stages - 1u;
-    if (c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top])
-        b->dry = DRY_STEPS(c->h);
+    j->missing = (uint8_t)number;
+}
+
+/* ---- settled ---- */
+
+static real_t steps_to_settle(const struct composition_parts *p)
+{
+    return SETTLED * composition_sensors_slowest(p->sensors) / composition_model_h(p->model);
+}
+
+bool composition_judge_is_settled(const struct composition_parts *p)
+{
+    return (real_t)p->judge->steps >= steps_to_settle(p);
+}
+
+/* Counts the steps in which so much vapour has reached the condenser that the temperatures belong to each other. */
+static void count_vapour(const struct composition_parts *p)
+{
+    const struct column *column = composition_model_column(p->model);
+    struct composition_judge *j = p->judge;
+    size_t top = column->config->stages - 1u;
+    if (column->vapour_flow[top - 1] * HOUR < LITTLE * column->holdup[top])
+        j->dry = DRY_STEPS(composition_model_h(p->model));
     else
-        b->dry -= b->dry ? 1u : 0;
+        j->dry -= j->dry ? 1u : 0;
 }
 
-/* Whether a section that has temperatures is without all of them, or no vapour connects them. */
-static bool is_blind(const struct composition_block *b)
+static size_t feed_stage_of(const struct composition_parts *p)
 {
-    const struct composition *c = &b->c;
-    bool has[2] = {false, false}, sees[2] = {false, false};
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        const struct composition_sensor *s = &c->sensor[k];
-        unsigned above = composition_is_above_feed(c, s);
-        has[above] = has[above] || s->moves;
-        sees[above] = sees[above] || composition_draws(s);
-    }
-    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
+    return composition_model_table(p->model)->config.feed_stage;
 }
 
-/* Whether the section of a point has neither a temperature that moves the model nor an analysis: what the model says there nobody
- * contradicts. What is of the feed belongs to no section. */
-bool composition_point_is_unseen(const struct composition_block *b, unsigned k)
+void composition_judge_count(const struct composition_parts *p, bool failed)
 {
-    const struct composition *c = &b->c;
-    size_t feed = c->table.config.feed_stage;
-    bool above = b->s.point[k][AT_STAGE] > feed;
-    for (uint8_t i = 0; i < c->sensors; i++)
-        if (c->sensor[i].moves && composition_is_above_feed(c, &c->sensor[i]) == above)
-            return false;
-    for (uint8_t i = 0; i < b->analyses; i++)
-        if ((b->analysis[i].stage + 1u > feed) == above)
-            return false;
-    return b->s.of[k] == OF_STAGE;
-}
-
-/* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
-void composition_count_step(struct composition_block *b, bool failed)
-{
-    count_vapour(b);
+    struct composition_judge *j = p->judge;
+    count_vapour(p);
     if (failed) {
-        b->steps = 0;
-    } else if (!is_blind(b)) {
-        b->steps += b->steps < STEPS_MOST ? 1u : 0;
+        j->steps = 0;
+    } else if (!composition_sensors_lost_section(p->sensors, feed_stage_of(p)) && !j->dry) {
+        j->steps += j->steps < STEPS_MOST ? 1u : 0;
     } else {
-        if (composition_is_locked_on(b))
-            b->steps = (uint32_t)steps_to_settle(b);
-        b->steps -= b->steps ? 1u : 0;
+        if (composition_judge_is_settled(p))
+            j->steps = (uint32_t)steps_to_settle(p);
+        j->steps -= j->steps ? 1u : 0;
     }
 }
 
-/* The number of the first sensor of which this can be said, or 0. */
-static unsigned lost_sensor(const struct composition_block *b)
+bool composition_judge_sees(const struct composition_parts *p)
 {
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        if (b->c.sensor[k].moves && !b->c.sensor[k].there)
-            return b->c.sensor[k].input + 1u;
-    return 0;
+    bool drawn = composition_sensors_any_draws(p->sensors);
+    p->judge->seen = p->judge->seen || drawn;
+    return drawn;
 }
 
-static unsigned pulling_sensor(const struct composition_block *b)
+/* ---- points ---- */
+
+/* A point of the feed belongs to no section. */
+bool composition_judge_is_unseen(const struct composition_parts *p, unsigned k)
 {
-    for (uint8_t k = 0; k < b->c.sensors; k++) {
-        if (b->s.pull > 0 && real_abs(b->c.sensor[k].pull) > b->s.pull)
-            return b->c.sensor[k].input + 1u;
-    }
-    return 0;
+    size_t feed_stage = feed_stage_of(p);
+    bool above = p->settings->point[k][AT_STAGE] > feed_stage;
+    return p->settings->quantity[k] == OF_STAGE &&
+           !composition_sensors_in_section(p->sensors, feed_stage, above) &&
+           !composition_analyses_in_section(p->analyses, feed_stage, above);
 }
 
-/* Innovations that are off to one side for long, as far as docs/consistency.md has it: of a model that is trusted none is. */
-#define MEAN_MOST REAL_C(0.3)
-
-static unsigned surprising_sensor(const struct composition_block *b)
+/* Returns the smaller of the mole fraction and the rest; 0 for a point that is no mole fraction of a stage. */
+static real_t impurity(const struct composition_parts *p, unsigned k)
 {
-    real_t most = b->c.gains.of ? b->s.nis_full : b->s.nis;
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        if (most > ZERO &&
-            (b->c.sensor[k].square > most ||
-             (b->c.finds_noise && b->c.gains.of && real_abs(b->c.sensor[k].mean) > MEAN_MOST)))
-            return b->c.sensor[k].input + 1u;
-    return 0;
-}
-
-/* By how much innovations are larger than the covariances say; at least 1. */
-static real_t innovation_factor(const struct composition *c)
-{
-    real_t most = REAL_C(1.0);
-    for (uint8_t k = 0; k < c->sensors; k++)
-        if (composition_draws(&c->sensor[k]) && c->sensor[k].square > most)
-            most = c->sensor[k].square;
-    return real_sqrt(most);
-}
-
-/* Of a point that is a mole fraction of a stage: the smaller of it and what is not of it. Else 0. */
-static real_t impurity(const struct composition_block *b, unsigned k)
-{
-    size_t component = b->s.point[k][OF_COMPONENT];
-    if (b->s.of[k] != OF_STAGE || !component)
+    size_t component = p->settings->point[k][OF_COMPONENT];
+    if (p->settings->quantity[k] != OF_STAGE || !component)
         return ZERO;
-    real_t x = column_fraction(&b->c.column, b->c.x, b->s.point[k][AT_STAGE] - 1u, component - 1u);
+    real_t x =
+        composition_model_fraction(p->model, p->settings->point[k][AT_STAGE] - 1u, component - 1u);
     real_t least = x < REAL_C(0.5) ? x : REAL_C(1.0) - x;
     return least > IMPURITY_LEAST ? least : IMPURITY_LEAST;
 }
 
-/* Then what the model is off by there is found. */
-static bool is_analysed(const struct composition_block *b, unsigned k)
+/* Where there is an analysis the model's error is found. */
+static bool is_analysed(const struct composition_parts *p, unsigned k)
 {
-    bool is = false;
-    for (uint8_t i = 0; i < b->analyses; i++)
-        is = is || (b->analysis[i].stage + 1u == b->s.point[k][AT_STAGE] &&
-                    b->analysis[i].component + 1u == b->s.point[k][OF_COMPONENT]);
-    return is;
+    const uint16_t *point = p->settings->point[k];
+    return composition_analyses_find(p->analyses, point[AT_STAGE] - (size_t)1,
+                                     point[OF_COMPONENT] - (size_t)1) < ANALYSES_MAX;
 }
 
-real_t composition_point_sd(const struct composition_block *b, unsigned k)
+real_t composition_judge_sd(const struct composition_parts *p, unsigned k)
 {
-    real_t lasting = is_analysed(b, k) ? ZERO : b->s.lasting * impurity(b, k);
-    real_t sd = b->filter.sd[k] * innovation_factor(&b->c);
+    real_t lasting = is_analysed(p, k) ? ZERO : p->settings->lasting * impurity(p, k);
+    real_t sd =
+        composition_filter_sd(p->filter, k) * composition_watch_factor(p->watch, p->sensors);
     return real_sqrt(sd * sd + lasting * lasting);
 }
 
-bool composition_point_is_unsure(const struct composition_block *b, unsigned k)
+bool composition_judge_is_unsure(const struct composition_parts *p, unsigned k)
 {
-    real_t least = impurity(b, k), sd = composition_point_sd(b, k);
-    if (!composition_is_complete(&b->c) || !(least > ZERO))
+    const struct composition_settings *s = p->settings;
+    real_t least = impurity(p, k), sd = composition_judge_sd(p, k);
+    if (!composition_is_complete(s) || !(least > ZERO))
         return false;
-    return (b->s.sure > 0 && sd > b->s.sure) || (b->s.sure_part > 0 && sd > b->s.sure_part * least);
+    return (s->sure > 0 && sd > s->sure) || (s->sure_part > 0 && sd > s->sure_part * least);
 }
 
-/* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */
-static bool believes_one_far_off(const struct composition *c)
-{
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        const struct composition_sensor *s = &c->sensor[k];
-        if (composition_draws(s) && composition_is_far(c, s))
-            return true;
-    }
-    return false;
-}
+/* ---- events ---- */
 
-/* Whether a temperature moves anything in this step; remembered. */
-bool composition_is_drawn(struct composition_block *b)
-{
-    bool drawn = false;
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        drawn = drawn || composition_draws(&b->c.sensor[k]);
-    b->seen = b->seen || drawn;
-    return drawn;
-}
-
-void composition_raise(struct block_io *io, unsigned event, unsigned value)
+/* value 0: the event does not hold. */
+static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
         return;
@@ -194,39 +144,60 @@ void composition_raise(struct block_io *io, unsigned event, unsigned value)
     io->event_value[event] = (float)value;
 }
 
-/* Events, and how good the estimates are. */
-enum quality composition_judge(struct composition_block *b, struct block_io *io, enum err err)
+void composition_judge_put_analysis(const struct composition_parts *p, struct block_io *io,
+                                    unsigned input)
 {
-    unsigned lost = lost_sensor(b);
-    bool settled = composition_is_locked_on(b), drawn = composition_is_drawn(b), dry = b->dry;
-    b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
-    bool alone = b->without && (!b->seen || (real_t)b->without * b->c.h > b->s.alone_s);
-    if ((settled || b->c.watched) && !err)
-        composition_watch(&b->c);
-    bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
-    unsigned pulling = watched ? pulling_sensor(b) : 0;
-    unsigned surprising = watched ? surprising_sensor(b) : 0;
-    unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;
+    if (!p->judge->missing)
+        raise_event(io, EVENT_NO_INPUT, input);
+}
+
+static unsigned surprising_sensor(const struct composition_parts *p)
+{
+    bool complete = composition_filter_gain(p->filter) != NULL;
+    return composition_watch_surprising(p->watch, p->sensors,
+                                        complete ? p->settings->nis_full : p->settings->nis,
+                                        complete && composition_sensors_finds_noise(p->sensors));
+}
+
+enum quality composition_judge_step(const struct composition_parts *p, struct block_io *io,
+                                    enum err err)
+{
+    struct composition_judge *j = p->judge;
+    const struct composition_settings *s = p->settings;
+    real_t h = composition_model_h(p->model);
+    unsigned lost = composition_sensors_lost(p->sensors);
+    bool settled = composition_judge_is_settled(p), drawn = composition_judge_sees(p);
+    bool dry = j->dry;
+    j->without = drawn && !dry ? 0 : j->without < UINT32_MAX ? j->without + 1u : j->without;
+    bool alone = j->without && (!j->seen || (real_t)j->without * h > s->alone_s);
+    if ((settled || composition_watch_steps(p->watch)) && !err)
+        composition_watch_step(p->watch, p->sensors);
+    bool watched = (real_t)composition_watch_steps(p->watch) * h >= s->watch_s;
+    unsigned pulling = watched ? composition_watch_pulling(p->watch, p->sensors, s->pull) : 0;
+    unsigned surprising = watched ? surprising_sensor(p) : 0;
+    unsigned odd = watched && s->apart > 0
+                       ? composition_watch_odd(p->watch, p->sensors, feed_stage_of(p), s->apart)
+                       : 0;
 
     io->raised = 0;
-    bool without_room = composition_lacks_workspace(b);
-    composition_raise(io, EVENT_LOST, lost);
+    bool without_room = composition_filter_lacks_workspace(p);
+    raise_event(io, EVENT_LOST, lost);
     if (!lost && without_room) {
         io->raised |= 1u << EVENT_LOST;
         io->event_value[EVENT_LOST] = 0.0f;
     }
-    composition_raise(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
-    composition_raise(io, EVENT_PULL, pulling);
-    composition_raise(io, EVENT_NIS, surprising);
-    composition_raise(io, EVENT_APART, odd);
-    composition_raise(io, EVENT_NO_STATE, err ? 1 : 0);
-    composition_raise(io, EVENT_NO_INPUT, b->missing);
-    composition_raise(io, EVENT_NO_BOIL, dry ? 1 : 0);
+    raise_event(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
+    raise_event(io, EVENT_PULL, pulling);
+    raise_event(io, EVENT_NIS, surprising);
+    raise_event(io, EVENT_APART, odd);
+    raise_event(io, EVENT_NO_STATE, err ? 1 : 0);
+    raise_event(io, EVENT_NO_INPUT, j->missing);
+    raise_event(io, EVENT_NO_BOIL, dry ? 1 : 0);
     bool doubted = pulling || surprising || odd;
-    if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
+    if (err || alone || (doubted && s->doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || without_room || composition_is_unsure(b) || b->missing || !settled || doubted ||
-                   believes_one_far_off(&b->c)
+    return lost || without_room || composition_filter_is_unsure(p) || j->missing || !settled ||
+                   doubted || composition_sensors_use_outside(p->sensors)
                ? QUALITY_UNCERTAIN
                : QUALITY_GOOD;
 }

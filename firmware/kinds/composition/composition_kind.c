@@ -1,18 +1,42 @@
 /* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
-#include "kinds/composition/composition_job.h"
-
 #include <string.h>
 
 #include "base/channel.h"
+#include "kinds/composition/composition_block.h"
+#include "kinds/composition/composition_filter.h"
+#include "kinds/composition/composition_judge.h"
+#include "kinds/composition/composition_parameters.h"
+#include "kinds/composition/composition_values.h"
 #include "model/column_drive.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-/* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
+/* Settling: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
 #define SETTLE_STILL REAL_C(1e-6)
+
+/* Numbers that the state needs behind its struct: gains, and the linear model. 0 for other methods. */
+static size_t composition_numbers(const struct block_setup *setup)
+{
+    const struct composition_settings *s = setup->settings;
+    const struct column_record *record = setup->named;
+    unsigned sensors = 0;
+    if (!record || !composition_is_complete(s))
+        return 0;
+    float table_stages = record->value[COLUMN_TABLE_N_STAGES];
+    float components = record->value[COLUMN_TABLE_N_COMPONENTS];
+    if (!(table_stages >= 1 && table_stages <= (float)COLUMN_STAGES_MAX && components >= 2 &&
+          components <= (float)COLUMN_COMPONENTS_MAX))
+        return 0; /* check() refuses it */
+    size_t stages = (size_t)table_stages, m = (size_t)components - 1u;
+    for (unsigned k = 0; k < setup->inputs; k++)
+        sensors += composition_is_sensor(s, k) ? 1u : 0u;
+    size_t n = sensors * (stages * m + composition_extras(s, setup->inputs, m));
+    size_t feed = (s->feed_z > 0 ? m : 0u) + (composition_feed_f(s, setup->inputs) > 0 ? 1u : 0u);
+    return s->method == METHOD_KALMAN ? n + stages * (column_transition_stride(m) + feed * m) : n;
+}
 
 static uint32_t composition_bytes(const struct block_setup *setup)
 {
@@ -20,81 +44,54 @@ static uint32_t composition_bytes(const struct block_setup *setup)
     return (uint32_t)((bytes + 7u) & ~(size_t)7u);
 }
 
-real_t *composition_gain_memory(struct composition_block *b)
+static NOT_INLINE struct composition_parts parts_of(struct composition_block *b)
 {
-    return (real_t *)(void *)(b + 1);
+    return (struct composition_parts){.settings = &b->s,
+                                      .model = &b->model,
+                                      .sensors = &b->sensors,
+                                      .watch = &b->watch,
+                                      .analyses = &b->analyses,
+                                      .filter = &b->filter,
+                                      .judge = &b->judge,
+                                      .gains = (real_t *)(void *)(b + 1),
+                                      .inputs = b->inputs,
+                                      .points = b->points};
 }
 
-/* The state may stand elsewhere than in the last call. */
-static void stand_here(struct composition_block *b)
+/* Sets pointers into the state anew, since it may have been moved since the last call. */
+static void relocate(const struct composition_parts *p)
 {
-    struct composition *c = &b->c;
-    real_t *numbers = composition_gain_memory(b);
-    composition_stands_here(c);
-    if (c->gains.of)
-        c->gains.of = numbers;
-    c->linear.transition.of = numbers + c->sensors * composition_moved(c);
-    c->linear.push =
-        c->linear.transition.of +
-        c->table.config.stages * column_transition_stride(c->table.config.components - 1u);
+    size_t gains = composition_sensors_count(p->sensors) * composition_model_length(p->model);
+    composition_filter_relocate(p->filter, p->gains);
+    composition_model_relocate(p->model, p->gains + gains);
+}
+
+static void begin_estimate(const struct composition_parts *p)
+{
+    composition_model_begin(p->model);
+    composition_sensors_begin(p->sensors);
+    composition_watch_begin(p->watch, p->sensors);
+}
+
+/* Begins anew where the model has no solution. */
+static enum err begin_after(const struct composition_parts *p, enum err err)
+{
+    if (err) {
+        begin_estimate(p);
+        composition_model_count_restart(p->model);
+    }
+    return err;
 }
 
 /* ---- settings ---- */
 
-/* A column of the table that is named. Pointers into the record stay good: block.h. */
-static enum err take_column(struct composition_block *b, const struct column_record *record)
-{
-    struct composition *c = &b->c;
-    enum err err = column_record_open(record, &c->table, &c->column);
-    if (err)
-        return err;
-    c->inputs = c->table.nominal;
-    for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
-        c->truncated[s] = s < c->table.config.stages && column_table_is_truncated(&c->table, s + 1);
-    b->record = record;
-    b->checksum = column_record_checksum(record);
-    return ERR_OK;
-}
-
-/* Share of what an analysis says more, where nothing is said. */
-#define SHARE_INITIAL REAL_C(0.7)
-
-static void begin_analyses(struct composition_block *b)
-{
-    for (uint8_t k = 0; k < b->analyses; k++) {
-        real_t *offset = composition_offset(b, k);
-        composition_analysis_begin(&b->analysis[k], b->c.h, b->s.reach_s);
-        if (offset)
-            *offset = ZERO;
-    }
-}
-
-/* keep: they are those that there were. */
-static void take_analyses(struct composition_block *b, const struct composition_record *r,
-                          bool keep)
-{
-    uint16_t before = b->analyses ? b->analysis[0].every : 0;
-    b->analyses = 0;
-    for (unsigned k = 0; k < b->inputs; k++) {
-        if (b->s.is[k] != IS_ANALYSIS)
-            continue;
-        struct composition_analysis *a = &b->analysis[b->analyses++];
-        a->input = (uint8_t)k;
-        a->stage = (uint8_t)(b->s.place[k][AT_STAGE] - 1u);
-        a->component = (uint8_t)(b->s.place[k][OF_COMPONENT] - 1u);
-        a->share = r->tune[k][TUNE_LAMBDA] > 0 ? r->tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
-    }
-    if (!keep || before != composition_analysis_every(b->c.h, b->s.reach_s))
-        begin_analyses(b);
-}
-
-/* Not only as many: each means what it meant. */
+/* True: the extras mean what they meant, and are not only as many. */
 static bool has_same_extras(const struct composition_settings *s,
-                            const struct composition_settings *now, unsigned inputs)
+                            const struct composition_settings *wanted, unsigned inputs)
 {
-    return (s->feed_z > 0) == (now->feed_z > 0) &&
-           (composition_feed_f(s, inputs) > 0) == (composition_feed_f(now, inputs) > 0) &&
-           (s->offset > 0) == (now->offset > 0);
+    return (s->feed_z > 0) == (wanted->feed_z > 0) &&
+           (composition_feed_f(s, inputs) > 0) == (composition_feed_f(wanted, inputs) > 0) &&
+           (s->offset > 0) == (wanted->offset > 0);
 }
 
 static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
@@ -106,14 +103,16 @@ static enum err composition_configure(void *state, const struct block_setup *set
                 b->s.method == s->method && b->s.covariance == s->covariance &&
                 has_same_extras(&b->s, s, setup->inputs) &&
                 !memcmp(b->s.place, s->place, sizeof s->place) &&
-                !memcmp(b->s.is, s->is, sizeof s->is);
+                !memcmp(b->s.role, s->role, sizeof s->role);
     if (retune && !same)
-        composition_end_lease(b);
+        composition_filter_end(&b->filter);
     if (!same) {
         memset(b, 0, sizeof *b);
-        enum err err = take_column(b, record);
+        enum err err = composition_model_open(&b->model, record);
         if (err)
             return err;
+        b->record = record;
+        b->checksum = column_record_checksum(record);
     }
     b->s = *s;
     b->inputs = setup->inputs;
@@ -122,18 +121,20 @@ static enum err composition_configure(void *state, const struct block_setup *set
         b->input[k] = (struct composition_span){setup->input[k].lo, setup->input[k].hi};
     for (unsigned k = 0; k < BLOCK_POINTS_MAX; k++)
         b->point[k] = (struct composition_span){setup->point[k].lo, setup->point[k].hi};
-    composition_take_settings(&b->c, setup, same);
-    take_analyses(b, setup->settings, same);
+    composition_model_set(&b->model, setup);
+    composition_sensors_set(&b->sensors, setup);
+    composition_watch_set(&b->watch, setup);
+    composition_analyses_set(&b->analyses, &b->model, setup, same);
+    struct composition_parts p = parts_of(b);
     if (!same)
-        composition_begin(&b->c);
-    composition_forget_steady(b); /* of other numbers than these */
-    stand_here(b);
+        begin_estimate(&p);
+    composition_filter_retune(&b->filter, &b->s); /* a steady state is one of the settings */
+    relocate(&p);
     return ERR_OK;
 }
 
-/* ---- what comes in ---- */
+/* ---- inputs ---- */
 
-/* In SI units. */
 static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
 {
     real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
@@ -145,117 +146,106 @@ static real_t kept_between(real_t x, real_t lo, real_t hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* Which inputs are missing; what they were last holds on. */
+/* Takes the readings t[sensors] and the inputs; an input that is missing keeps its last value. */
 static void take_inputs(struct composition_block *b, const struct block_io *io, real_t *t)
 {
-    uint8_t sensor = 0;
-    b->missing = 0;
+    unsigned sensor = 0, missing = 0;
     for (unsigned k = 0; k < b->inputs; k++) {
         if (composition_is_sensor(&b->s, k)) {
             t[sensor] = reading_si(b, io, k);
-            b->c.sensor[sensor++].there = io->quality[k] == QUALITY_GOOD;
-        } else if (b->s.is[k] == IS_ANALYSIS) {
+            composition_sensors_put(&b->sensors, sensor++, io->quality[k] == QUALITY_GOOD);
+        } else if (b->s.role[k] == IS_ANALYSIS) {
             continue;
         } else if (quality_usable((enum quality)io->quality[k])) {
-            column_drive_take(&b->c.table, &b->c.inputs, (enum column_drive)(b->s.is[k] - IS_FEED),
-                              reading_si(b, io, k));
-        } else if (!b->missing) {
-            b->missing = (uint8_t)(k + 1u);
+            composition_model_drive(&b->model, (enum column_drive)(b->s.role[k] - IS_FEED),
+                                    reading_si(b, io, k));
+        } else if (!missing) {
+            missing = k + 1u;
         }
     }
+    composition_judge_put_missing(&b->judge, missing);
 }
 
-/* After a step. The number of the first analysis that is missed, too old or not believed, or 0. */
+/* Takes the analyses after a step. Returns the number of the first input that is missed, too old or not believed, or 0. */
 static unsigned step_analyses(struct composition_block *b, const struct block_io *io)
 {
     unsigned odd = 0;
-    for (uint8_t i = 0; i < b->analyses; i++) {
-        struct composition_analysis *a = &b->analysis[i];
-        real_t *offset = composition_offset(b, i);
-        unsigned k = a->input;
-        if (offset)
-            a->correction = *offset;
-        a->told = b->c.gains.of && b->filter.job && !b->filter.declined;
-        bool too_old = composition_analysis_step(
-            a, b->c.h, column_fraction(&b->c.column, b->c.x, a->stage, a->component),
-            io->quality[k] == QUALITY_GOOD, reading_si(b, io, k), (real_t)io->age_s[k], b->s.far);
-        if (offset)
-            *offset = a->correction;
-        bool missed = b->s.late_s > 0 && (real_t)io->age_s[k] > b->s.late_s;
-        if (!odd && (too_old || missed || a->far || io->quality[k] != QUALITY_GOOD))
+    bool filtered = composition_filter_takes_analyses(&b->filter);
+    for (unsigned i = 0; i < composition_analyses_count(&b->analyses); i++) {
+        unsigned k = composition_analyses_input(&b->analyses, i);
+        const struct composition_sample sample = {.y = reading_si(b, io, k),
+                                                  .age_s = (real_t)io->age_s[k],
+                                                  .most = b->s.analysis_gate,
+                                                  .usable = io->quality[k] == QUALITY_GOOD};
+        bool poor = composition_analyses_step(&b->analyses, &b->model, i, &sample, filtered);
+        bool missed = b->s.late_s > 0 && sample.age_s > b->s.late_s;
+        if (!odd && (poor || missed || !sample.usable))
             odd = k + 1u;
     }
     return odd;
 }
 
-/* What analyses say of a place, or 0. */
-static real_t correction_at(const struct composition_block *b, size_t stage, size_t component)
-{
-    for (uint8_t i = 0; i < b->analyses; i++)
-        if (b->analysis[i].stage == stage && b->analysis[i].component == component)
-            return b->analysis[i].correction;
-    return ZERO;
-}
+/* ---- points ---- */
 
-/* ---- what comes out ---- */
-
-/* Of component j (from 0) on a stage, with what analyses say of it. */
+/* Mole fraction of component j (from 0) on a stage, with the correction by an analysis. */
 static real_t mole_fraction_at(const struct composition_block *b, size_t stage, size_t j)
 {
-    return kept_between(
-        column_fraction(&b->c.column, b->c.x, stage, j) + correction_at(b, stage, j), ZERO, ONE);
+    unsigned i = composition_analyses_find(&b->analyses, stage, j);
+    real_t correction = i < ANALYSES_MAX ? composition_analyses_correction(&b->analyses, i) : ZERO;
+    return kept_between(composition_model_fraction(&b->model, stage, j) + correction, ZERO, ONE);
 }
 
-/* The same by mass: the others share what is left as they do in the model. */
+/* The same by mass: the others share the rest as they do in the model. */
 static real_t mass_fraction_at(const struct composition_block *b, size_t stage, size_t j)
 {
-    size_t n = b->c.table.config.components;
+    const struct column_table *table = composition_model_table(&b->model);
+    size_t n = table->config.components;
     real_t full[COLUMN_COMPONENTS_MAX], own = mole_fraction_at(b, stage, j);
-    real_t rest = ONE - column_fraction(&b->c.column, b->c.x, stage, j);
+    real_t rest = ONE - composition_model_fraction(&b->model, stage, j);
     real_t share = rest > ZERO ? (ONE - own) / rest : ZERO;
     for (size_t i = 0; i < n; i++)
-        full[i] = i == j ? own : share * column_fraction(&b->c.column, b->c.x, stage, i);
-    return mass_fraction_of(b->c.table.component, n, full, j);
+        full[i] = i == j ? own : share * composition_model_fraction(&b->model, stage, i);
+    return mass_fraction_of(table->component, n, full, j);
 }
 
-/* Of the feed as it is found: its flow in the unit of the table, or the fraction of a component. */
+/* The feed as it is found: its flow in the unit of the table, or the fraction of a component. */
 static real_t feed_estimate(const struct composition_block *b, unsigned k)
 {
+    const struct column_table *table = composition_model_table(&b->model);
     struct column_inputs inputs;
-    composition_inputs(&b->c, &inputs);
-    if (b->s.of[k] == OF_FEED_FLOW)
+    composition_model_inputs(&b->model, &inputs);
+    if (b->s.quantity[k] == OF_FEED_FLOW)
         return inputs.feed_flow;
     size_t j = b->s.point[k][OF_COMPONENT] - 1u;
-    return b->s.basis == BASIS_MOLE
-               ? inputs.feed_fraction[j]
-               : mass_fraction_of(b->c.table.component, b->c.table.config.components,
-                                  inputs.feed_fraction, j);
+    return b->s.basis == BASIS_MOLE ? inputs.feed_fraction[j]
+                                    : mass_fraction_of(table->component, table->config.components,
+                                                       inputs.feed_fraction, j);
 }
 
 static real_t stage_estimate(const struct composition_block *b, unsigned k)
 {
     size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
     if (component == 0)
-        return composition_temperature(&b->c, stage);
+        return composition_model_temperature(&b->model, stage);
     return b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
                                     : mass_fraction_at(b, stage, component - 1);
 }
 
-/* What a point is, in its own unit. */
+/* A point in its own unit. */
 static real_t estimate_of(const struct composition_block *b, unsigned k)
 {
-    real_t value = b->s.of[k] == OF_STAGE ? stage_estimate(b, k) : feed_estimate(b, k);
+    real_t value = b->s.quantity[k] == OF_STAGE ? stage_estimate(b, k) : feed_estimate(b, k);
     return column_drive_factor(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
 }
 
-static void give_estimates(const struct composition_block *b, struct block_io *io,
-                           enum quality quality)
+static void give_estimates(const struct composition_block *b, const struct composition_parts *p,
+                           struct block_io *io, enum quality quality)
 {
     for (unsigned k = 0; k < b->points; k++) {
         real_t span = b->point[k].hi - b->point[k].lo;
         io->point[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
         bool unsure = quality == QUALITY_GOOD &&
-                      (composition_point_is_unsure(b, k) || composition_point_is_unseen(b, k));
+                      (composition_judge_is_unsure(p, k) || composition_judge_is_unseen(p, k));
         io->point_quality[k] = (uint8_t)(unsure ? QUALITY_UNCERTAIN : quality);
     }
 }
@@ -265,25 +255,27 @@ static void give_estimates(const struct composition_block *b, struct block_io *i
 static void composition_follow(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
+    struct composition_parts p = parts_of(b);
     (void)io;
-    stand_here(b);
-    b->steps = b->without = b->dry = 0;
-    b->begun = b->seen = false;
-    composition_begin_filter(b);
-    begin_analyses(b);
+    relocate(&p);
+    composition_judge_begin(&b->judge);
+    b->begun = false;
+    composition_filter_begin(&b->filter);
+    composition_analyses_begin(&b->analyses, &b->model, b->s.reach_s);
     if (!b->settle) /* else work is on the column */
-        composition_begin(&b->c);
+        begin_estimate(&p);
 }
 
-/* Before a step: what the background has done. False: the model is the background's. */
-static bool take_result(struct composition_block *b, struct block_io *io)
+/* Takes the work of the main loop before a step. False: the main loop has the model. */
+static bool take_result(struct composition_block *b, const struct composition_parts *p,
+                        struct block_io *io)
 {
     bool settled = io->work_done && b->work == WORK_SETTLE;
     if (io->work_done && b->work == WORK_GAINS)
-        composition_take_gains(b);
+        composition_filter_take(p);
     if (!io->work_wanted)
         b->work = WORK_NONE;
-    composition_keep_lease(b, b->work == WORK_GAINS);
+    composition_filter_keep(p, b->work == WORK_GAINS);
     if (settled)
         b->settle = false;
     if (!b->settle || b->work == WORK_GAINS)
@@ -293,12 +285,13 @@ static bool take_result(struct composition_block *b, struct block_io *io)
     return false;
 }
 
-/* After a step. */
-static void ask_for_gains(struct composition_block *b, struct block_io *io)
+/* Asks for gains after a step. */
+static void ask_for_gains(struct composition_block *b, const struct composition_parts *p,
+                          struct block_io *io)
 {
     if (io->work_wanted || b->settle)
         return;
-    io->ask_work = composition_order(b);
+    io->ask_work = composition_filter_order(p);
     if (io->ask_work)
         b->work = WORK_GAINS;
 }
@@ -306,53 +299,61 @@ static void ask_for_gains(struct composition_block *b, struct block_io *io)
 static void composition_block_step(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
+    struct composition_parts p = parts_of(b);
     real_t t[SENSORS_MAX];
-    stand_here(b);
-    if (!take_result(b, io)) {
-        give_estimates(b, io, QUALITY_UNCERTAIN);
+    relocate(&p);
+    if (!take_result(b, &p, io)) {
+        give_estimates(b, &p, io, QUALITY_UNCERTAIN);
         return;
     }
     take_inputs(b, io, t);
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
-        enum err none = composition_evaluate(&b->c);
-        give_estimates(b, io, none || !composition_is_drawn(b) ? QUALITY_BAD : QUALITY_UNCERTAIN);
+        enum err none = begin_after(&p, composition_model_evaluate(&b->model));
+        give_estimates(b, &p, io,
+                       none || !composition_judge_sees(&p) ? QUALITY_BAD : QUALITY_UNCERTAIN);
         return;
     }
-    enum err err = composition_step(&b->c, t);
+    real_t watched_s = (real_t)composition_watch_steps(&b->watch) * composition_model_h(&b->model);
+    enum err err = begin_after(&p, composition_sensors_step(&b->sensors, &b->model,
+                                                            composition_filter_gain(&b->filter), t,
+                                                            watched_s));
     if (err)
-        composition_begin_filter(b);
-    composition_count_step(b, err != ERR_OK);
-    enum quality quality = composition_judge(b, io, err);
-    unsigned odd = composition_is_locked_on(b) ? step_analyses(b, io) : 0;
-    if (!b->missing)
-        composition_raise(io, EVENT_NO_INPUT, odd);
-    give_estimates(b, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
-    ask_for_gains(b, io);
+        composition_filter_begin(&b->filter);
+    composition_judge_count(&p, err != ERR_OK);
+    enum quality quality = composition_judge_step(&p, io, err);
+    unsigned odd = composition_judge_is_settled(&p) ? step_analyses(b, io) : 0;
+    composition_judge_put_analysis(&p, io, odd);
+    give_estimates(b, &p, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
+    ask_for_gains(b, &p, io);
 }
 
-/* One step of an hour without any temperature. */
-static bool settle_piece(struct composition_block *b)
+/* Takes one step of an hour without any temperature. */
+static bool settle_piece(struct composition_block *b, const struct composition_parts *p)
 {
-    real_t most = ZERO, h = b->c.h;
-    b->c.h = SETTLE_S;
-    enum err err = composition_predict(&b->c);
-    b->c.h = h;
-    for (size_t i = 0; !err && i < b->c.column.n_fractions; i++)
-        if (real_abs(b->c.blocks.change[i]) > most)
-            most = real_abs(b->c.blocks.change[i]);
+    real_t largest;
+    enum err err = begin_after(p, composition_model_settle(&b->model, SETTLE_S, &largest));
     b->settling++;
-    return !err && most > SETTLE_STILL && b->settling < SETTLE_MOST;
+    return !err && largest > SETTLE_STILL && b->settling < SETTLE_MOST;
 }
 
 static bool composition_work(void *state)
 {
     struct composition_block *b = state;
-    stand_here(b);
-    return b->work == WORK_SETTLE  ? settle_piece(b)
-           : b->work == WORK_GAINS ? composition_job_piece(b)
-                                   : false; /* asked for by other settings than these */
+    struct composition_parts p = parts_of(b);
+    relocate(&p);
+    return b->work == WORK_SETTLE  ? settle_piece(b, &p)
+           : b->work == WORK_GAINS ? composition_filter_work(&p)
+                                   : false; /* other settings than these have asked for it */
 }
+
+static const char *composition_describe(const void *state, size_t i, float *value)
+{
+    struct composition_parts p = parts_of((struct composition_block *)state);
+    return composition_values(&p, i, value);
+}
+
+/* ---- verbs ---- */
 
 static const char *run_settle(void *state, const float *number)
 {
@@ -360,9 +361,9 @@ static const char *run_settle(void *state, const float *number)
     (void)number;
     b->settle = true;
     b->settling = 0;
-    b->steps = 0;
-    composition_begin_filter(b); /* where it comes out nobody knows how well it fits */
-    b->c.watched = 0;            /* temperatures may be far from there */
+    composition_judge_restart(&b->judge);
+    composition_filter_begin(&b->filter); /* nobody knows how well the steady state fits */
+    composition_watch_restart(&b->watch); /* temperatures may be far from it */
     return NULL;
 }
 
@@ -370,13 +371,14 @@ static const char *run_begin(void *state, const float *number)
 {
     (void)number;
     struct composition_block *b = state;
+    struct composition_parts p = parts_of(b);
     if (b->settle) /* work is on the state */
         return "settles";
-    stand_here(b);
-    b->steps = 0;
-    composition_begin_filter(b);
-    b->filter.steady = false;
-    composition_begin(&b->c);
+    relocate(&p);
+    composition_judge_restart(&b->judge);
+    composition_filter_begin(&b->filter);
+    composition_filter_forget_steady(&b->filter);
+    begin_estimate(&p);
     return NULL;
 }
 
@@ -384,9 +386,9 @@ static const char *run_free(void *state, const float *number)
 {
     struct composition_block *b = state;
     (void)number;
-    if (!composition_is_complete(&b->c))
+    if (!composition_is_complete(&b->s))
         return "method";
-    b->filter.declined = true;
+    composition_filter_decline(&b->filter);
     return NULL;
 }
 
@@ -394,12 +396,7 @@ static const char *run_take(void *state, const float *number)
 {
     struct composition_block *b = state;
     (void)number;
-    if (!composition_is_complete(&b->c))
-        return "method";
-    if (!b->filter.job && composition_workspace_holder())
-        return composition_workspace_holder();
-    b->filter.declined = false;
-    return NULL;
+    return composition_is_complete(&b->s) ? composition_filter_resume(&b->filter) : "method";
 }
 
 static const struct block_verb composition_verbs[] = {

@@ -1,9 +1,10 @@
-/* Parameters of the kind `composition`: rows, what they come to, and what is refused. */
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_parameters.h"
 
-#include <string.h>
-
+#include "base/workspace.h"
 #include "block/refuse.h"
+#include "kinds/column/column.h"
+#include "kinds/composition/composition_job.h"
+#include "kinds/composition/covariance.h"
 #include "model/column_drive.h"
 
 #define PLACE(field)  offsetof(struct composition_settings, field)
@@ -20,7 +21,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "number of the block with the column's table", 0, CONFIG_BLOCKS, 0},
     {2, BLOCK_WORD, PLACE(method), 1, 1, "method", "geometric|rekf|ekf|kalman", "of estimation", 0,
      0, METHOD_GEOMETRIC},
-    {3, BLOCK_WORD, PLACE(is), BLOCK_INPUTS_MAX, 1, "is",
+    {3, BLOCK_WORD, PLACE(role), BLOCK_INPUTS_MAX, 1, "is",
      "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis",
      "what the input is of the column", 0, 0, IS_TEMPERATURE},
     {4, BLOCK_U16, PLACE(place), BLOCK_INPUTS_MAX, PLACE_COLS, "place", "-",
@@ -64,7 +65,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "what the alarms pull, nis and apart make of the estimates", 0, 0, DOUBT_BAD},
     {20, BLOCK_WORD, PLACE(basis), 1, 1, "basis", "mole|mass", "fractions of the points", 0, 0,
      BASIS_MOLE},
-    NUMBER(21, far, "far", "-",
+    NUMBER(21, analysis_gate, "far", "-",
            "mole fraction: an analysis farther off is not believed; 0: all are", 0, 1, 0.05f),
     NUMBER(22, late_s, "late", "s", "without an analysis, until it is missed; 0: never", 0, 1e7f,
            7200),
@@ -97,7 +98,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            0, 1, 0),
     NUMBER(32, nis_full, "nis_full", "-", "ekf, kalman: the alarm nis of these; 0: none", 0, 1e6f,
            4),
-    {33, BLOCK_WORD, PLACE(of), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
+    {33, BLOCK_WORD, PLACE(quantity), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
      "what a point is of: a stage, or the feed as it is found, its flow in the unit of the table",
      0, 0, OF_STAGE},
     {34, BLOCK_FLOAT, UNKEPT(back), BLOCK_POINTS_MAX, sizeof(struct block_return) / sizeof(float),
@@ -117,28 +118,6 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
-
-/* lambda 10 1/h and zeta 3 where nothing is given: Frau 2.4, docs/composition-estimation.md */
-#define LAMBDA_INITIAL REAL_C(10.0)
-#define ZETA_INITIAL   REAL_C(3.0)
-#define HOUR           REAL_C(3600.0)
-/* noise and model where nothing is given: docs/kalman.md, docs/composition-estimation.md */
-#define NOISE_INITIAL REAL_C(0.2)
-#define MODEL_INITIAL REAL_C(0.1)
-#define MODEL_TRUSTED REAL_C(0.011)
-/* feed_f where nothing is given, and no input is the feed's flow */
-#define FLOW_UNMEASURED REAL_C(0.1)
-
-/* Its model is the column's wherever that goes, and its gains are those of the moment, with nothing left out. */
-static bool follows_model(const struct composition_settings *s)
-{
-    return s->method == METHOD_EKF && s->covariance == COVARIANCE_FULL;
-}
-
-bool composition_is_sensor(const struct composition_settings *s, unsigned k)
-{
-    return s->is[k] == IS_TEMPERATURE;
-}
 
 /* ---- checks ---- */
 
@@ -168,7 +147,7 @@ static enum err check_analysis(const struct composition_settings *s,
 {
     unsigned others = 0;
     for (unsigned i = 0; i < k; i++)
-        others += s->is[i] == IS_ANALYSIS ? 1u : 0u;
+        others += s->role[i] == IS_ANALYSIS ? 1u : 0u;
     if (others >= ANALYSES_MAX)
         return block_refuse(fault, 0, "is", "must have two analyses at most");
     if (setup->input[k].is_mv)
@@ -186,9 +165,9 @@ static enum err check_flow(const struct composition_settings *s, const struct co
                            unsigned k, struct block_fault *fault)
 {
     for (unsigned i = 0; i < k; i++)
-        if (s->is[i] == s->is[k])
+        if (s->role[i] == s->role[k])
             return block_refuse(fault, 0, "is", "must have each but the temperatures once");
-    const char *wanted = column_drive_refused(table, (enum column_drive)(s->is[k] - IS_FEED));
+    const char *wanted = column_drive_refused(table, (enum column_drive)(s->role[k] - IS_FEED));
     return wanted ? block_refuse(fault, 0, "is", wanted) : ERR_OK;
 }
 
@@ -199,7 +178,7 @@ static enum err check_all_inputs(const struct block_setup *setup, const struct c
     unsigned moves = 0;
     for (unsigned k = 0; k < setup->inputs; k++) {
         enum err err = composition_is_sensor(s, k) ? check_sensor(s, table, setup, k, fault)
-                       : s->is[k] == IS_ANALYSIS   ? check_analysis(s, table, setup, k, fault)
+                       : s->role[k] == IS_ANALYSIS ? check_analysis(s, table, setup, k, fault)
                                                    : check_flow(s, table, k, fault);
         if (err)
             return err;
@@ -220,15 +199,15 @@ static enum err check_points(const struct block_setup *setup, const struct colum
         return block_refuse(fault, 0, "points", "needs one at least");
     for (unsigned k = 0; k < setup->points; k++) {
         unsigned component = s->point[k][OF_COMPONENT];
-        bool of_feed = s->of[k] == OF_FEED_FRACTION;
-        if (s->of[k] != OF_STAGE && s->point[k][AT_STAGE] != 0)
+        bool of_feed = s->quantity[k] == OF_FEED_FRACTION;
+        if (s->quantity[k] != OF_STAGE && s->point[k][AT_STAGE] != 0)
             return block_refuse(fault, 0, "point", "must have stage 0 where it is of the feed");
         if (of_feed && (component < 1 || component > table->config.components - 1))
             return block_refuse(fault, 0, "point",
                                 "of the feed needs a component that is not the closing one");
-        if (s->of[k] == OF_FEED_FLOW && component != 0)
+        if (s->quantity[k] == OF_FEED_FLOW && component != 0)
             return block_refuse(fault, 0, "point", "of the feed's flow must have component 0");
-        if (s->of[k] != OF_STAGE)
+        if (s->quantity[k] != OF_STAGE)
             continue;
         if (s->point[k][AT_STAGE] < 1 || s->point[k][AT_STAGE] > table->config.stages)
             return block_refuse(fault, 0, "point",
@@ -239,13 +218,13 @@ static enum err check_points(const struct block_setup *setup, const struct colum
     return ERR_OK;
 }
 
-/* Whether complete innovation can be had. */
+/* Checks what complete innovation needs. */
 static enum err check_covariance(const struct block_setup *setup, const struct column_table *table,
                                  struct block_fault *fault)
 {
     const struct composition_settings *s = setup->settings;
     size_t m = table->config.components - 1, stages = table->config.stages;
-    if (s->method != METHOD_EKF && s->method != METHOD_KALMAN)
+    if (!composition_is_complete(s))
         return ERR_OK;
     if (table->truncated[0] || table->truncated[1])
         return block_refuse(fault, 0, "method",
@@ -293,91 +272,4 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
     if (!err)
         err = check_all_inputs(setup, &table, fault);
     return err ? err : check_points(setup, &table, fault);
-}
-
-/* ---- what they come to ---- */
-
-static void set_sensor(struct composition *c, const struct composition_record *r, unsigned k)
-{
-    const struct composition_settings *s = &r->s;
-    struct composition_sensor *o = &c->sensor[c->sensors++]; /* its past stays */
-    real_t lambda = r->tune[k][TUNE_LAMBDA] > 0 ? r->tune[k][TUNE_LAMBDA] : LAMBDA_INITIAL;
-    real_t zeta = r->tune[k][TUNE_ZETA] > 0 ? r->tune[k][TUNE_ZETA] : ZETA_INITIAL;
-    lambda /= HOUR;
-    o->input = (uint8_t)k;
-    o->stage = (uint8_t)(s->place[k][AT_STAGE] - 1u);
-    o->moves = s->place[k][OF_COMPONENT] > 0;
-    o->component = (uint8_t)(o->moves ? s->place[k][OF_COMPONENT] - 1u : 0u);
-    if (r->noise > 0)
-        o->noise2 = r->noise * r->noise;
-    else if (!c->finds_noise)
-        o->noise2 = NOISE_INITIAL * NOISE_INITIAL;
-    else if (o->noise2 < NOISE_LEAST2)
-        o->noise2 = NOISE_LEAST2;
-    o->time = REAL_C(1.0) / lambda;
-    o->kp = REAL_C(2.0) * zeta * lambda;
-    real_t ki = s->method == METHOD_GEOMETRIC ? lambda * lambda : REAL_C(0.0);
-    if (ki > 0 && o->ki > 0) /* what the integral draws stays */
-        o->sum *= o->ki / ki;
-    o->ki = ki;
-}
-
-real_t composition_feed_f(const struct composition_settings *s, unsigned inputs)
-{
-    bool is_measured = false;
-    for (unsigned k = 0; k < inputs; k++)
-        is_measured = is_measured || s->is[k] == IS_FEED;
-    return s->feed_f >= 0                     ? s->feed_f
-           : is_measured || !follows_model(s) ? REAL_C(0.0)
-                                              : FLOW_UNMEASURED;
-}
-
-size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m)
-{
-    size_t n = 0;
-    if (s->method != METHOD_EKF && s->method != METHOD_KALMAN)
-        return 0;
-    for (unsigned k = 0; k < inputs; k++)
-        n += s->is[k] == IS_ANALYSIS && s->offset > 0 ? 1u : 0u;
-    return n + (s->feed_z > 0 ? m : 0u) + (composition_feed_f(s, inputs) > 0 ? 1u : 0u);
-}
-
-static void set_gains(struct composition_gains *g, const struct composition_settings *s,
-                      unsigned inputs, size_t m, bool keep)
-{
-    if (!keep)
-        memset(g, 0, sizeof *g);
-    g->extras = (uint8_t)composition_extras(s, inputs, m);
-    g->has_feed = g->extras && s->feed_z > 0;
-    g->has_flow = g->extras && composition_feed_f(s, inputs) > 0;
-    g->feed = (uint8_t)((g->has_feed ? m : 0u) + (g->has_flow ? 1u : 0u));
-}
-
-real_t *composition_offset(struct composition_block *b, unsigned i)
-{
-    struct composition_gains *g = &b->c.gains;
-    return g->extras > g->feed ? &g->extra[g->feed + i] : NULL;
-}
-
-void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep)
-{
-    const struct composition_record *r = setup->settings;
-    const struct composition_settings *s = &r->s;
-    real_t h = setup->interval_s;
-    if (!keep)
-        memset(c->sensor, 0, sizeof c->sensor);
-    c->sensors = 0;
-    c->finds_noise = follows_model(s) && !(r->noise > 0);
-    for (unsigned k = 0; k < setup->inputs; k++)
-        if (composition_is_sensor(s, k))
-            set_sensor(c, r, k);
-    c->method = s->method;
-    c->between = s->between;
-    set_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
-    c->h = h;
-    real_t model = r->model > 0 ? r->model : follows_model(s) ? MODEL_TRUSTED : MODEL_INITIAL;
-    c->model2 = model * model / HOUR;
-    c->gate = r->gate;
-    c->gate_steps = (uint32_t)(r->gate_s / h);
-    c->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);
 }

@@ -1,9 +1,11 @@
-/* What `block N` shows of the kind `composition`. */
-#include "kinds/composition/composition_block.h"
+#include "kinds/composition/composition_values.h"
+
+#include "kinds/composition/composition_filter.h"
+#include "kinds/composition/composition_judge.h"
 
 enum { VALUE_E, VALUE_PULL, VALUE_NIS, VALUE_RHO, VALUE_SLOPE, VALUES };
 
-static const char *const of_sensor[VALUES][SENSORS_MAX] = {
+static const char *const sensor_names[VALUES][SENSORS_MAX] = {
     {"e_1", "e_2", "e_3", "e_4", "e_5", "e_6", "e_7", "e_8", "e_9", "e_10", "e_11", "e_12"},
     {"pull_1", "pull_2", "pull_3", "pull_4", "pull_5", "pull_6", "pull_7", "pull_8", "pull_9",
      "pull_10", "pull_11", "pull_12"},
@@ -16,74 +18,62 @@ static const char *const of_sensor[VALUES][SENSORS_MAX] = {
 };
 _Static_assert(SENSORS_MAX == 12, "names");
 
-static float value_of(const struct composition_sensor *s, unsigned which)
+static float sensor_value(const struct composition_parts *p, unsigned k, unsigned which)
 {
     switch (which) {
     case VALUE_E:
-        return s->e;
+        return composition_sensors_e(p->sensors, k);
     case VALUE_PULL:
-        return s->pull;
+        return composition_watch_pull(p->watch, k);
     case VALUE_NIS:
-        return s->square;
+        return composition_watch_square(p->watch, k);
     case VALUE_RHO:
-        return s->square > 0 ? s->product / s->square : 0;
+        return composition_watch_correlation(p->watch, k);
     default:
-        return s->slope;
+        return composition_sensors_slope(p->sensors, k);
     }
 }
 
-/* What complete innovation has besides: how sure the points are, what was found of the feed, and whether there is a workspace. */
-static const char *filter_value(const struct composition_block *b, size_t i, float *value)
+/* Complete innovation: the workspace, how sure the points are, and what was found of the feed. */
+static const char *filter_value(const struct composition_parts *p, size_t i, float *value)
 {
     static const char *const sd[] = {"sd_1", "sd_2", "sd_3", "sd_4",
                                      "sd_5", "sd_6", "sd_7", "sd_8"};
     static const char *const feed[] = {"feed_1", "feed_2", "feed_3"};
     _Static_assert(sizeof sd / sizeof sd[0] == BLOCK_POINTS_MAX, "names");
     _Static_assert(sizeof feed / sizeof feed[0] == COLUMN_COMPONENTS_MAX - 1, "names");
-    static const char *const fixed[] = {"workspace", "cycles", "sd_least", "sd_most"};
-    const float fixed_values[] = {b->filter.job ? 1.0f : 0.0f, (float)b->filter.count,
-                                  b->filter.least, b->filter.most};
-    const struct composition_gains *g = &b->c.gains;
-    size_t n = sizeof fixed / sizeof fixed[0];
-    if (i < n) {
-        *value = fixed_values[i];
-        return fixed[i];
-    }
-    i -= n;
-    if (i < b->points) {
-        *value = composition_point_sd(b, (unsigned)i);
+    const char *fixed = composition_filter_describe(p->filter, i, value);
+    if (fixed)
+        return fixed;
+    i -= COMPOSITION_FILTER_VALUES;
+    if (i < p->points) {
+        *value = composition_judge_sd(p, (unsigned)i);
         return sd[i];
     }
-    i -= b->points;
-    if (i >= g->feed)
+    i -= p->points;
+    if (i >= composition_model_feed_extras(p->model))
         return NULL;
-    *value = g->extra[i];
-    return g->has_flow && i + 1u == g->feed ? "feed_flow" : feed[i];
+    *value = composition_model_extra(p->model, i);
+    return composition_model_is_flow(p->model, i) ? "feed_flow" : feed[i];
 }
 
-const char *composition_describe(const void *state, size_t i, float *value)
+const char *composition_values(const struct composition_parts *p, size_t i, float *value)
 {
-    const struct composition_block *b = state;
-    const struct column_flows *f = &b->c.column.flows;
-    static const char *const names[] = {"states", "clipped", "bounced", "distillate", "bottoms"};
-    const float values[] = {(float)column_table_states(&b->c.table), (float)b->c.clipped,
-                            (float)b->c.bounced, f->distillate, f->bottoms};
-    size_t fixed = sizeof values / sizeof values[0];
-    if (i < fixed) {
-        *value = values[i];
-        return names[i];
-    }
     static const char *const corrections[ANALYSES_MAX] = {"correction_1", "correction_2"};
-    size_t sensor = (i - fixed) / VALUES, which = (i - fixed) % VALUES;
-    if (sensor >= b->c.sensors) {
-        size_t k = i - fixed - (size_t)b->c.sensors * VALUES;
-        if (k < b->analyses) {
-            *value = b->analysis[k].correction;
-            return corrections[k];
-        }
-        return composition_is_complete(&b->c) ? filter_value(b, k - b->analyses, value) : NULL;
+    const char *fixed = composition_model_describe(p->model, i, value);
+    if (fixed)
+        return fixed;
+    i -= COMPOSITION_MODEL_VALUES;
+    unsigned sensor = (unsigned)(i / VALUES), which = (unsigned)(i % VALUES);
+    if (sensor < composition_sensors_count(p->sensors)) {
+        *value = sensor_value(p, sensor, which);
+        return sensor_names[which][composition_sensors_input(p->sensors, sensor) - 1u];
     }
-    const struct composition_sensor *s = &b->c.sensor[sensor];
-    *value = value_of(s, (unsigned)which);
-    return of_sensor[which][s->input];
+    i -= (size_t)composition_sensors_count(p->sensors) * VALUES;
+    size_t analyses = composition_analyses_count(p->analyses);
+    if (i < analyses) {
+        *value = composition_analyses_correction(p->analyses, (unsigned)i);
+        return corrections[i];
+    }
+    return composition_is_complete(p->settings) ? filter_value(p, i - analyses, value) : NULL;
 }

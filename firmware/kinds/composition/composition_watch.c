@@ -1,93 +1,172 @@
-/* Monitor of the estimator: whether what the sensors say goes on being what the model expects, and whether they agree. */
-#include "kinds/composition/composition.h"
+#include "kinds/composition/composition_watch.h"
+
+#include "kinds/composition/composition_watch_state.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-static real_t expected(const struct composition *c, const struct composition_sensor *s)
+/* The readings' own noise is faster than the column: it is what innovations swing by about their mean of so many steps. */
+#define SLOW_STEPS REAL_C(20.0)
+/* Innovations that are off to one side for long, as far as docs/consistency.md has it: a model that is trusted has none. */
+#define MEAN_MOST REAL_C(0.3)
+
+void composition_watch_set(struct composition_watch *w, const struct block_setup *setup)
 {
-    return c->method != METHOD_GEOMETRIC && s->moves && s->spread > ZERO ? s->spread : s->noise2;
+    const struct composition_settings *s = setup->settings;
+    real_t h = setup->interval_s;
+    w->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);
 }
 
-/* The readings' own noise, as fast as the column is not: what the innovations swing by about their mean of so many steps. */
-#define SLOW_STEPS REAL_C(20.0)
-
-static void read_noise(const struct composition *c, struct composition_sensor *s, real_t weight)
+void composition_watch_begin(struct composition_watch *w, const struct composition_sensors *all)
 {
-    real_t off = s->e - s->slow;
+    w->steps = 0;
+    for (unsigned k = 0; k < composition_sensors_count(all); k++) {
+        struct composition_means *s = &w->sensor[k];
+        s->pull = s->square = s->product = s->last = ZERO;
+    }
+}
+
+void composition_watch_restart(struct composition_watch *w)
+{
+    w->steps = 0;
+}
+
+uint32_t composition_watch_steps(const struct composition_watch *w)
+{
+    return w->steps;
+}
+
+/* ---- means ---- */
+
+static real_t swing_of_noise(struct composition_means *s, real_t e, real_t weight)
+{
+    real_t off = e - s->slow;
     s->slow += off / SLOW_STEPS;
     s->swing += weight * (off * off - s->swing);
-    if (c->finds_noise)
-        s->noise2 = s->swing < NOISE_LEAST2 ? NOISE_LEAST2 : s->swing;
+    return s->swing;
 }
 
-void composition_watch(struct composition *c)
+void composition_watch_step(struct composition_watch *w, struct composition_sensors *all)
 {
-    if (c->watched < UINT32_MAX)
-        c->watched++;
-    real_t first = ONE / (real_t)c->watched;
-    real_t weight = first > c->weight ? first : c->weight;
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        struct composition_sensor *s = &c->sensor[k];
-        if (!s->there)
+    if (w->steps < UINT32_MAX)
+        w->steps++;
+    real_t first = ONE / (real_t)w->steps;
+    real_t weight = first > w->weight ? first : w->weight;
+    for (unsigned k = 0; k < composition_sensors_count(all); k++) {
+        struct composition_means *s = &w->sensor[k];
+        struct composition_innovation i;
+        if (!composition_sensors_innovation(all, k, &i))
             continue;
-        if (c->watched == 1)
-            s->slow = s->e;
-        real_t of = expected(c, s);
-        read_noise(c, s, weight);
-        s->mean += weight * (s->e / real_sqrt(of) - s->mean);
-        s->pull += weight * (s->correction * REAL_C(3600.0) - s->pull);
-        s->square += weight * (s->e * s->e / of - s->square);
-        s->product += weight * (s->e * s->last / of - s->product);
-        s->last = s->e;
+        if (w->steps == 1)
+            s->slow = i.e;
+        composition_sensors_find_noise(all, k, swing_of_noise(s, i.e, weight));
+        s->mean += weight * (i.e / real_sqrt(i.expected) - s->mean);
+        s->pull += weight * (i.correction * REAL_C(3600.0) - s->pull);
+        s->square += weight * (i.e * i.e / i.expected - s->square);
+        s->product += weight * (i.e * s->last / i.expected - s->product);
+        s->last = i.e;
     }
 }
 
-static bool counts(const struct composition *c, const struct composition_sensor *s, bool above)
+/* ---- numbers of inputs ---- */
+
+unsigned composition_watch_pulling(const struct composition_watch *w,
+                                   const struct composition_sensors *all, real_t most)
 {
-    return composition_draws(s) && composition_is_above_feed(c, s) == above;
+    for (unsigned k = 0; k < composition_sensors_count(all); k++)
+        if (most > ZERO && real_abs(w->sensor[k].pull) > most)
+            return composition_sensors_input(all, k);
+    return 0;
 }
 
-/* Of the sensors of a section: how many, the least and the largest correction. */
-static unsigned section(const struct composition *c, bool above, real_t *least, real_t *most)
+unsigned composition_watch_surprising(const struct composition_watch *w,
+                                      const struct composition_sensors *all, real_t most,
+                                      bool to_one_side)
 {
-    unsigned n = 0;
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        const struct composition_sensor *s = &c->sensor[k];
-        if (!counts(c, s, above))
+    for (unsigned k = 0; k < composition_sensors_count(all); k++)
+        if (most > ZERO && (w->sensor[k].square > most ||
+                            (to_one_side && real_abs(w->sensor[k].mean) > MEAN_MOST)))
+            return composition_sensors_input(all, k);
+    return 0;
+}
+
+/* A section: number of its sensors, the least and the largest correction. */
+struct section {
+    unsigned n;
+    real_t least, largest;
+};
+
+static struct section section_of(const struct composition_watch *w,
+                                 const struct composition_sensors *all, size_t feed_stage,
+                                 bool above)
+{
+    struct section found = {0, ZERO, ZERO};
+    for (unsigned k = 0; k < composition_sensors_count(all); k++) {
+        real_t pull = w->sensor[k].pull;
+        if (!composition_sensors_draws_in(all, k, feed_stage, above))
             continue;
-        *least = n == 0 || s->pull < *least ? s->pull : *least;
-        *most = n == 0 || s->pull > *most ? s->pull : *most;
-        n++;
+        found.least = found.n == 0 || pull < found.least ? pull : found.least;
+        found.largest = found.n == 0 || pull > found.largest ? pull : found.largest;
+        found.n++;
     }
-    return n;
+    return found;
 }
 
-/* Farthest from the mean of the others, which is the same as from the mean of all. */
-static unsigned farthest(const struct composition *c, bool above, unsigned n)
+/* The farthest from the mean of the others is also the farthest from the mean of all. */
+static unsigned farthest(const struct composition_watch *w, const struct composition_sensors *all,
+                         size_t feed_stage, bool above, unsigned n)
 {
     real_t mean = ZERO, far = -ONE;
-    unsigned at = 0;
-    for (uint8_t k = 0; k < c->sensors; k++)
-        if (counts(c, &c->sensor[k], above))
-            mean += c->sensor[k].pull / (real_t)n;
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        real_t away = real_abs(c->sensor[k].pull - mean);
-        if (counts(c, &c->sensor[k], above) && away > far) {
+    unsigned input = 0;
+    for (unsigned k = 0; k < composition_sensors_count(all); k++)
+        if (composition_sensors_draws_in(all, k, feed_stage, above))
+            mean += w->sensor[k].pull / (real_t)n;
+    for (unsigned k = 0; k < composition_sensors_count(all); k++) {
+        real_t away = real_abs(w->sensor[k].pull - mean);
+        if (composition_sensors_draws_in(all, k, feed_stage, above) && away > far) {
             far = away;
-            at = c->sensor[k].input + 1u;
+            input = composition_sensors_input(all, k);
         }
     }
-    return at;
+    return input;
 }
 
-unsigned composition_odd_sensor(const struct composition *c, real_t most)
+unsigned composition_watch_odd(const struct composition_watch *w,
+                               const struct composition_sensors *all, size_t feed_stage,
+                               real_t most)
 {
     for (unsigned above = 0; above < 2; above++) {
-        real_t least = ZERO, largest = ZERO;
-        unsigned n = section(c, above != 0, &least, &largest);
-        if (n > 1 && largest - least > most)
-            return farthest(c, above != 0, n);
+        struct section found = section_of(w, all, feed_stage, above != 0);
+        if (found.n > 1 && found.largest - found.least > most)
+            return farthest(w, all, feed_stage, above != 0, found.n);
     }
     return 0;
+}
+
+real_t composition_watch_factor(const struct composition_watch *w,
+                                const struct composition_sensors *all)
+{
+    real_t most = REAL_C(1.0);
+    for (unsigned k = 0; k < composition_sensors_count(all); k++)
+        if (composition_sensors_draws(all, k) && w->sensor[k].square > most)
+            most = w->sensor[k].square;
+    return real_sqrt(most);
+}
+
+/* ---- for the console ---- */
+
+real_t composition_watch_pull(const struct composition_watch *w, unsigned k)
+{
+    return w->sensor[k].pull;
+}
+
+real_t composition_watch_square(const struct composition_watch *w, unsigned k)
+{
+    return w->sensor[k].square;
+}
+
+real_t composition_watch_correlation(const struct composition_watch *w, unsigned k)
+{
+    const struct composition_means *s = &w->sensor[k];
+    return s->square > 0 ? s->product / s->square : 0;
 }

@@ -36,9 +36,10 @@ struct covariance_step {
     size_t noise_first, noise_count;
 };
 
-/* z = sum of slope[i] * fraction[at + i], i < count, + extra_slope * extra, and white noise. */
+/* z = sum of slope[i] * fraction[first + i], i < count, + extra_slope * extra, and white noise. */
 struct covariance_measurement {
-    size_t at, count; /* at least one, within n */
+    /* Fractions first .. first + count - 1, at least one, within n. */
+    size_t first, count;
     const real_t *slope;
     size_t extra; /* from 0; the number of extras or more: none */
     real_t extra_slope;

@@ -37,10 +37,11 @@ struct covariance_band_fresh {
 
 struct covariance_band {
     size_t stages, m, extras;
-    real_t *of; /* [stages]: S_(s,s), S_(s,s+1) (m x m, row by row), then M turned [extras][m] */
+    /* [stages]: S_(s,s), S_(s,s+1) (m x m, row by row), then M turned [extras][m] */
+    real_t *blocks;
     real_t *ud; /* packed, of the extras */
     /* within a step */
-    size_t phase, at;
+    size_t phase, next;
     struct covariance_band_fresh fresh[COVARIANCE_EXTRAS_MAX];
     real_t block[4][COVARIANCE_BAND_BLOCK]; /* what a sweep takes from stage to stage */
     real_t row[COVARIANCE_EXTRAS_MAX * COVARIANCE_BAND_M_MAX];
@@ -70,6 +71,9 @@ real_t covariance_band_take(struct covariance_band *c, const struct covariance_m
 
 /* h P h', without z->variance. */
 real_t covariance_band_of(const struct covariance_band *c, const struct covariance_measurement *z);
+
+/* Returns how the last step ended. */
+enum err covariance_band_err(const struct covariance_band *c);
 
 /* Smallest and largest variance of a state. */
 void covariance_band_extremes(const struct covariance_band *c, real_t *least, real_t *most);

@@ -23,8 +23,8 @@ enum {
 struct band_seen {
     size_t stage;
     real_t slope[COVARIANCE_BAND_M_MAX];
-    real_t by_extra[COVARIANCE_EXTRAS_MAX], told[COVARIANCE_EXTRAS_MAX]; /* f, T f */
-    real_t spread, bound;                                                /* h S h', a */
+    real_t by_extra[COVARIANCE_EXTRAS_MAX], extra_gain[COVARIANCE_EXTRAS_MAX]; /* f, T f */
+    real_t spread, bound;                                                      /* h S h', a */
     real_t per_bound, per_alpha, left; /* 1/a, 1/alpha, variance/a */
 };
 
@@ -33,7 +33,7 @@ static inline real_t band_at_least(real_t variance)
     return variance > COVARIANCE_LEAST ? variance : COVARIANCE_LEAST;
 }
 
-/* `count` stages more of the sweep that c->phase says; c->at goes along. */
+/* `count` stages more of the sweep that c->phase says; c->next goes along. */
 void covariance_band_sweep_two(struct covariance_band *c, const struct covariance_step *step,
                                size_t count);
 void covariance_band_sweep_any(struct covariance_band *c, const struct covariance_step *step,

@@ -21,21 +21,21 @@ _Static_assert(COVARIANCE_BAND_M_MAX >= 2 && COVARIANCE_BAND_M_MAX <= BLOCK_M_MA
 
 /* What a sweep takes along, where a compiler sees that nothing else points to it. */
 struct band_along {
-    real_t of[4][BLOCK_SIZE];
+    real_t block[4][BLOCK_SIZE];
 };
 
 static BAND_STAGE void fetch_along(size_t m, const struct covariance_band *c,
                                    struct band_along *along)
 {
     for (size_t k = 0; k < 4; k++)
-        block_copy(m * m, c->block[k], along->of[k]);
+        block_copy(m * m, c->block[k], along->block[k]);
 }
 
 static BAND_STAGE void keep_along(size_t m, const struct band_along *along,
                                   struct covariance_band *c)
 {
     for (size_t k = 0; k < 4; k++)
-        block_copy(m * m, along->of[k], c->block[k]);
+        block_copy(m * m, along->block[k], c->block[k]);
 }
 
 /* What extras say of a stage, for the new extras in place of the old ones; what they do not say goes to the stage's covariances. row:
@@ -78,23 +78,23 @@ static BAND_STAGE void carry_down(size_t m, struct covariance_band *c,
                                   struct band_along *along)
 {
     size_t stride = covariance_band_stride(m, c->extras);
-    const real_t *p_there = &step->transition->of[s * column_transition_stride(m)];
-    real_t *there = &c->of[s * stride], *restrict said = there + 2 * m * m;
-    real_t *says_r = along->of[BAND_B_SAYS_R], liquid = p_there[3 * m * m];
+    const real_t *p_stage = &step->transition->factors[s * column_transition_stride(m)];
+    real_t *stage = &c->blocks[s * stride], *restrict said = stage + 2 * m * m;
+    real_t *says_r = along->block[BAND_B_SAYS_R], liquid = p_stage[3 * m * m];
     real_t p[BLOCK_SIZE], own[BLOCK_SIZE], up[BLOCK_SIZE], above[BLOCK_SIZE];
     real_t b_r[BLOCK_SIZE], mixed[BLOCK_SIZE], carried[BLOCK_SIZE];
     struct block_factors factors = {.inverse = {ZERO}};
     bool top = s + 1 == c->stages;
 
-    block_copy(m * m, p_there, p);
-    block_copy(m * m, there, own);
-    block_copy(m * m, there + m * m, up);
+    block_copy(m * m, p_stage, p);
+    block_copy(m * m, stage, own);
+    block_copy(m * m, stage + m * m, up);
     renew_stage(m, c, step, s, own, up, said);
     block_factor(m, own, &factors);
     if (top) {
         block_copy(m * m, own, mixed);
     } else {
-        block_copy(m * m, there + stride, above);
+        block_copy(m * m, stage + stride, above);
         block_product(m, up, says_r, b_r); /* C(b_s, r_(s+1)) */
         for (size_t i = 0; i < m * m; i++) {
             mixed[i] = real_fma(liquid, b_r[i], own[i]);
@@ -110,8 +110,8 @@ static BAND_STAGE void carry_down(size_t m, struct covariance_band *c,
                 carried[i * m + j] = real_fma(liquid, up[j * m + i], carried[i * m + j]);
     block_product(m, p, carried, own);
     block_mirror(m, own);
-    block_copy(m * m, own, there);
-    block_copy(m * m, up, there + m * m);
+    block_copy(m * m, own, stage);
+    block_copy(m * m, up, stage + m * m);
     for (size_t j = 0; j < m; j++)
         block_solve(m, &factors, m, &b_r[j]);
     block_copy(m * m, b_r, says_r);
@@ -157,24 +157,24 @@ static BAND_STAGE void carry_up(size_t m, struct covariance_band *c,
                                 struct band_along *along)
 {
     size_t stride = covariance_band_stride(m, c->extras);
-    const real_t *p = &step->transition->of[s * column_transition_stride(m)];
-    real_t keep = p[3 * m * m + 1], *there = &c->of[s * stride];
-    real_t *w_r = along->of[BAND_W_R], *d_r = along->of[BAND_D_R];
-    real_t *d_w = along->of[BAND_D_W], *w_w = along->of[BAND_W_W];
+    const real_t *p = &step->transition->factors[s * column_transition_stride(m)];
+    real_t keep = p[3 * m * m + 1], *stage = &c->blocks[s * stride];
+    real_t *w_r = along->block[BAND_W_R], *d_r = along->block[BAND_D_R];
+    real_t *d_w = along->block[BAND_D_W], *w_w = along->block[BAND_W_W];
     real_t t[BLOCK_SIZE], g[BLOCK_SIZE], own[BLOCK_SIZE], next[BLOCK_SIZE];
     real_t w_d[BLOCK_SIZE], own_r[BLOCK_SIZE], part[BLOCK_SIZE], new_w_r[BLOCK_SIZE];
     struct block_factors factors = {.inverse = {ZERO}};
 
     block_copy(m * m, p + m * m, t);
     block_copy(m * m, p + 2 * m * m, g);
-    block_copy(m * m, there, own);
-    block_copy(m * m, there + m * m, next); /* S_s^-1 S_(s,s+1), of r */
+    block_copy(m * m, stage, own);
+    block_copy(m * m, stage + m * m, next); /* S_s^-1 S_(s,s+1), of r */
     block_factor(m, own, &factors);
     for (size_t j = 0; j < m; j++)
         block_solve(m, &factors, m, &next[j]);
     block_times_turned(m, ONE, d_r, d_w, t, part); /* C(d_(s-1), d_s) */
     if (s > 0)
-        block_copy(m * m, part, there - stride + m * m);
+        block_copy(m * m, part, stage - stride + m * m);
     block_times_turned(m, ONE, w_r, w_w, t, w_d); /* C(w_(s-1), d_s) */
     block_times(m, ONE, own, t, w_r, own_r);      /* C(d_s, r_s) */
     block_product(m, t, w_d, part);
@@ -193,8 +193,8 @@ static BAND_STAGE void carry_up(size_t m, struct covariance_band *c,
     block_product(m, own_r, next, d_r);
     for (size_t i = 0; i < m; i++)
         own[i * (m + 1)] = band_at_least(own[i * (m + 1)] * COVARIANCE_BAND_GROWTH);
-    block_copy(m * m, own, there);
-    carry_extras_up(m, c->extras, t, g, keep, there + 2 * m * m, c->row);
+    block_copy(m * m, own, stage);
+    carry_extras_up(m, c->extras, t, g, keep, stage + 2 * m * m, c->row);
 }
 
 static BAND_STAGE void sweep_stages(size_t m, struct covariance_band *c,
@@ -205,10 +205,10 @@ static BAND_STAGE void sweep_stages(size_t m, struct covariance_band *c,
     fetch_along(m, c, &along);
     if (c->phase == BAND_SWEEPS_DOWN)
         for (; count > 0; count--)
-            carry_down(m, c, step, --c->at, &along);
+            carry_down(m, c, step, --c->next, &along);
     else
         for (; count > 0; count--)
-            carry_up(m, c, step, c->at++, &along);
+            carry_up(m, c, step, c->next++, &along);
     keep_along(m, &along, c);
 }
 
@@ -233,19 +233,19 @@ static BAND_STAGE void take_stage(size_t m, size_t extras, const struct band_see
 
     for (size_t i = 0; i < m; i++)
         for (size_t j = i; j < m; j++) {
-            real_t old = own[i * m + j], now = real_fma(part[i], g[j], old);
+            real_t old = own[i * m + j], updated = real_fma(part[i], g[j], old);
             real_t least = real_fma(seen->left, old, COVARIANCE_LEAST);
-            if (i == j && !(now > least))
-                now = least;
-            own[i * m + j] = now;
+            if (i == j && !(updated > least))
+                updated = least;
+            own[i * m + j] = updated;
         }
     block_mirror(m, own);
     block_copy(m, g, sum);
     for (size_t e = 0; e < extras; e++, said += m) {
-        real_t told = seen->told[e], by_extra = seen->by_extra[e];
+        real_t of_extra = seen->extra_gain[e], by_extra = seen->by_extra[e];
         for (size_t i = 0; i < m; i++) {
             real_t old = said[i];
-            sum[i] = real_fma(old, told, sum[i]);
+            sum[i] = real_fma(old, of_extra, sum[i]);
             said[i] = real_fma(part[i], by_extra, old);
         }
     }
@@ -260,7 +260,7 @@ static BAND_STAGE void spread_on(size_t m, const struct covariance_band *c,
 {
     size_t stride = covariance_band_stride(m, c->extras), extras = c->extras;
     size_t count = upwards ? c->stages - 1 - seen->stage : seen->stage;
-    real_t *own = &c->of[seen->stage * stride];
+    real_t *own = &c->blocks[seen->stage * stride];
     real_t behind[M_SIZE], from[M_SIZE], g[M_SIZE] = {ZERO}, part[M_SIZE] = {ZERO};
     real_t spread = seen->spread, per_bound = -seen->per_bound;
     struct block_factors factors = {.inverse = {ZERO}};
@@ -295,7 +295,7 @@ static BAND_STAGE void spread_on(size_t m, const struct covariance_band *c,
 static BAND_STAGE void spread_stages(size_t m, const struct covariance_band *c,
                                      const struct band_seen *seen, real_t *gain)
 {
-    real_t *own = &c->of[seen->stage * covariance_band_stride(m, c->extras)];
+    real_t *own = &c->blocks[seen->stage * covariance_band_stride(m, c->extras)];
     real_t g[M_SIZE] = {ZERO}, part[M_SIZE] = {ZERO};
 
     for (size_t i = 0; i < m; i++) {

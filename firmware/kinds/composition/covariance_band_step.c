@@ -34,12 +34,12 @@ enum err covariance_band_begin(struct covariance_band *c, size_t stages, size_t 
 
     if (err)
         return err;
-    *c = (struct covariance_band){.stages = stages, .m = m, .extras = extras, .of = memory};
-    c->ud = c->of + stages * stride;
+    *c = (struct covariance_band){.stages = stages, .m = m, .extras = extras, .blocks = memory};
+    c->ud = c->blocks + stages * stride;
     for (size_t i = 0; i < stages * stride; i++)
-        c->of[i] = ZERO;
+        c->blocks[i] = ZERO;
     for (size_t i = 0; i < stages * m; i++)
-        c->of[i / m * stride + i % m * (m + 1)] = band_at_least(variance[i]);
+        c->blocks[i / m * stride + i % m * (m + 1)] = band_at_least(variance[i]);
     for (size_t e = 0; e < extras; e++)
         least[e] = band_at_least(variance[stages * m + e]);
     ud_set_diagonal(c->ud, extras, least);
@@ -106,7 +106,7 @@ static void add_band_noise(struct covariance_band *c, const struct covariance_st
 
     for (size_t count = step->noise_count; count-- > 0; i++) {
         i = i < n ? i : 0;
-        c->of[i / m * stride + i % m * (m + 1)] += step->noise[i];
+        c->blocks[i / m * stride + i % m * (m + 1)] += step->noise[i];
     }
 }
 
@@ -115,7 +115,7 @@ static bool is_finite_band(const struct covariance_band *c)
     size_t count = c->stages * covariance_band_stride(c->m, c->extras) + ud_count(c->extras);
     real_t sum = ZERO; /* what is no number stays so */
     for (size_t i = 0; i < count; i++)
-        sum += c->of[i] * ZERO;
+        sum += c->blocks[i] * ZERO;
     return sum == ZERO;
 }
 
@@ -136,9 +136,9 @@ bool covariance_band_carry_piece(struct covariance_band *c, const struct covaria
         renew_extras(c, step);
         clear_between(c);
         c->phase = BAND_SWEEPS_DOWN;
-        c->at = c->stages;
+        c->next = c->stages;
     }
-    size_t left = c->phase == BAND_SWEEPS_DOWN ? c->at : c->stages - c->at;
+    size_t left = c->phase == BAND_SWEEPS_DOWN ? c->next : c->stages - c->next;
     size_t count = effort / covariance_band_stride(c->m, c->extras);
     count = count < 1 ? 1 : count;
     count = count < left ? count : left;
@@ -156,4 +156,9 @@ bool covariance_band_carry_piece(struct covariance_band *c, const struct covaria
     c->err = is_finite_band(c) ? ERR_OK : ERR_NOT_FINITE;
     c->phase = BAND_BEGINS;
     return false;
+}
+
+enum err covariance_band_err(const struct covariance_band *c)
+{
+    return c->err;
 }

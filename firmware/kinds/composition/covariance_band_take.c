@@ -15,8 +15,8 @@
 static bool see_stage(const struct covariance_band *c, const struct covariance_measurement *z,
                       struct band_seen *seen)
 {
-    size_t m = c->m, stage = z->at / m, first = z->at % m;
-    const real_t *own = &c->of[stage * covariance_band_stride(m, c->extras)];
+    size_t m = c->m, stage = z->first / m, first = z->first % m;
+    const real_t *own = &c->blocks[stage * covariance_band_stride(m, c->extras)];
     const real_t *said = own + 2 * m * m;
 
     if (z->count < 1 || first + z->count > m || stage >= c->stages)
@@ -57,9 +57,9 @@ real_t covariance_band_take(struct covariance_band *c, const struct covariance_m
     struct band_seen seen = {.bound = ONE};
 
     if (see_stage(c, z, &seen)) {
-        ud_project(c->ud, c->extras, seen.by_extra, f, seen.told);
+        ud_project(c->ud, c->extras, seen.by_extra, f, seen.extra_gain);
         seen.bound = seen.spread + z->variance;
-        alpha = seen.bound + ud_variance(f, seen.told, c->extras);
+        alpha = seen.bound + ud_variance(f, seen.extra_gain, c->extras);
     }
     if (!(z->variance > ZERO && alpha > ZERO && isfinite(alpha))) {
         for (size_t i = 0; i < n + c->extras; i++)
@@ -69,13 +69,13 @@ real_t covariance_band_take(struct covariance_band *c, const struct covariance_m
     seen.per_bound = ONE / seen.bound;
     seen.per_alpha = ONE / alpha;
     seen.left = z->variance * seen.per_bound;
-    (void)ud_correct(c->ud, c->extras, f, seen.told, seen.bound, ONE);
+    (void)ud_correct(c->ud, c->extras, f, seen.extra_gain, seen.bound, ONE);
     if (c->m == 2)
         covariance_band_spread_two(c, &seen, gain);
     else
         covariance_band_spread_any(c, &seen, gain);
     for (size_t e = 0; e < c->extras; e++)
-        gain[n + e] = seen.told[e] * seen.per_alpha;
+        gain[n + e] = seen.extra_gain[e] * seen.per_alpha;
     return alpha;
 }
 
@@ -109,10 +109,10 @@ static real_t extra_variance(const struct covariance_band *c, size_t e)
 void covariance_band_extremes(const struct covariance_band *c, real_t *least, real_t *most)
 {
     size_t m = c->m, stride = covariance_band_stride(m, c->extras);
-    real_t lo = c->of[0], hi = ZERO;
+    real_t lo = c->blocks[0], hi = ZERO;
 
     for (size_t s = 0; s <= c->stages; s++) { /* behind the stages the extras themselves */
-        const real_t *own = &c->of[s * stride], *said = own + 2 * m * m;
+        const real_t *own = &c->blocks[s * stride], *said = own + 2 * m * m;
         size_t count = s < c->stages ? m : c->extras;
         for (size_t i = 0; i < count; i++) {
             real_t v = s < c->stages ? told_variance(c, said + i, m) + own[i * (m + 1)]

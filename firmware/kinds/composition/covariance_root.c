@@ -21,15 +21,15 @@ _Static_assert(M_MAX == 3, "what is expanded, is so for one, two and three mole 
 
 /* ---- reflections ---- */
 
-/* m of them, which turn the columns of two neighbouring stages: of[i] over the m columns on the left and the first i + 1 on the right,
- * scaled so that a row loses of[i] times its product with it. */
+/* m of them, which turn the columns of two neighbouring stages: reflection[i] over the m columns on the left and the first i + 1 on the right,
+ * scaled so that a row loses reflection[i] times its product with it. */
 struct turn {
-    real_t of[M_MAX][2 * M_MAX];
+    real_t reflection[M_MAX][2 * M_MAX];
 };
 
 static void turn_row(size_t m, const struct turn *turn, size_t i, real_t *row)
 {
-    const real_t *v = turn->of[i];
+    const real_t *v = turn->reflection[i];
     real_t sum = ZERO;
 
     for (size_t k = 0; k <= m + i; k++)
@@ -41,7 +41,7 @@ static void turn_row(size_t m, const struct turn *turn, size_t i, real_t *row)
 /* The one that leaves of a row its element m + i alone; the row becomes that. */
 static void make_reflection(size_t m, size_t i, real_t *row, struct turn *turn)
 {
-    real_t *v = turn->of[i], squares = ZERO, kept = row[m + i], scale = ZERO;
+    real_t *v = turn->reflection[i], squares = ZERO, kept = row[m + i], scale = ZERO;
 
     for (size_t k = 0; k <= m + i; k++)
         squares = real_fma(row[k], row[k], squares);
@@ -101,7 +101,7 @@ static EXPANDED void turn_columns(size_t m, const struct covariance_ud *c, const
         UNDONE
         for (size_t k = 0; k < 2 * m; k++)
             if (k <= m + i)
-                v[i][k] = turn->of[i][k];
+                v[i][k] = turn->reflection[i][k];
     }
     UNDONE
     for (size_t k = 0; k < 2 * m; k++)
@@ -127,11 +127,11 @@ static EXPANDED void turn_columns(size_t m, const struct covariance_ud *c, const
 static void turn_rows(size_t m, struct turn *turn, real_t *row)
 {
     if (m == 1)
-        turn_all(1, turn->of, row);
+        turn_all(1, turn->reflection, row);
     else if (m == 2)
-        turn_all(2, turn->of, row);
+        turn_all(2, turn->reflection, row);
     else if (m == 3)
-        turn_all(3, turn->of, row);
+        turn_all(3, turn->reflection, row);
 }
 
 /* A turn of stages s - 1 and s, for all rows above block s. */
@@ -202,7 +202,7 @@ static void sweep_pair(const struct covariance_ud *c, const struct column_transi
     size_t stride = column_transition_stride(2);
     real_t *first = c->ud + ud_count(2 * s), *second = first + 2 * s + 1, *a = first + 2 * s,
            *b = second + 2 * s;
-    const real_t *p = t->of + s * stride;
+    const real_t *p = t->factors + s * stride;
     real_t a0 = r[0], b0 = r[1], a1 = r[2], b1 = r[3], of_a = root[0], of_b = root[1];
 
     while (a > first) {
@@ -250,7 +250,7 @@ static EXPANDED void sweep_one(size_t m, real_t *column, const struct column_tra
                                size_t s, real_t root, const real_t *begin, real_t *vapour)
 {
     size_t stride = column_transition_stride(m);
-    const real_t *p = t->of + s * stride;
+    const real_t *p = t->factors + s * stride;
     real_t r[M_MAX], b[M_MAX], w[M_MAX], *here = column + s * m;
 
     UNDONE
@@ -302,7 +302,7 @@ static EXPANDED void sweep_one(size_t m, real_t *column, const struct column_tra
 static void sweep_columns(size_t m, const struct covariance_ud *c,
                           const struct column_transition *t, size_t s, real_t *own, real_t *w)
 {
-    const real_t *p = t->of + s * column_transition_stride(m);
+    const real_t *p = t->factors + s * column_transition_stride(m);
     real_t root[M_MAX], r[M_MAX], vapour[M_MAX];
 
     for (size_t j = 0; j < m; j++) {
@@ -349,7 +349,7 @@ static void pass_pair(const real_t *p, real_t *d, real_t *w)
 
 static void pass_stage(size_t m, const struct column_transition *t, size_t s, real_t *d, real_t *w)
 {
-    const real_t *p = t->of + s * column_transition_stride(m) + m * m, *g = p + m * m;
+    const real_t *p = t->factors + s * column_transition_stride(m) + m * m, *g = p + m * m;
     real_t next[M_MAX * M_MAX];
 
     if (m == 2) {

@@ -14,7 +14,7 @@ struct covariance_ud {
     real_t *own;   /* [stages][m][m]: diagonal blocks, which are full on the way */
     real_t *left;  /* [stages][m][m]: those left of them */
     real_t *spare; /* [2 (n + extras)] */
-    size_t phase, at;
+    size_t phase, next;
     real_t below[COVARIANCE_UD_BLOCK]; /* the vapour of the stage below, in its own columns */
     enum err err; /* ERR_NOT_FINITE: the last step made something that is no number */
 };

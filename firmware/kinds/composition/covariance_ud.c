@@ -61,12 +61,12 @@ static size_t add_from(struct covariance_ud *c, size_t at, const real_t *varianc
 
 static size_t noisy_one(const struct covariance_ud *c, const struct covariance_step *step)
 {
-    return (step->noise_first + c->at) % c->n;
+    return (step->noise_first + c->next) % c->n;
 }
 
 static size_t add_noise(struct covariance_ud *c, const struct covariance_step *step)
 {
-    size_t i = noisy_one(c, step), left = step->noise_count - c->at;
+    size_t i = noisy_one(c, step), left = step->noise_count - c->next;
     return add_from(c, i, step->noise + i, left < c->n - i ? left : c->n - i);
 }
 
@@ -97,11 +97,11 @@ static size_t effort_of(const struct covariance_ud *c, const struct covariance_s
     case PHASE_EXTRAS:
         return 2 * c->n;
     case PHASE_UP:
-        return (c->at + 1) * c->m * c->m * c->m + STAGE_EFFORT;
+        return (c->next + 1) * c->m * c->m * c->m + STAGE_EFFORT;
     case PHASE_BACK:
-        return (c->stages - c->at) * c->m * c->m + STAGE_EFFORT;
+        return (c->stages - c->next) * c->m * c->m + STAGE_EFFORT;
     case PHASE_GROWN:
-        return step->grown[c->at] > ZERO ? ud_count(c->n + c->at) : 1;
+        return step->grown[c->next] > ZERO ? ud_count(c->n + c->next) : 1;
     case PHASE_NOISE: {
         size_t i = noisy_one(c, step);
         return step->noise[i] > ZERO ? ud_count(i) : 1;
@@ -117,16 +117,16 @@ static size_t do_next(struct covariance_ud *c, const struct covariance_step *ste
 {
     switch ((enum phase)c->phase) {
     case PHASE_EXTRAS:
-        covariance_root_extra(c, step, c->at);
+        covariance_root_extra(c, step, c->next);
         return 1;
     case PHASE_UP:
-        covariance_root_up(c, step->transition, c->at);
+        covariance_root_up(c, step->transition, c->next);
         return 1;
     case PHASE_BACK:
-        covariance_root_back(c, c->stages - 1 - c->at);
+        covariance_root_back(c, c->stages - 1 - c->next);
         return 1;
     case PHASE_GROWN:
-        return add_from(c, c->n + c->at, step->grown + c->at, c->extras - c->at);
+        return add_from(c, c->n + c->next, step->grown + c->next, c->extras - c->next);
     case PHASE_NOISE:
         return add_noise(c, step);
     case PHASE_DONE:
@@ -140,19 +140,19 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
 {
     size_t done = 0;
 
-    if (c->phase == PHASE_NOISE && c->at == 0)
+    if (c->phase == PHASE_NOISE && c->next == 0)
         c->err = ERR_OK;
     while (c->phase < PHASE_DONE) {
-        if (c->at == length_of(c, step)) {
+        if (c->next == length_of(c, step)) {
             c->phase++;
-            c->at = 0;
+            c->next = 0;
             continue;
         }
         size_t next = effort_of(c, step);
         if (done > 0 && done + next > effort)
             return true;
         done += next;
-        c->at += do_next(c, step);
+        c->next += do_next(c, step);
     }
     c->phase = PHASE_NOISE;
     return false;
@@ -164,16 +164,16 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
 static real_t project(const struct covariance_ud *c, const struct covariance_measurement *z,
                       real_t *f, real_t *g)
 {
-    size_t end = z->at + z->count, all = triangle_of(c), extra = c->n + z->extra;
-    const real_t *column = c->ud + ud_count(z->at);
+    size_t end = z->first + z->count, all = triangle_of(c), extra = c->n + z->extra;
+    const real_t *column = c->ud + ud_count(z->first);
     real_t variance = ZERO;
 
     if (z->extra >= c->extras)
         extra = all;
-    for (size_t j = z->at; j < all; column += ++j) {
-        real_t sum = j < end ? z->slope[j - z->at] : ZERO, own = column[j];
-        for (size_t i = z->at, above = j < end ? j : end; i < above; i++)
-            sum = real_fma(column[i], z->slope[i - z->at], sum);
+    for (size_t j = z->first; j < all; column += ++j) {
+        real_t sum = j < end ? z->slope[j - z->first] : ZERO, own = column[j];
+        for (size_t i = z->first, above = j < end ? j : end; i < above; i++)
+            sum = real_fma(column[i], z->slope[i - z->first], sum);
         if (j >= extra)
             sum = real_fma(j == extra ? ONE : column[extra], z->extra_slope, sum);
         own *= sum;
@@ -195,14 +195,14 @@ real_t covariance_ud_take(struct covariance_ud *c, const struct covariance_measu
     size_t all = triangle_of(c);
     real_t alpha = project(c, z, c->spare, gain) + z->variance, scale = ZERO;
 
-    for (size_t j = 0; j < z->at; j++)
+    for (size_t j = 0; j < z->first; j++)
         c->spare[j] = gain[j] = ZERO;
     if (!(z->variance > ZERO) || !(alpha > ZERO) || !isfinite(alpha)) {
         for (size_t j = 0; j < all; j++)
             gain[j] = ZERO;
         return ZERO;
     }
-    alpha = ud_correct_from(c->ud, all, z->at, c->spare, gain, z->variance, ONE);
+    alpha = ud_correct_from(c->ud, all, z->first, c->spare, gain, z->variance, ONE);
     scale = ONE / alpha;
     for (size_t j = 0; j < all; j++)
         gain[j] *= scale;
@@ -226,4 +226,9 @@ void covariance_ud_extremes(struct covariance_ud *c, real_t *least, real_t *most
         *least = variance[j] < *least ? variance[j] : *least;
         *most = variance[j] > *most ? variance[j] : *most;
     }
+}
+
+enum err covariance_ud_err(const struct covariance_ud *c)
+{
+    return c->err;
 }

@@ -35,6 +35,9 @@ real_t covariance_ud_take(struct covariance_ud *c, const struct covariance_measu
 /* h P h', without z->variance. */
 real_t covariance_ud_of(struct covariance_ud *c, const struct covariance_measurement *z);
 
+/* Returns how the last step ended. */
+enum err covariance_ud_err(const struct covariance_ud *c);
+
 /* Smallest and largest variance of a state. */
 void covariance_ud_extremes(struct covariance_ud *c, real_t *least, real_t *most);
 

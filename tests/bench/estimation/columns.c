@@ -3,12 +3,11 @@
 #include "column.h"
 #include "cost.h"
 #include "dense_ekf.h"
-#include "kinds/composition/composition_block.h"
 
 #define SAMPLES 220u
 #define FIRST   20u
 
-static struct composition estimator;
+static struct composition_block estimator;
 
 static void cost_of(const char *what, size_t stages, enum composition_method method,
                     enum bench_truncated truncated)
@@ -21,7 +20,7 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
         bench_next(&estimator, t);
         cost_paint_stack();
         uint32_t from = cost_now();
-        enum err err = composition_step(&estimator, t);
+        enum err err = whole_step(&estimator, t);
         uint32_t to = cost_now();
         if (err)
             return;
@@ -50,7 +49,7 @@ static void cost_of_dense(const char *what, enum dense_form form)
         bench_next(&estimator, t);
         cost_paint_stack();
         uint32_t from = cost_now();
-        enum err err = dense_ekf_model(&ekf, &estimator.inputs, t);
+        enum err err = dense_ekf_model(&ekf, &estimator.model.inputs, t);
         uint32_t between = cost_now();
         dense_ekf_covariance(&ekf);
         uint32_t to = cost_now();

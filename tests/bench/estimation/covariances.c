@@ -23,7 +23,7 @@ static alignas(8) real_t memory[OWN + STATES * (STATES + NOISY + EXTRAS) + 2 * S
 static real_t numbers[40 * 29], push[COVARIANCE_EXTRAS_MAX * 120], work[80], noise[120];
 static real_t gain[COVARIANCE_STATES_MAX];
 static struct covariance_band band;
-static struct composition estimator;
+static struct composition_block estimator;
 static struct covariance_ud ud;
 static struct covariance_step step;
 static struct column_transition transition;
@@ -35,19 +35,19 @@ static bool begin(size_t stages)
 {
     static const real_t keep[EXTRAS] = {1, 1, 1};
     static const real_t grown[EXTRAS] = {1e-7f, 1e-7f, 1e-7f};
-    struct composition *c = &estimator;
+    struct composition_block *c = &estimator;
     transition.of = numbers;
     size_t n = 2 * stages;
     real_t variance[STATES], t[BENCH_SENSORS];
     if (!bench_begin(&estimator, stages, METHOD_REKF, ALL_STAGES))
         return false;
     bench_next(&estimator, t);
-    if (composition_step(c, t) != ERR_OK || column_rates(&c->column, c->x, work) != ERR_OK ||
-        column_transition_make(&c->column, c->x, BENCH_STEP_S, &transition) != ERR_OK)
+    if (whole_step(c, t) != ERR_OK || column_rates(&c->model.column, c->model.x, work) != ERR_OK ||
+        column_transition_make(&c->model.column, c->model.x, BENCH_STEP_S, &transition) != ERR_OK)
         return false;
     for (size_t e = 0; e < 2; e++)
-        column_feed_slopes(&c->column, c->x, e, push + e * n);
-    column_feed_flow_slope(&c->column, c->x, push + 2 * n, work);
+        column_feed_slopes(&c->model.column, c->model.x, e, push + e * n);
+    column_feed_flow_slope(&c->model.column, c->model.x, push + 2 * n, work);
     for (size_t i = 0; i < EXTRAS * n; i++)
         push[i] *= BENCH_STEP_S;
     for (size_t i = 0; i < n; i++)
@@ -122,8 +122,8 @@ static void cost_of(size_t stages)
     for (unsigned k = 0; k < 4; k++)
         cost_of_pieces(&quiet, &piece);
     uint32_t from = cost_now();
-    enum err err =
-        column_transition_make(&estimator.column, estimator.x, BENCH_STEP_S, &transition);
+    enum err err = column_transition_make(&estimator.model.column, estimator.model.x, BENCH_STEP_S,
+                                          &transition);
     uint32_t to = cost_now();
     if (err || ud.err)
         return;

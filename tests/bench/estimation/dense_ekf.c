@@ -280,25 +280,25 @@ static uint32_t steps_of(struct dense_ekf *ekf)
            1; /* each term of J P + P J' goes twice as fast as J */
 }
 
-enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
+enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition_block *like,
                          enum dense_form form)
 {
     struct column_fault fault;
     memset(ekf, 0, sizeof *ekf);
-    ekf->config = like->table.config;
+    ekf->config = like->model.table.config;
     ekf->form = form;
     ekf->h = form == DENSE_EULER ? REAL_C(0.3) : BENCH_STEP_S;
-    ekf->noise2 = like->sensor[0].noise2; /* of all of them, as the bench begins */
-    ekf->model2 = like->model2;
+    ekf->noise2 = like->sensors.sensor[0].noise2; /* of all of them, as the bench begins */
+    ekf->model2 = like->sensors.model2;
     for (size_t k = 0; k < BENCH_SENSORS; k++)
-        ekf->stage[k] = like->sensor[k].stage;
+        ekf->stage[k] = like->sensors.sensor[k].stage;
     for (size_t i = 0; i < N; i++) {
-        ekf->x[i] = like->x[i];
-        ekf->p[i * N + i] = like->model2 * 3600;
+        ekf->x[i] = like->model.x[i];
+        ekf->p[i * N + i] = like->sensors.model2 * 3600;
     }
     enum err err = column_init(&ekf->column, &ekf->config, &fault);
     if (!err)
-        err = column_set_inputs(&ekf->column, &like->inputs, &fault);
+        err = column_set_inputs(&ekf->column, &like->model.inputs, &fault);
     if (!err)
         err = column_rates(&ekf->column, ekf->x, ekf->change);
     if (!err)

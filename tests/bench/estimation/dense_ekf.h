@@ -39,7 +39,7 @@ struct dense_ekf {
 };
 
 /* Begins at the estimate, for the inputs, the sensors and the noise of an estimator of DENSE_STAGES stages. */
-enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
+enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition_block *like,
                          enum dense_form form);
 
 /* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER 0.3 s. */

@@ -4,7 +4,7 @@
 
 #include "base/workspace.h"
 #include "column.h"
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_job_state.h"
 
 #define EXTRAS 3
 #define STATES (2 * COLUMN_STAGES_MAX)
@@ -25,11 +25,11 @@ bool filter_begin(size_t stages, enum composition_method method,
                   uint32_t bytes)
 {
     struct composition_block *b = &state.block;
-    struct composition *c = &b->c;
+    struct composition_model *m = &b->model;
     memset(&state, 0, sizeof state);
     workspace_init(&workspace, memory, bytes);
     workspace_share(&workspace);
-    if (!bench_begin(c, stages, method, ALL_STAGES))
+    if (!bench_begin(b, stages, method, ALL_STAGES))
         return false;
     b->s.method = (uint8_t)method;
     b->s.covariance = (uint8_t)covariance;
@@ -41,28 +41,35 @@ bool filter_begin(size_t stages, enum composition_method method,
     b->s.point[0][OF_COMPONENT] = 2;
     b->s.point[1][AT_STAGE] = (uint16_t)stages;
     b->s.point[1][OF_COMPONENT] = 1;
-    c->gains.has_feed = extras > 0;
-    c->gains.has_flow = extras > 2;
-    c->gains.feed = c->gains.extras = (uint8_t)extras;
-    c->linear.transition.of = state.numbers + c->sensors * composition_moved(c);
-    c->linear.push = c->linear.transition.of + stages * STRIDE;
+    m->has_feed = extras > 0;
+    m->has_flow = extras > 2;
+    m->feed = m->extras = (uint8_t)extras;
+    m->linear.transition.factors = state.numbers + b->sensors.n * composition_model_length(m);
+    m->linear.push = m->linear.transition.factors + stages * STRIDE;
     b->filter.begins = true;
     return filter_workspace_bytes() <= bytes;
+}
+
+static struct composition_parts filter_parts(void)
+{
+    return whole_parts(&state.block);
 }
 
 enum err filter_tick(const float *t)
 {
     struct composition_block *b = &state.block;
-    composition_take_gains(b);
-    composition_keep_lease(b, true);
-    enum err err = composition_step(&b->c, t);
-    (void)composition_order(b);
+    struct composition_parts p = filter_parts();
+    composition_filter_take(&p);
+    composition_filter_keep(&p, true);
+    enum err err = whole_step(b, t);
+    (void)composition_filter_order(&p);
     return err;
 }
 
 bool filter_piece(void)
 {
-    return composition_job_piece(&state.block);
+    struct composition_parts p = filter_parts();
+    return composition_filter_work(&p);
 }
 
 void filter_job(void)
@@ -79,21 +86,22 @@ unsigned filter_phase(void)
 bool filter_is_well(void)
 {
     const struct composition_filter *f = &state.block.filter;
-    return f->job && f->job->phase == PHASE_DONE && !f->job->err && state.block.c.gains.of;
+    return f->job && f->job->phase == PHASE_DONE && !f->job->err && state.block.filter.gain;
 }
 
 uint32_t filter_workspace_bytes(void)
 {
-    const struct composition *c = &state.block.c;
-    return composition_job_bytes(state.block.s.covariance, c->table.config.stages, 2,
-                                 c->gains.extras);
+    const struct composition_block *c = &state.block;
+    return composition_job_bytes(state.block.s.covariance, c->model.table.config.stages, 2,
+                                 c->model.extras);
 }
 
 uint32_t filter_state_bytes(void)
 {
-    const struct composition *c = &state.block.c;
-    size_t numbers = c->sensors * composition_moved(c);
-    if (c->method == METHOD_KALMAN)
-        numbers += c->table.config.stages * STRIDE + c->gains.feed * c->column.n_fractions;
+    const struct composition_block *c = &state.block;
+    size_t numbers = c->sensors.n * composition_model_length(&c->model);
+    if (c->sensors.method == METHOD_KALMAN)
+        numbers +=
+            c->model.table.config.stages * STRIDE + c->model.feed * c->model.column.n_fractions;
     return (uint32_t)(sizeof state.block + numbers * sizeof(real_t));
 }

@@ -3,7 +3,7 @@
 #ifndef REFLUX_BENCH_FILTER_H
 #define REFLUX_BENCH_FILTER_H
 
-#include "kinds/composition/composition_covariance.h"
+#include "kinds/composition/composition_job_state.h"
 
 /* Makes the filter of a splitter. extras: 0; 2, where nobody measures the feed's composition; 3, nor its flow. The workspace is the caller's. False: there is
  * no such filter, or no room for it. */

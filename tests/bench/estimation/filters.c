@@ -44,7 +44,7 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
     for (unsigned k = 0; k < SAMPLES; k++) {
         struct cost before = {0}, unused[PHASE_DONE] = {{0}};
         bool counts = k >= FIRST;
-        bench_next(&filter_block->c, t);
+        bench_next(filter_block, t);
         cost_paint_stack();
         uint32_t from = cost_now();
         enum err err = filter_tick(t);

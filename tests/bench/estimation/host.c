@@ -28,7 +28,7 @@ static const struct filter {
                {"ekf-full-3", METHOD_EKF, COVARIANCE_FULL, 3},
                {"ekf-band-3", METHOD_EKF, COVARIANCE_BAND, 3}};
 
-static struct composition estimator;
+static struct composition_block estimator;
 static struct dense_ekf dense;
 
 /* Work that is counted; the truth beside it is not. */
@@ -38,7 +38,7 @@ void measured_job(void);
 
 __attribute__((noinline)) enum err measured(struct dense_ekf *ekf, const float *t)
 {
-    return ekf ? dense_ekf_step(ekf, &estimator.inputs, t) : composition_step(&estimator, t);
+    return ekf ? dense_ekf_step(ekf, &estimator.model.inputs, t) : whole_step(&estimator, t);
 }
 
 __attribute__((noinline)) enum err measured_tick(const float *t)
@@ -66,13 +66,13 @@ static int run_filter(const struct filter *f, size_t stages, int steps)
         return 1;
     }
     for (int k = 0; k < steps; k++) {
-        bench_next(&filter_block->c, t);
+        bench_next(filter_block, t);
         if (measured_tick(t) != ERR_OK)
             return no_solution(k);
         measured_job();
     }
     printf("largest mole fraction off at the end: %.9g; state %u, workspace %u\n",
-           (double)bench_off(filter_block->c.x), (unsigned)filter_state_bytes(),
+           (double)bench_off(filter_block->model.x), (unsigned)filter_state_bytes(),
            (unsigned)filter_workspace_bytes());
     return filter_is_well() ? 0 : 1;
 }
@@ -86,7 +86,7 @@ static int run_estimator(struct dense_ekf *ekf, int steps)
             return no_solution(k);
     }
     printf("largest mole fraction off at the end: %.9g\n",
-           (double)bench_off(ekf ? ekf->x : estimator.x));
+           (double)bench_off(ekf ? ekf->x : estimator.model.x));
     return 0;
 }
 

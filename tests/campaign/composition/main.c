@@ -17,9 +17,9 @@
 #include "base/channel.h"
 #include "base/workspace.h"
 #include "block_defaults.h"
+#include "composition_whole.h"
 #include "courses.h"
-#include "kinds/composition/composition_block.h"
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_job_state.h"
 #include "random_source.h"
 
 #define TICK_S  10.0
@@ -121,7 +121,7 @@ static void read_table(const char *path, struct column_record *r)
 static unsigned add_input(struct bench *b, enum composition_input is, double most)
 {
     unsigned k = b->setup.inputs++;
-    b->all.s.is[k] = (uint8_t)is;
+    b->all.s.role[k] = (uint8_t)is;
     b->setup.input[k] = (struct block_signal){0, (float)most, false};
     return k;
 }
@@ -161,23 +161,23 @@ static double value_of(const struct bench *b, unsigned place)
 
 static double temperature(const struct bench *b, unsigned stage)
 {
-    return (double)b->plant.c.column.temperature[stage - 1];
+    return (double)b->plant.model.column.temperature[stage - 1];
 }
 
 static void evaluate(struct bench *b)
 {
-    struct composition *c = &b->plant.c;
+    struct composition_model *m = &b->plant.model;
     struct column_fault why;
-    if (column_set_inputs(&c->column, &c->inputs, &why) ||
-        column_truncated_rates(&c->column, c->truncated, COLUMN_BETWEEN_LINE, c->x, c->rates))
+    if (column_set_inputs(&m->column, &m->inputs, &why) ||
+        column_truncated_rates(&m->column, m->truncated, COLUMN_BETWEEN_LINE, m->x, m->rates))
         fail("the plant", "has no state");
 }
 
 static void plant_step(struct bench *b, double heat, double reflux)
 {
-    b->plant.c.inputs.heat = (real_t)heat;
-    b->plant.c.inputs.reflux_flow = (real_t)reflux;
-    if (composition_predict(&b->plant.c))
+    b->plant.model.inputs.heat = (real_t)heat;
+    b->plant.model.inputs.reflux_flow = (real_t)reflux;
+    if (composition_model_predict(&b->plant.model))
         fail("the plant", "has no solution");
     evaluate(b);
 }
@@ -185,10 +185,10 @@ static void plant_step(struct bench *b, double heat, double reflux)
 /* Impurity of the product: the second component in the distillate, the first in the bottoms. */
 static double impurity(const struct bench *b, unsigned end)
 {
-    const struct column *c = &b->plant.c.column;
-    size_t stages = b->plant.c.table.config.stages;
-    return end == TOP ? (double)column_fraction(c, b->plant.c.x, stages - 1, 1)
-                      : (double)column_fraction(c, b->plant.c.x, 0, 0);
+    const struct column *c = &b->plant.model.column;
+    size_t stages = b->plant.model.table.config.stages;
+    return end == TOP ? (double)column_fraction(c, b->plant.model.x, stages - 1, 1)
+                      : (double)column_fraction(c, b->plant.model.x, 0, 0);
 }
 
 /* In each section where the profile is steepest, and half-way from there to the product. */
@@ -304,12 +304,12 @@ static double slope_of_setpoint(struct bench *b)
 static void disturb(struct bench *b, double hour, double by_z, double by_flow)
 {
     const struct course *course = b->course;
-    struct column_inputs *in = &b->plant.c.inputs;
-    const struct column_inputs *nominal = &b->plant.c.table.nominal;
+    struct column_inputs *in = &b->plant.model.inputs;
+    const struct column_inputs *nominal = &b->plant.model.table.nominal;
     bool on = hour >= b->begins_h;
     double first = (double)nominal->feed_fraction[0], z = first + by_z + (on ? course->z : 0);
     in->feed_fraction[0] = (real_t)z;
-    for (size_t j = 1; j < b->plant.c.table.config.components; j++)
+    for (size_t j = 1; j < b->plant.model.table.config.components; j++)
         in->feed_fraction[j] = nominal->feed_fraction[j] * (real_t)((1 - z) / (1 - first));
     in->feed_flow = nominal->feed_flow * (real_t)(1 + by_flow + (on ? course->flow : 0));
     in->pressure_top = nominal->pressure_top + (real_t)(on ? course->pressure * MMHG : 0);
@@ -327,9 +327,9 @@ static void measure(struct bench *b, double hour, double *reading)
         put(b, k, reading[k]);
     }
     if (course->has_meter)
-        put(b, b->feed, (double)b->plant.c.inputs.feed_flow);
+        put(b, b->feed, (double)b->plant.model.inputs.feed_flow);
     if (course->has_pressure)
-        put(b, b->pressure, (double)b->plant.c.inputs.pressure_top);
+        put(b, b->pressure, (double)b->plant.model.inputs.pressure_top);
 }
 
 /* weight: of a tick, part of the time that counts. */
@@ -337,7 +337,8 @@ static void judge(struct bench *b, struct outcome *o, double weight)
 {
     for (unsigned end = 0; end < ENDS; end++) {
         double truth = impurity(b, end), error = fabs((double)num_to_float(b->point[end]) - truth);
-        double sd = (double)composition_point_sd(b->block, end);
+        struct composition_parts parts = whole_parts(b->block);
+        double sd = (double)composition_judge_sd(&parts, end);
         if (b->point_quality[end] != QUALITY_GOOD)
             continue;
         o->good[end] += weight;

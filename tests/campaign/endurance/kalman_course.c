@@ -15,7 +15,7 @@ static const struct {
 #define ANALYSIS_EVERY 20
 #define NOISY          8 /* fractions a step, going round */
 
-static struct composition estimator;
+static struct composition_block estimator;
 
 static double uniform(struct kalman_course *c)
 {
@@ -33,23 +33,24 @@ static size_t sensor_stage(const struct kalman_course *c, size_t k)
 static bool take_variant(struct kalman_course *c, struct kalman_variant *v)
 {
     static real_t work[2 * 37];
-    struct composition *e = &estimator;
-    v->transition.of = v->numbers;
-    if (column_rates(&e->column, e->x, work) != ERR_OK ||
-        column_transition_make(&e->column, e->x, BENCH_STEP_S, &v->transition) != ERR_OK)
+    struct composition_block *e = &estimator;
+    v->transition.factors = v->numbers;
+    if (column_rates(&e->model.column, e->model.x, work) != ERR_OK ||
+        column_transition_make(&e->model.column, e->model.x, BENCH_STEP_S, &v->transition) !=
+            ERR_OK)
         return false;
     memset(v->push, 0, sizeof v->push);
     for (size_t j = 0; j < 2; j++)
-        column_feed_slopes(&e->column, e->x, j, v->push + j * c->n);
-    column_feed_flow_slope(&e->column, e->x, v->push + 2 * c->n, work);
+        column_feed_slopes(&e->model.column, e->model.x, j, v->push + j * c->n);
+    column_feed_flow_slope(&e->model.column, e->model.x, v->push + 2 * c->n, work);
     for (size_t i = 0; i < 3 * c->n; i++)
         v->push[i] *= BENCH_STEP_S;
     for (size_t k = 0; k < KALMAN_SENSORS; k++) {
         size_t s = sensor_stage(c, k) - 1;
         real_t full[3], dy[4];
         for (size_t j = 0; j < 3; j++)
-            full[j] = column_fraction(&e->column, e->x, s, j);
-        vle_slopes(3, full, &e->column.k[3 * s], &e->column.dk[3 * s], v->slope[k], dy);
+            full[j] = column_fraction(&e->model.column, e->model.x, s, j);
+        vle_slopes(3, full, &e->model.column.k[3 * s], &e->model.column.dk[3 * s], v->slope[k], dy);
     }
     memset(v->a, 0, sizeof v->a);
     for (size_t j = 0; j < c->all; j++) {
@@ -90,7 +91,7 @@ bool kalman_begin(struct kalman_course *c, enum kalman_kind kind, size_t stages,
         real_t readings[BENCH_SENSORS];
         for (unsigned k = 0; k < 50; k++) {
             bench_next(&estimator, readings);
-            if (composition_step(&estimator, readings) != ERR_OK)
+            if (whole_step(&estimator, readings) != ERR_OK)
                 return false;
         }
         if (!take_variant(c, &c->variant[v]))
@@ -123,7 +124,7 @@ void kalman_next(struct kalman_course *c)
         if (uniform(c) < 0.25)
             continue;
         struct covariance_measurement *z = add_measurement(c);
-        z->at = 2 * (sensor_stage(c, k) - 1);
+        z->first = 2 * (sensor_stage(c, k) - 1);
         z->count = 2;
         for (size_t j = 0; j < 2; j++)
             c->slopes[z - c->taken][j] = c->actual->slope[k][j] * (real_t)(0.95 + 0.1 * uniform(c));
@@ -131,7 +132,7 @@ void kalman_next(struct kalman_course *c)
     }
     if (c->t++ % ANALYSIS_EVERY == 0) {
         struct covariance_measurement *z = add_measurement(c);
-        z->at = c->n - 1;
+        z->first = c->n - 1;
         z->count = 1;
         c->slopes[z - c->taken][0] = 1;
         z->extra = KALMAN_EXTRAS - 1;

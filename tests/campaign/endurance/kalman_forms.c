@@ -50,7 +50,7 @@ static void slopes_of(const struct kalman_course *c, const struct covariance_mea
 {
     memset(h, 0, c->all * sizeof *h);
     for (size_t i = 0; i < z->count; i++)
-        h[z->at + i] = z->slope[i];
+        h[z->first + i] = z->slope[i];
     if (z->extra < KALMAN_EXTRAS)
         h[c->n + z->extra] = z->extra_slope;
 }
@@ -105,7 +105,7 @@ static void reference_apply(const struct kalman_course *c, double *v)
         v[c->n + e] *= (double)c->step.keep[e];
     }
     for (size_t s = c->stages; s-- > 0;) {
-        const real_t *p = t->of + 14 * s;
+        const real_t *p = t->factors + 14 * s;
         double *here = v + 2 * s, l = s + 1 < c->stages ? (double)p[12] : 0;
         a = here[0] + (l != 0 ? l * here[2] : 0);
         b = here[1] + (l != 0 ? l * here[3] : 0);
@@ -113,7 +113,7 @@ static void reference_apply(const struct kalman_course *c, double *v)
         here[1] = (double)p[2] * a + (double)p[3] * b;
     }
     for (size_t s = 0; s < c->stages; s++) {
-        const real_t *p = t->of + 14 * s;
+        const real_t *p = t->factors + 14 * s;
         double *here = v + 2 * s;
         here[0] += (double)p[4] * w[0] + (double)p[5] * w[1];
         here[1] += (double)p[6] * w[0] + (double)p[7] * w[1];

@@ -10,7 +10,7 @@ void tearDown(void) {}
 
 static float plant_fraction(unsigned stage)
 {
-    return (float)column_fraction(&plant.c.column, plant.c.x, stage - 1, 0);
+    return (float)column_fraction(&plant.model.column, plant.model.x, stage - 1, 0);
 }
 
 /* Nowhere near the plant. */
@@ -18,7 +18,7 @@ static void start_far_away(void)
 {
     begin();
     for (unsigned s = 0; s < 12; s++)
-        block.c.x[s] *= 0.6f;
+        block.model.x[s] *= 0.6f;
 }
 
 /* ---- follows ---- */
@@ -28,9 +28,9 @@ static void at_the_steady_state_of_the_table_it_stays_there(void)
     begin();
     steps(200);
     for (unsigned s = 0; s < 12; s++)
-        TEST_ASSERT_FLOAT_WITHIN(2e-4f, plant.c.table.profile[s], block.c.x[s]);
-    TEST_ASSERT_FLOAT_WITHIN(1e-3f, plant.c.table.profile[11], given(TOP_FRACTION));
-    TEST_ASSERT_FLOAT_WITHIN(1e-3f, plant.c.table.profile[0], given(BOTTOM_FRACTION));
+        TEST_ASSERT_FLOAT_WITHIN(2e-4f, plant.model.table.profile[s], block.model.x[s]);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, plant.model.table.profile[11], given(TOP_FRACTION));
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, plant.model.table.profile[0], given(BOTTOM_FRACTION));
     TEST_ASSERT_FLOAT_WITHIN(0.05f, truth(7), given(INNER_TEMPERATURE));
 }
 
@@ -63,7 +63,7 @@ static void it_is_faster_than_its_model_alone(void)
         if (alone)
             quality[T_LOW] = quality[T_HIGH] = QUALITY_BAD;
         steps(60);
-        far[alone] = fabsf(plant_fraction(10) - block.c.x[9]);
+        far[alone] = fabsf(plant_fraction(10) - block.model.x[9]);
     }
     TEST_ASSERT_TRUE(far[0] < 0.3f * far[1]);
 }
@@ -72,12 +72,12 @@ static void it_is_faster_than_its_model_alone(void)
 static void an_integral_takes_what_the_gain_leaves(void)
 {
     begin();
-    plant.c.inputs.heat += 20;
+    plant.model.inputs.heat += 20;
     plant_runs(4000);
     steps(4000);
     TEST_ASSERT_FLOAT_WITHIN(0.02f, 0, shown("e_1"));
     TEST_ASSERT_FLOAT_WITHIN(0.02f, 0, shown("e_2"));
-    TEST_ASSERT_TRUE(fabsf(block.c.sensor[1].sum) > 10);
+    TEST_ASSERT_TRUE(fabsf(block.sensors.sensor[1].sum) > 10);
 }
 
 /* d(dx/dt)/dx of a stage's fraction, by a difference. */
@@ -88,9 +88,9 @@ static double rate_by_itself(unsigned at)
     real_t x[COLUMN_STATES_MAX], rates[COLUMN_STATES_MAX], difference = 0;
     struct column_fault why;
     TEST_ASSERT_EQUAL(ERR_OK, column_record_open(&record, &table, &column));
-    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &block.c.inputs, &why));
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &block.model.inputs, &why));
     for (int side = -1; side <= 1; side += 2) {
-        memcpy(x, block.c.x, sizeof x);
+        memcpy(x, block.model.x, sizeof x);
         x[at] += REAL_C(2e-3) * (real_t)side;
         TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
         difference += (real_t)side * rates[at];
@@ -109,13 +109,13 @@ static void the_variance_of_a_fraction_grows_by_its_own_rate(void)
         begin();
         quality[T_LOW] = quality[T_HIGH] = QUALITY_BAD;
         steps(2);
-        double h = (double)block.c.h, rate = rate_by_itself(stages[k] - 1u);
-        double part = exp(2 * rate * h), before = (double)block.c.sensor[0].variance;
-        double wanted = part * before + (double)block.c.model2 * (part - 1) / (2 * rate);
+        double h = (double)block.model.h, rate = rate_by_itself(stages[k] - 1u);
+        double part = exp(2 * rate * h), before = (double)block.sensors.sensor[0].variance;
+        double wanted = part * before + (double)block.sensors.model2 * (part - 1) / (2 * rate);
         step();
         /* On the feed's stage the difference also has what a cold feed condenses. */
         TEST_ASSERT_DOUBLE_WITHIN((stages[k] == 5 ? 2e-2 : 1e-3) * wanted, wanted,
-                                  (double)block.c.sensor[0].variance);
+                                  (double)block.sensors.sensor[0].variance);
     }
 }
 
@@ -125,12 +125,12 @@ static void in_its_first_tick_it_gives_the_profile_and_makes_no_step(void)
 {
     begin(); /* makes that tick */
     for (unsigned s = 0; s < 12; s++)
-        TEST_ASSERT_EQUAL_FLOAT(block.c.table.profile[s], block.c.x[s]);
-    TEST_ASSERT_EQUAL(0, block.steps);
+        TEST_ASSERT_EQUAL_FLOAT(block.model.table.profile[s], block.model.x[s]);
+    TEST_ASSERT_EQUAL(0, block.judge.steps);
     TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[TOP_FRACTION]);
-    TEST_ASSERT_FLOAT_WITHIN(1e-5f, block.c.table.profile[11], given(TOP_FRACTION));
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, block.model.table.profile[11], given(TOP_FRACTION));
     step();
-    TEST_ASSERT_EQUAL(1, block.steps);
+    TEST_ASSERT_EQUAL(1, block.judge.steps);
 }
 
 static void in_its_first_tick_a_temperature_is_that_of_the_profile(void)
@@ -145,13 +145,13 @@ static void after_the_plant_was_away_it_begins_again(void)
     quality[T_COMPARED] = QUALITY_BAD;
     put(T_LOW, truth(3) + 3);
     steps(400);
-    TEST_ASSERT_TRUE(block.c.sensor[0].sum > 0);
+    TEST_ASSERT_TRUE(block.sensors.sensor[0].sum > 0);
     kind->follow(&block, &io);
     step();
-    TEST_ASSERT_EQUAL(0, block.steps);
-    TEST_ASSERT_EQUAL_FLOAT(0, block.c.sensor[0].sum);
-    TEST_ASSERT_EQUAL_FLOAT(block.c.table.profile[2], block.c.x[2]);
-    TEST_ASSERT_EQUAL(0, block.c.watched);
+    TEST_ASSERT_EQUAL(0, block.judge.steps);
+    TEST_ASSERT_EQUAL_FLOAT(0, block.sensors.sensor[0].sum);
+    TEST_ASSERT_EQUAL_FLOAT(block.model.table.profile[2], block.model.x[2]);
+    TEST_ASSERT_EQUAL(0, block.watch.steps);
 }
 
 static void asked_to_begin_it_takes_the_profile_of_the_table(void)
@@ -160,11 +160,11 @@ static void asked_to_begin_it_takes_the_profile_of_the_table(void)
     put(T_LOW, truth(3) + 3);
     steps(200);
     TEST_ASSERT_NULL(kind->verb[1].run(&block, NULL));
-    TEST_ASSERT_EQUAL_FLOAT(block.c.table.profile[2], block.c.x[2]);
-    TEST_ASSERT_EQUAL_FLOAT(0, block.c.sensor[0].sum);
+    TEST_ASSERT_EQUAL_FLOAT(block.model.table.profile[2], block.model.x[2]);
+    TEST_ASSERT_EQUAL_FLOAT(0, block.sensors.sensor[0].sum);
     step();
     TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[0]);
-    TEST_ASSERT_EQUAL(1, block.steps);
+    TEST_ASSERT_EQUAL(1, block.judge.steps);
 }
 
 /* ---- what comes in and goes out ---- */
@@ -179,9 +179,9 @@ static void flows_are_taken_in_the_units_that_are_given(void)
     put(HEAT, 0.9f);
     put(REFLUX, 3.6f);
     step();
-    TEST_ASSERT_FLOAT_WITHIN(1e-11f, 2e-6f, (float)block.c.column.inputs.feed_flow);
-    TEST_ASSERT_FLOAT_WITHIN(1e-2f, 950 - 150, (float)block.c.column.inputs.heat);
-    TEST_ASSERT_FLOAT_WITHIN(1e-11f, 1e-6f, (float)block.c.column.inputs.reflux_flow);
+    TEST_ASSERT_FLOAT_WITHIN(1e-11f, 2e-6f, (float)block.model.column.inputs.feed_flow);
+    TEST_ASSERT_FLOAT_WITHIN(1e-2f, 950 - 150, (float)block.model.column.inputs.heat);
+    TEST_ASSERT_FLOAT_WITHIN(1e-11f, 1e-6f, (float)block.model.column.inputs.reflux_flow);
 }
 
 static void temperatures_are_taken_in_the_units_that_are_given(void)
@@ -197,8 +197,8 @@ static void temperatures_are_taken_in_the_units_that_are_given(void)
 
 static void a_pressure_and_the_state_of_the_feed_may_be_inputs(void)
 {
-    all_settings.s.is[FURTHER] = IS_PRESSURE;
-    all_settings.s.is[FURTHER + 1] = IS_FEED_TEMPERATURE;
+    all_settings.s.role[FURTHER] = IS_PRESSURE;
+    all_settings.s.role[FURTHER + 1] = IS_FEED_TEMPERATURE;
     setup.inputs += 2;
     setup.input[FURTHER] = (struct block_signal){0, 200000, false};
     setup.input[FURTHER + 1] = (struct block_signal){0, 1000, false};
@@ -206,14 +206,14 @@ static void a_pressure_and_the_state_of_the_feed_may_be_inputs(void)
     put(FURTHER + 1, 340);
     begin();
     step();
-    TEST_ASSERT_FLOAT_WITHIN(1, 101000, (float)block.c.column.inputs.pressure_top);
-    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 340, (float)block.c.column.inputs.feed_temperature);
+    TEST_ASSERT_FLOAT_WITHIN(1, 101000, (float)block.model.column.inputs.pressure_top);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 340, (float)block.model.column.inputs.feed_temperature);
     put(FURTHER + 1, 100);
     step();
-    TEST_ASSERT_EQUAL_FLOAT(280, (float)block.c.column.inputs.feed_temperature);
+    TEST_ASSERT_EQUAL_FLOAT(280, (float)block.model.column.inputs.feed_temperature);
     put(FURTHER + 1, 800);
     step();
-    TEST_ASSERT_EQUAL_FLOAT(430, (float)block.c.column.inputs.feed_temperature);
+    TEST_ASSERT_EQUAL_FLOAT(430, (float)block.model.column.inputs.feed_temperature);
 }
 
 static void a_boil_up_and_a_quality_of_the_feed_may_be_inputs(void)
@@ -225,8 +225,8 @@ static void a_boil_up_and_a_quality_of_the_feed_may_be_inputs(void)
     change_record(&record, COLUMN_TABLE_BOILUP_GIVEN, 1);
     change_record(&record, COLUMN_TABLE_HEAT_LOSS, 0);
     change_record(&record, COLUMN_TABLE_HEAT, 0.02f);
-    all_settings.s.is[FEED] = IS_FEED_QUALITY;
-    all_settings.s.is[HEAT] = IS_BOILUP;
+    all_settings.s.role[FEED] = IS_FEED_QUALITY;
+    all_settings.s.role[HEAT] = IS_BOILUP;
     all_settings.s.si[FEED][UNIT_FACTOR] = 0;
     setup.input[FEED] = (struct block_signal){0, 2, false};
     setup.input[HEAT] = (struct block_signal){-1, 1, false};
@@ -234,11 +234,11 @@ static void a_boil_up_and_a_quality_of_the_feed_may_be_inputs(void)
     put(FEED, 0.75f);
     put(HEAT, 0.021f);
     step();
-    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.75f, (float)block.c.column.inputs.feed_quality);
-    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.021f, (float)block.c.column.inputs.boilup);
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.75f, (float)block.model.column.inputs.feed_quality);
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.021f, (float)block.model.column.inputs.boilup);
     put(HEAT, -0.5f);
     step();
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.c.column.inputs.boilup);
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.model.column.inputs.boilup);
 }
 
 static void no_flow_is_less_than_nothing(void)
@@ -248,9 +248,9 @@ static void no_flow_is_less_than_nothing(void)
     put(HEAT, 100); /* less than is lost */
     put(REFLUX, -2);
     step();
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.c.column.inputs.feed_flow);
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.c.column.inputs.heat);
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.c.column.inputs.reflux_flow);
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.model.column.inputs.feed_flow);
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.model.column.inputs.heat);
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)block.model.column.inputs.reflux_flow);
     TEST_ASSERT_FALSE(raised(EVENT_NO_STATE));
 }
 
@@ -263,9 +263,9 @@ static void a_point_is_shown_by_factor_and_zero(void)
     setup.point[INNER_TEMPERATURE] = (struct block_signal){0, 200, false};
     begin();
     step();
-    TEST_ASSERT_FLOAT_WITHIN(2e-3f, 100 - 100 * block.c.x[11], given(TOP_FRACTION));
+    TEST_ASSERT_FLOAT_WITHIN(2e-3f, 100 - 100 * block.model.x[11], given(TOP_FRACTION));
     TEST_ASSERT_FLOAT_WITHIN(0.05f, truth(7) - 273.15f, given(INNER_TEMPERATURE));
-    TEST_ASSERT_FLOAT_WITHIN(1e-5f, block.c.x[0], given(BOTTOM_FRACTION));
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, block.model.x[0], given(BOTTOM_FRACTION));
 }
 
 static void the_closing_component_has_the_rest(void)
@@ -273,7 +273,7 @@ static void the_closing_component_has_the_rest(void)
     point_of(TOP_FRACTION, 12, 2);
     begin();
     step();
-    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 1 - block.c.x[11], given(TOP_FRACTION));
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, 1 - block.model.x[11], given(TOP_FRACTION));
 }
 
 static void by_mass_a_fraction_goes_with_its_molar_mass(void)
@@ -281,7 +281,7 @@ static void by_mass_a_fraction_goes_with_its_molar_mass(void)
     all_settings.s.basis = BASIS_MASS;
     begin();
     step();
-    float x = block.c.x[0], light = 0.13138834f * x, heavy = 0.1658334f * (1 - x);
+    float x = block.model.x[0], light = 0.13138834f * x, heavy = 0.1658334f * (1 - x);
     TEST_ASSERT_FLOAT_WITHIN(1e-5f, light / (light + heavy), given(BOTTOM_FRACTION));
 }
 
@@ -294,10 +294,10 @@ static void a_temperature_is_that_at_the_end_of_the_step(void)
     block.s.point[INNER_TEMPERATURE][AT_STAGE] = 10;
     step();
     float now = given(INNER_TEMPERATURE);
-    TEST_ASSERT_TRUE(fabsf(now - (float)block.c.column.temperature[9]) > 0.1f);
-    float before = (float)block.c.column.temperature[9];
+    TEST_ASSERT_TRUE(fabsf(now - (float)block.model.column.temperature[9]) > 0.1f);
+    float before = (float)block.model.column.temperature[9];
     step(); /* evaluates it there */
-    TEST_ASSERT_FLOAT_WITHIN(0.02f * fabsf(now - before), (float)block.c.column.temperature[9],
+    TEST_ASSERT_FLOAT_WITHIN(0.02f * fabsf(now - before), (float)block.model.column.temperature[9],
                              now);
 }
 
@@ -313,7 +313,7 @@ static void a_temperature_is_that_of_fractions_within_limits(void)
     TEST_ASSERT_TRUE(shown("clipped") > 0);
     float now = given(INNER_TEMPERATURE);
     step();
-    TEST_ASSERT_FLOAT_WITHIN(0.02f, (float)block.c.column.temperature[11], now);
+    TEST_ASSERT_FLOAT_WITHIN(0.02f, (float)block.model.column.temperature[11], now);
 }
 
 /* ---- inner values ---- */
@@ -329,12 +329,12 @@ static void inner_values_have_the_number_of_their_input(void)
     TEST_ASSERT_EQUAL_FLOAT(12, shown("states"));
     TEST_ASSERT_EQUAL_FLOAT(0, shown("clipped"));
     TEST_ASSERT_EQUAL_FLOAT(0, shown("bounced"));
-    TEST_ASSERT_EQUAL_FLOAT(block.c.column.flows.distillate, shown("distillate"));
-    TEST_ASSERT_EQUAL_FLOAT(block.c.column.flows.bottoms, shown("bottoms"));
+    TEST_ASSERT_EQUAL_FLOAT(block.model.column.flows.distillate, shown("distillate"));
+    TEST_ASSERT_EQUAL_FLOAT(block.model.column.flows.bottoms, shown("bottoms"));
     TEST_ASSERT_FLOAT_WITHIN(0.01f, 1, shown("e_3"));
     TEST_ASSERT_FLOAT_WITHIN(0.01f, 0.5f, shown("e_7"));
     TEST_ASSERT_TRUE(shown("slope_1") < -10);
-    TEST_ASSERT_EQUAL_FLOAT(block.c.sensor[3].slope, shown("slope_7"));
+    TEST_ASSERT_EQUAL_FLOAT(block.sensors.sensor[3].slope, shown("slope_7"));
     float value;
     size_t n = 0;
     while (kind->describe(&block, n, &value))
@@ -345,9 +345,9 @@ static void inner_values_have_the_number_of_their_input(void)
 static void means_of_the_monitor_are_shown(void)
 {
     begin();
-    block.c.sensor[1].pull = 7;
-    block.c.sensor[1].square = 4;
-    block.c.sensor[1].product = -1;
+    block.watch.sensor[1].pull = 7;
+    block.watch.sensor[1].square = 4;
+    block.watch.sensor[1].product = -1;
     TEST_ASSERT_EQUAL_FLOAT(7, shown("pull_2"));
     TEST_ASSERT_EQUAL_FLOAT(4, shown("nis_2"));
     TEST_ASSERT_EQUAL_FLOAT(-0.25f, shown("rho_2"));

@@ -96,7 +96,7 @@ static void any_inputs(void)
                        in(4) ? 0 : 1 + one_of(components - 1));
     for (unsigned k = 0; k < 2 && in(2); k++) {
         unsigned at = setup.inputs++;
-        all_settings.s.is[at] = IS_ANALYSIS;
+        all_settings.s.role[at] = IS_ANALYSIS;
         all_settings.s.place[at][AT_STAGE] = (uint16_t)(1 + one_of(stages));
         all_settings.s.place[at][OF_COMPONENT] = (uint16_t)(1 + one_of(components));
         setup.input[at] = (struct block_signal){0, 1, false};
@@ -128,7 +128,7 @@ static void any_readings(void)
         if (in(40))
             input[k] =
                 num_from_float(in(4) && quality[k] != QUALITY_GOOD ? NAN : between(-0.02f, 1.02f));
-        if (all_settings.s.is[k] == IS_TEMPERATURE && !in(8))
+        if (all_settings.s.role[k] == IS_TEMPERATURE && !in(8))
             put(k, truth(all_settings.s.place[k][AT_STAGE]) + between(-1, 1));
         age[k] = in(60) ? between(0, 4000) : age[k] + 10;
         if (quality[k] == QUALITY_GOOD && !isfinite(num_to_float(input[k])))
@@ -142,10 +142,10 @@ static void all_is_a_number(unsigned round)
     snprintf(what, sizeof what, "round %u", round);
     for (unsigned k = 0; k < setup.points; k++)
         TEST_ASSERT_TRUE_MESSAGE(isfinite(num_to_float(point[k])), what);
-    for (size_t i = 0; i < filter.b->c.column.n_fractions; i++)
-        TEST_ASSERT_TRUE_MESSAGE(filter.b->c.x[i] >= 0 && filter.b->c.x[i] <= 1, what);
+    for (size_t i = 0; i < filter.b->model.column.n_fractions; i++)
+        TEST_ASSERT_TRUE_MESSAGE(filter.b->model.x[i] >= 0 && filter.b->model.x[i] <= 1, what);
     for (unsigned k = 0; k < COVARIANCE_EXTRAS_MAX; k++)
-        TEST_ASSERT_TRUE_MESSAGE(isfinite(filter.b->c.gains.extra[k]), what);
+        TEST_ASSERT_TRUE_MESSAGE(isfinite(filter.b->model.extra[k]), what);
     float value;
     const char *name;
     for (size_t i = 0; (name = kind->describe(filter.b, i, &value)) != NULL; i++)
@@ -216,7 +216,7 @@ static void whatever_is_set_told_and_read_nothing_is_no_number(void)
             continue;
         accepted_rounds++;
         plant_begins();
-        plant.c.h = 10;
+        plant.model.h = 10;
         begin_filter();
         for (unsigned n = 0; n < 300; n++) {
             if (n % 5 == 0)
@@ -262,17 +262,17 @@ static void what_is_called_good_is_as_near_as_it_says(void)
         begin_both();
         float share = between(0.8f, 1);
         for (unsigned s = 0; s < 12; s++)
-            plant.c.x[s] *= share;
-        float z = plant.c.inputs.feed_fraction[0], f = plant.c.inputs.feed_flow;
+            plant.model.x[s] *= share;
+        float z = plant.model.inputs.feed_fraction[0], f = plant.model.inputs.feed_flow;
         for (unsigned n = 0; n < 2000; n++) {
             if (in(400)) {
-                plant.c.inputs.feed_fraction[0] = z + all_settings.s.feed_z * between(-1, 1);
-                plant.c.inputs.feed_fraction[1] = 1 - plant.c.inputs.feed_fraction[0];
-                plant.c.inputs.feed_flow = f * (1 + all_settings.s.feed_f * between(-1, 1));
+                plant.model.inputs.feed_fraction[0] = z + all_settings.s.feed_z * between(-1, 1);
+                plant.model.inputs.feed_fraction[1] = 1 - plant.model.inputs.feed_fraction[0];
+                plant.model.inputs.feed_flow = f * (1 + all_settings.s.feed_f * between(-1, 1));
             }
             if (in(300)) {
                 put(HEAT, 800 * between(0.95f, 1.05f));
-                plant.c.inputs.heat = 2000 * num_to_float(input[HEAT]) - 150;
+                plant.model.inputs.heat = 2000 * num_to_float(input[HEAT]) - 150;
             }
             unsigned k = one_of(3);
             if (in(quality[k] == QUALITY_GOOD ? 300 : 20))
@@ -291,7 +291,7 @@ static void what_is_called_good_is_as_near_as_it_says(void)
                 if (point_quality[i] != QUALITY_GOOD)
                     continue;
                 float error = fabsf(given(i) - true_fraction(all_settings.s.point[i][AT_STAGE]));
-                float sd = filter.b->filter.sd[i];
+                float sd = filter.b->filter.certainty.sd[i];
                 good++;
                 worst_error = fmaxf(worst_error, error);
                 if (error <= MOST_SD * sd + MOST_SHIFT)

@@ -40,7 +40,7 @@ static void a_noise_that_nobody_gives_is_that_of_the_readings(void)
     begin_both();
     run_with_noise(0.3f, 3 * WATCHES);
     for (unsigned k = 0; k < 2; k++)
-        TEST_ASSERT_FLOAT_WITHIN(0.05f, 0.3f, sqrtf((float)filter.b->c.sensor[k].noise2));
+        TEST_ASSERT_FLOAT_WITHIN(0.05f, 0.3f, sqrtf((float)filter.b->sensors.sensor[k].noise2));
     TEST_ASSERT_FLOAT_WITHIN(0.4f, 1, value_named("nis_1"));
     TEST_ASSERT_FALSE(raised(EVENT_NIS));
 }
@@ -49,7 +49,7 @@ static void the_least_noise_that_is_found_is_a_twentieth_of_a_kelvin(void)
 {
     begin_both();
     run_with_noise(0, WATCHES);
-    TEST_ASSERT_EQUAL_FLOAT(0.0025f, (float)filter.b->c.sensor[0].noise2);
+    TEST_ASSERT_EQUAL_FLOAT(0.0025f, (float)filter.b->sensors.sensor[0].noise2);
 }
 
 static void a_noise_that_is_given_stays(void)
@@ -57,7 +57,7 @@ static void a_noise_that_is_given_stays(void)
     all_settings.noise = 0.1f;
     begin_both();
     run_with_noise(0.3f, WATCHES);
-    TEST_ASSERT_EQUAL_FLOAT(0.01f, (float)filter.b->c.sensor[0].noise2);
+    TEST_ASSERT_EQUAL_FLOAT(0.01f, (float)filter.b->sensors.sensor[0].noise2);
 }
 
 static void only_a_whole_covariance_of_the_moment_trusts_its_model(void)
@@ -72,14 +72,14 @@ static void only_a_whole_covariance_of_the_moment_trusts_its_model(void)
                 {METHOD_KALMAN, COVARIANCE_FULL, 0.1f},
                 {METHOD_REKF, COVARIANCE_FULL, 0.1f}};
     for (unsigned i = 0; i < sizeof ways / sizeof ways[0]; i++) {
-        static struct composition c;
+        static struct composition_sensors all;
         all_settings.s.method = (uint8_t)ways[i].method;
         all_settings.s.covariance = (uint8_t)ways[i].covariance;
-        c.table.config.components = 2;
-        composition_take_settings(&c, &setup, false);
-        TEST_ASSERT_FLOAT_WITHIN(1e-6f, ways[i].model, sqrtf(3600 * (float)c.model2));
-        TEST_ASSERT_EQUAL(i == 0, c.finds_noise);
-        TEST_ASSERT_FLOAT_WITHIN(1e-6f, i == 0 ? 0.05f : 0.2f, sqrtf((float)c.sensor[0].noise2));
+        memset(&all, 0, sizeof all);
+        composition_sensors_set(&all, &setup);
+        TEST_ASSERT_FLOAT_WITHIN(1e-6f, ways[i].model, sqrtf(3600 * (float)all.model2));
+        TEST_ASSERT_EQUAL(i == 0, all.finds_noise);
+        TEST_ASSERT_FLOAT_WITHIN(1e-6f, i == 0 ? 0.05f : 0.2f, sqrtf((float)all.sensor[0].noise2));
     }
 }
 
@@ -87,7 +87,7 @@ static void the_feeds_flow_is_looked_for_where_nobody_measures_it(void)
 {
     all_settings.s.feed_f = -1;
     TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&all_settings.s, setup.inputs));
-    all_settings.s.is[FEED] = IS_PRESSURE;
+    all_settings.s.role[FEED] = IS_PRESSURE;
     TEST_ASSERT_EQUAL_FLOAT(0.1f, (float)composition_feed_f(&all_settings.s, setup.inputs));
     all_settings.s.feed_f = 0;
     TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&all_settings.s, setup.inputs));
@@ -106,7 +106,8 @@ static void has_found_its_plant(void)
 static void what_the_model_is_off_by_for_good_is_part_of_the_impurity(void)
 {
     has_found_its_plant();
-    filter.b->filter.sd[TOP_FRACTION] = filter.b->filter.sd[BOTTOM_FRACTION] = 0;
+    filter.b->filter.certainty.sd[TOP_FRACTION] = filter.b->filter.certainty.sd[BOTTOM_FRACTION] =
+        0;
     filter.b->s.lasting = 0.25f;
     TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.25f * (1 - fraction(12)), value_named("sd_1"));
     TEST_ASSERT_FLOAT_WITHIN(1e-5f, 0.25f * fraction(1), value_named("sd_2"));
@@ -116,9 +117,9 @@ static void what_the_model_is_off_by_for_good_is_part_of_the_impurity(void)
 static void innovations_larger_than_expected_widen_the_standard_deviation(void)
 {
     has_found_its_plant();
-    filter.b->c.sensor[0].square = filter.b->c.sensor[1].square = 0.5f;
+    filter.b->watch.sensor[0].square = filter.b->watch.sensor[1].square = 0.5f;
     float sd = value_named("sd_1");
-    filter.b->c.sensor[1].square = 4;
+    filter.b->watch.sensor[1].square = 4;
     TEST_ASSERT_FLOAT_WITHIN(1e-4f * sd, 2 * sd, value_named("sd_1"));
 }
 
@@ -130,7 +131,7 @@ static void innovations_off_to_one_side_raise_nis_where_the_model_is_trusted(voi
         begin_both();
         run_with_noise(0, WATCHES);
         TEST_ASSERT_FALSE(raised(EVENT_NIS));
-        filter.b->c.sensor[1].mean = -0.5f;
+        filter.b->watch.sensor[1].mean = -0.5f;
         run_with_noise(0, 1);
         TEST_ASSERT_EQUAL(trusts, raised(EVENT_NIS));
     }

@@ -102,7 +102,7 @@ static void a_point_in_a_section_without_a_thermometer_is_never_good(void)
 static void a_point_of_the_feed_needs_a_thermometer_in_any_section(void)
 {
     all_settings.s.place[T_HIGH][OF_COMPONENT] = 0;
-    all_settings.s.of[TOP_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.quantity[TOP_FRACTION] = OF_FEED_FRACTION;
     all_settings.s.point[TOP_FRACTION][AT_STAGE] = 0;
     begin();
     steps(LOCKED + 1);
@@ -118,8 +118,8 @@ static void what_was_far_off_and_is_believed_leaves_nothing_good(void)
     is_called(QUALITY_GOOD);
     put(T_HIGH, truth(10) + 25);
     steps(60);
-    TEST_ASSERT_TRUE(block.c.sensor[1].there);
-    TEST_ASSERT_TRUE(fabsf((float)block.c.sensor[1].e) > 10);
+    TEST_ASSERT_TRUE(block.sensors.sensor[1].present);
+    TEST_ASSERT_TRUE(fabsf((float)block.sensors.sensor[1].e) > 10);
     is_called(QUALITY_UNCERTAIN);
 }
 
@@ -193,7 +193,7 @@ static void a_flow_that_is_missing_is_told_with_its_input(void)
 /* The model cannot have a fraction that is none. */
 static void break_the_model(void)
 {
-    block.c.x[0] = NAN;
+    block.model.x[0] = NAN;
 }
 
 static void without_a_solution_it_begins_anew_and_says_so(void)
@@ -205,8 +205,8 @@ static void without_a_solution_it_begins_anew_and_says_so(void)
     says(EVENT_NO_STATE, 1);
     is_called(QUALITY_BAD);
     TEST_ASSERT_EQUAL_FLOAT(1, shown("bounced"));
-    TEST_ASSERT_EQUAL_FLOAT(block.c.table.profile[0], block.c.x[0]);
-    TEST_ASSERT_EQUAL(0, block.c.watched);
+    TEST_ASSERT_EQUAL_FLOAT(block.model.table.profile[0], block.model.x[0]);
+    TEST_ASSERT_EQUAL(0, block.watch.steps);
     for (unsigned n = 1; n <= LOCKED; n++) {
         step();
         says_nothing();
@@ -226,12 +226,12 @@ static void without_a_solution_in_its_first_tick_its_points_are_bad(void)
 static void how_often_it_began_anew_stops_counting_at_the_largest_number(void)
 {
     begin();
-    block.c.bounced = UINT16_MAX - 1;
+    block.model.restarts = UINT16_MAX - 1;
     for (unsigned n = 0; n < 3; n++) {
         break_the_model();
         step();
     }
-    TEST_ASSERT_EQUAL(UINT16_MAX, block.c.bounced);
+    TEST_ASSERT_EQUAL(UINT16_MAX, block.model.restarts);
 }
 
 /* ---- pull, nis, apart ---- */
@@ -293,7 +293,7 @@ static void temperatures_that_contradict_each_other_are_told(void)
     TEST_ASSERT_FALSE(raised(EVENT_APART));
     step();
     TEST_ASSERT_EQUAL_HEX16(1u << EVENT_APART, io.raised);
-    unsigned odd = composition_odd_sensor(&block.c, 1);
+    unsigned odd = whole_odd(&block, 1);
     TEST_ASSERT_TRUE(odd == T_HIGH + 1 || odd == FURTHER + 1);
     TEST_ASSERT_EQUAL_FLOAT((float)odd, event_value[EVENT_APART]);
     is_called(QUALITY_BAD);
@@ -344,21 +344,21 @@ static void a_draw_downwards_counts_as_one_upwards(void)
     begin();
     steps(WATCHES);
     block.s.pull = 5;
-    block.c.sensor[0].pull = -100;
+    block.watch.sensor[0].pull = -100;
     step();
     says(EVENT_PULL, T_LOW + 1);
 }
 
 /* ---- the monitor ---- */
 
-static struct composition monitored(unsigned sensors)
+static struct composition_block monitored(unsigned sensors)
 {
-    struct composition c = {.sensors = (uint8_t)sensors, .weight = 0.25f};
-    c.table.config.feed_stage = 5;
+    struct composition_block c = {.sensors = {.n = (uint8_t)sensors}, .watch = {.weight = 0.25f}};
+    c.model.table.config.feed_stage = 5;
     for (unsigned k = 0; k < sensors; k++) {
-        c.sensor[k].input = (uint8_t)(2 * k);
-        c.sensor[k].moves = c.sensor[k].there = true;
-        c.sensor[k].noise2 = 0.25f;
+        c.sensors.sensor[k].input = (uint8_t)(2 * k);
+        c.sensors.sensor[k].moves = c.sensors.sensor[k].present = true;
+        c.sensors.sensor[k].noise2 = 0.25f;
     }
     return c;
 }
@@ -366,58 +366,59 @@ static struct composition monitored(unsigned sensors)
 /* The plain mean of the first, then by weight. */
 static void means_are_of_what_was_watched(void)
 {
-    struct composition c = monitored(1);
-    struct composition_sensor *s = &c.sensor[0];
+    struct composition_block c = monitored(1);
+    struct composition_sensor *s = &c.sensors.sensor[0];
+    const struct composition_means *w = &c.watch.sensor[0];
     static const float e[] = {1, 2, -3, 1, 5};
     float pull = 0, square = 0, product = 0;
     for (unsigned n = 0; n < 5; n++) {
         float weight = n < 3 ? 1.0f / (float)(n + 1) : 0.25f;
         s->e = e[n];
         s->correction = 0.001f * e[n];
-        composition_watch(&c);
+        composition_watch_step(&c.watch, &c.sensors);
         pull += weight * (3.6f * e[n] - pull);
         square += weight * (4 * e[n] * e[n] - square);
         product += weight * (4 * e[n] * (n ? e[n - 1] : 0) - product);
-        TEST_ASSERT_FLOAT_WITHIN(1e-4f, pull, s->pull);
-        TEST_ASSERT_FLOAT_WITHIN(1e-4f, square, s->square);
-        TEST_ASSERT_FLOAT_WITHIN(1e-4f, product, s->product);
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f, pull, w->pull);
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f, square, w->square);
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f, product, w->product);
     }
-    s->there = false;
-    composition_watch(&c);
-    TEST_ASSERT_FLOAT_WITHIN(1e-4f, square, s->square);
-    TEST_ASSERT_EQUAL(6, c.watched);
-    c.watched = UINT32_MAX;
-    composition_watch(&c);
-    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, c.watched);
+    s->present = false;
+    composition_watch_step(&c.watch, &c.sensors);
+    TEST_ASSERT_FLOAT_WITHIN(1e-4f, square, w->square);
+    TEST_ASSERT_EQUAL(6, c.watch.steps);
+    c.watch.steps = UINT32_MAX;
+    composition_watch_step(&c.watch, &c.sensors);
+    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, c.watch.steps);
 }
 
 static void the_reduced_filter_knows_what_innovation_to_expect(void)
 {
-    struct composition c = monitored(3);
-    c.method = METHOD_REKF;
+    struct composition_block c = monitored(3);
+    c.sensors.method = METHOD_REKF;
     for (unsigned k = 0; k < 3; k++) {
-        c.sensor[k].e = 2;
-        c.sensor[k].spread = 2;
+        c.sensors.sensor[k].e = 2;
+        c.sensors.sensor[k].spread = 2;
     }
-    c.sensor[1].moves = false;
-    c.sensor[2].spread = 0;
-    composition_watch(&c);
-    TEST_ASSERT_EQUAL_FLOAT(2, c.sensor[0].square);
-    TEST_ASSERT_EQUAL_FLOAT(16, c.sensor[1].square); /* noise alone */
-    TEST_ASSERT_EQUAL_FLOAT(16, c.sensor[2].square);
-    c.method = METHOD_GEOMETRIC;
-    composition_watch(&c);
-    TEST_ASSERT_EQUAL_FLOAT(9, c.sensor[0].square);
+    c.sensors.sensor[1].moves = false;
+    c.sensors.sensor[2].spread = 0;
+    composition_watch_step(&c.watch, &c.sensors);
+    TEST_ASSERT_EQUAL_FLOAT(2, c.watch.sensor[0].square);
+    TEST_ASSERT_EQUAL_FLOAT(16, c.watch.sensor[1].square); /* noise alone */
+    TEST_ASSERT_EQUAL_FLOAT(16, c.watch.sensor[2].square);
+    c.sensors.method = METHOD_GEOMETRIC;
+    composition_watch_step(&c.watch, &c.sensors);
+    TEST_ASSERT_EQUAL_FLOAT(9, c.watch.sensor[0].square);
 }
 
 static unsigned odd_of(const float *pull, const unsigned *stage, unsigned n)
 {
-    struct composition c = monitored(n);
+    struct composition_block c = monitored(n);
     for (unsigned k = 0; k < n; k++) {
-        c.sensor[k].pull = pull[k];
-        c.sensor[k].stage = (uint8_t)(stage[k] - 1);
+        c.watch.sensor[k].pull = pull[k];
+        c.sensors.sensor[k].stage = (uint8_t)(stage[k] - 1);
     }
-    return composition_odd_sensor(&c, 10);
+    return whole_odd(&c, 10);
 }
 
 static void the_oddest_of_a_section_is_the_farthest_from_the_others(void)
@@ -440,17 +441,17 @@ static void both_sections_may_draw_differently(void)
 
 static void what_moves_nothing_or_is_missing_is_not_odd(void)
 {
-    struct composition c = monitored(3);
+    struct composition_block c = monitored(3);
     for (unsigned k = 0; k < 3; k++) {
-        c.sensor[k].stage = (uint8_t)(6 + k);
-        c.sensor[k].pull = k == 1 ? 50 : 0;
+        c.sensors.sensor[k].stage = (uint8_t)(6 + k);
+        c.watch.sensor[k].pull = k == 1 ? 50 : 0;
     }
-    TEST_ASSERT_EQUAL(3, composition_odd_sensor(&c, 10));
-    c.sensor[1].moves = false;
-    TEST_ASSERT_EQUAL(0, composition_odd_sensor(&c, 10));
-    c.sensor[1].moves = true;
-    c.sensor[1].there = false;
-    TEST_ASSERT_EQUAL(0, composition_odd_sensor(&c, 10));
+    TEST_ASSERT_EQUAL(3, whole_odd(&c, 10));
+    c.sensors.sensor[1].moves = false;
+    TEST_ASSERT_EQUAL(0, whole_odd(&c, 10));
+    c.sensors.sensor[1].moves = true;
+    c.sensors.sensor[1].present = false;
+    TEST_ASSERT_EQUAL(0, whole_odd(&c, 10));
 }
 
 int main(void)

@@ -17,7 +17,7 @@ static float older;    /* s, added to its age */
 static void analysis_at(unsigned k, unsigned stage)
 {
     setup.inputs = (uint8_t)(k + 1);
-    all_settings.s.is[k] = IS_ANALYSIS;
+    all_settings.s.role[k] = IS_ANALYSIS;
     all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
     all_settings.s.place[k][OF_COMPONENT] = 1;
     setup.input[k] = (struct block_signal){0, 1, false};
@@ -75,10 +75,10 @@ static void begin_off(unsigned way)
     all_settings.s = of_filter;
     setup.named = &record;
     for (unsigned n = 0; n < 20; n++) {
-        plant.c.h = 3600;
-        TEST_ASSERT_EQUAL(ERR_OK, composition_predict(&plant.c));
+        plant.model.h = 3600;
+        TEST_ASSERT_EQUAL(ERR_OK, composition_model_predict(&plant.model));
     }
-    plant.c.h = 10;
+    plant.model.h = 10;
     measure();
     filter_begins();
 }
@@ -225,7 +225,7 @@ static void a_sample_from_the_time_without_a_workspace_is_not_taken_twice(void)
         TEST_ASSERT_NULL(tell("free"));
         analysed(DELAY); /* the next is there */
         float before = value_named("correction_1");
-        TEST_ASSERT_TRUE(fabsf(filter.b->analysis[0].surprise) > 1e-5f);
+        TEST_ASSERT_TRUE(fabsf(filter.b->analyses.analysis[0].surprise) > 1e-5f);
         TEST_ASSERT_NULL(tell("take"));
         analysed(10);
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-5f, before, value_named("correction_1"),
@@ -264,7 +264,7 @@ static void what_is_begun_anew_is_not_moved_by_what_was_said_before(void)
         TEST_ASSERT_NULL(tell("begin"));
         work_all(&filter);
         analysed(2);
-        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0, filter.b->c.gains.extra[0], filter_ways[i].name);
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0, filter.b->model.extra[0], filter_ways[i].name);
         TEST_ASSERT_EQUAL_FLOAT(0, value_named("correction_1"));
     }
 }
@@ -284,7 +284,7 @@ static void what_analyses_said_of_the_model_outlasts_a_beginning(void)
                                          filter_ways[i].name);
         kind->follow(filter.b, &io); /* the plant was away */
         TEST_ASSERT_EQUAL_FLOAT(0, value_named("correction_1"));
-        TEST_ASSERT_EQUAL_FLOAT(0, filter.b->c.gains.extra[0]);
+        TEST_ASSERT_EQUAL_FLOAT(0, filter.b->model.extra[0]);
     }
 }
 
@@ -299,7 +299,7 @@ static void a_sample_that_nobody_took_in_is_not_taken_in_later(void)
         analysed(EVERY + DELAY - 2);
         filter.idle = true;
         analysed(4);
-        TEST_ASSERT_TRUE(filter.b->analysis[0].fresh);
+        TEST_ASSERT_TRUE(filter.b->analyses.analysis[0].fresh);
         TEST_ASSERT_NULL(tell("free"));
         filter.idle = false;
         analysed(4);
@@ -318,19 +318,19 @@ static void another_reach_begins_analyses_anew_and_other_numbers_do_not(void)
     all_settings.s.place[FIRST][OF_COMPONENT] = 2;
     accepted();
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, false));
-    struct composition_analysis *a = &block.analysis[0];
-    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, all_settings.s.reach_s), a->every);
+    struct composition_analysis *a = &block.analyses.analysis[0];
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.model.h, all_settings.s.reach_s), a->every);
     a->filled = 5;
     all_settings.tune[FIRST][TUNE_LAMBDA] = 0.5f;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
-    TEST_ASSERT_EQUAL(1, block.analyses);
+    TEST_ASSERT_EQUAL(1, block.analyses.n);
     TEST_ASSERT_EQUAL(1, a->component);
     TEST_ASSERT_TRUE(a->share == REAL_C(0.5));
     TEST_ASSERT_EQUAL(5, a->filled);
     all_settings.s.reach_s *= 3;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
     TEST_ASSERT_EQUAL(0, a->filled);
-    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, all_settings.s.reach_s), a->every);
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.model.h, all_settings.s.reach_s), a->every);
 }
 
 int main(void)

@@ -1,7 +1,7 @@
 /* Settings of the kind `composition`: its parameters, and what is refused in which words. */
 #include "base/workspace.h"
 #include "composition_bench.h"
-#include "kinds/composition/composition_job.h"
+#include "kinds/composition/composition_job_state.h"
 
 void setUp(void)
 {
@@ -185,7 +185,7 @@ static void a_temperature_moves_a_component_that_is_integrated_or_none(void)
     temperature_at(T_LOW, 3, 0);
     temperature_at(T_HIGH, 10, 0);
     refused("place", "at least that moves a component");
-    all_settings.s.is[T_COMPARED] = IS_PRESSURE; /* whose place counts for nothing */
+    all_settings.s.role[T_COMPARED] = IS_PRESSURE; /* whose place counts for nothing */
     all_settings.s.place[T_COMPARED][OF_COMPONENT] = 1;
     temperature_at(T_LOW, 3, 0);
     temperature_at(T_HIGH, 10, 0);
@@ -212,23 +212,23 @@ static void an_mv_is_no_temperature(void)
 
 static void each_flow_is_there_once(void)
 {
-    all_settings.s.is[REFLUX] = IS_FEED;
+    all_settings.s.role[REFLUX] = IS_FEED;
     refused("is", "once");
-    all_settings.s.is[T_COMPARED] = IS_PRESSURE;
-    all_settings.s.is[REFLUX] = IS_PRESSURE;
+    all_settings.s.role[T_COMPARED] = IS_PRESSURE;
+    all_settings.s.role[REFLUX] = IS_PRESSURE;
     refused("is", "once");
 }
 
 static void flows_are_of_the_kind_that_the_table_has(void)
 {
-    all_settings.s.is[HEAT] = IS_BOILUP;
+    all_settings.s.role[HEAT] = IS_BOILUP;
     refused("is", "heat or boilup");
     change_record(&record, COLUMN_TABLE_BOILUP_GIVEN, 1);
     change_record(&record, COLUMN_TABLE_HEAT_LOSS, 0);
     refused("is", "heat or boilup");
-    all_settings.s.is[REFLUX] = IS_FEED_QUALITY;
+    all_settings.s.role[REFLUX] = IS_FEED_QUALITY;
     refused("is", "feed's temperature or quality");
-    all_settings.s.is[REFLUX] = IS_FEED_TEMPERATURE;
+    all_settings.s.role[REFLUX] = IS_FEED_TEMPERATURE;
     accepted();
     change_record(&record, COLUMN_TABLE_FEED_BASIS, 0);
     change_record(&record, COLUMN_TABLE_FEED_BY, 1);
@@ -238,8 +238,8 @@ static void flows_are_of_the_kind_that_the_table_has(void)
 
 static void only_inputs_that_there_are_count(void)
 {
-    all_settings.s.is[FURTHER] = IS_FEED;
-    all_settings.s.is[FURTHER + 1] = IS_BOILUP;
+    all_settings.s.role[FURTHER] = IS_FEED;
+    all_settings.s.role[FURTHER + 1] = IS_BOILUP;
     accepted();
     setup.inputs = T_HIGH; /* one temperature alone */
     accepted();
@@ -251,20 +251,20 @@ static void only_inputs_that_there_are_count(void)
 
 static void a_point_of_the_feed_has_no_stage_and_a_component_as_it_needs_one(void)
 {
-    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.quantity[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     refused("point", "stage 0");
-    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.quantity[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 0);
     refused("point", "not the closing one");
-    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.quantity[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 2);
     refused("point", "not the closing one");
-    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FLOW;
+    all_settings.s.quantity[BOTTOM_FRACTION] = OF_FEED_FLOW;
     point_of(BOTTOM_FRACTION, 0, 1);
     refused("point", "component 0");
-    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.quantity[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 1);
-    all_settings.s.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
+    all_settings.s.quantity[INNER_TEMPERATURE] = OF_FEED_FLOW;
     point_of(INNER_TEMPERATURE, 0, 0);
     accepted();
 }
@@ -287,7 +287,7 @@ static void analysis_at(unsigned k, unsigned stage, unsigned component, float sh
 {
     setup.inputs = (uint8_t)(k + 1);
     setup.input[k] = setup.input[T_LOW];
-    all_settings.s.is[k] = IS_ANALYSIS;
+    all_settings.s.role[k] = IS_ANALYSIS;
     all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
     all_settings.s.place[k][OF_COMPONENT] = (uint16_t)component;
     all_settings.tune[k][TUNE_LAMBDA] = share;

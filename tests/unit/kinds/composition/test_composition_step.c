@@ -38,13 +38,14 @@ static void bench_splitter(void)
     point_of(INNER_TEMPERATURE, 10, 0); /* a truncated one */
 }
 
-static void slopes(const struct composition *c, size_t s, const real_t *x, real_t *dt, real_t *dy)
+static void slopes(const struct composition_block *c, size_t s, const real_t *x, real_t *dt,
+                   real_t *dy)
 {
-    size_t n = c->table.config.components;
+    size_t n = c->model.table.config.components;
     real_t full[COLUMN_COMPONENTS_MAX];
-    column_full_composition(&c->column, x, s, full);
-    vle_full_slopes(&c->column.vle, c->column.temperature[s], full, &c->column.k[s * n],
-                    &c->column.dk[s * n], dt, dy);
+    column_full_composition(&c->model.column, x, s, full);
+    vle_full_slopes(&c->model.column.vle, c->model.column.temperature[s], full,
+                    &c->model.column.k[s * n], &c->model.column.dk[s * n], dt, dy);
 }
 
 /* ---- geometric ---- */
@@ -52,28 +53,28 @@ static void slopes(const struct composition *c, size_t s, const real_t *x, real_
 static void draws_as_said(void)
 {
     static struct column_blocks wanted;
-    static struct composition before;
+    static struct composition_block before;
     struct column_pull pull[SENSORS_MAX];
     real_t t[SENSORS_MAX];
-    struct composition *c = &block.c;
-    size_t pulls = 0, m = c->table.config.components - 1;
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        c->sensor[k].there = true;
-        c->sensor[k].sum = (real_t)k * 40 - 60;
-        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? 1.0f : -0.5f);
+    struct composition_block *c = &block;
+    size_t pulls = 0, m = c->model.table.config.components - 1;
+    for (uint8_t k = 0; k < c->sensors.n; k++) {
+        c->sensors.sensor[k].present = true;
+        c->sensors.sensor[k].sum = (real_t)k * 40 - 60;
+        t[k] = truth(c->sensors.sensor[k].stage + 1u) + (k % 2 ? 1.0f : -0.5f);
     }
-    c->inputs.heat += 200; /* the model moves as well */
+    c->model.inputs.heat += 200; /* the model moves as well */
     before = *c;
-    TEST_ASSERT_EQUAL(ERR_OK, composition_step(c, t));
+    TEST_ASSERT_EQUAL(ERR_OK, whole_step(c, t));
     real_t h = setup.interval_s;
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        unsigned input_of = before.sensor[k].input;
+    for (uint8_t k = 0; k < c->sensors.n; k++) {
+        unsigned input_of = before.sensors.sensor[k].input;
         real_t lambda =
             (all_settings.tune[input_of][TUNE_LAMBDA] > 0 ? all_settings.tune[input_of][0] : 10);
         real_t zeta =
             all_settings.tune[input_of][TUNE_ZETA] > 0 ? all_settings.tune[input_of][1] : 3;
         lambda /= 3600;
-        real_t e = t[k] - c->column.temperature[before.sensor[k].stage];
+        real_t e = t[k] - c->model.column.temperature[before.sensors.sensor[k].stage];
         if (all_settings.s.place[input_of][OF_COMPONENT] == 0)
             continue;
         pull[pulls++] =
@@ -81,31 +82,32 @@ static void draws_as_said(void)
                                  .component = all_settings.s.place[input_of][OF_COMPONENT] - 1u,
                                  .deviation = e,
                                  .gain = 2 * zeta * lambda + h * lambda * lambda,
-                                 .rate = lambda * lambda * before.sensor[k].sum};
+                                 .rate = lambda * lambda * before.sensors.sensor[k].sum};
     }
     static real_t x[COLUMN_STATES_MAX];
-    memcpy(x, before.x, sizeof x);
-    for (size_t i = 0; i < c->column.n_fractions; i++)
-        if (c->truncated[i / m] && i % m == m - 1)
-            x[i] = c->x[i] - c->blocks.change[i];
-    TEST_ASSERT_EQUAL(ERR_OK, column_implicit_step(&c->column, c->truncated, x, c->rates, h, pull,
-                                                   pulls, &wanted));
-    for (size_t i = 0; i < c->column.n_fractions; i++)
-        TEST_ASSERT_FLOAT_WITHIN(2e-6f, wanted.change[i], c->blocks.change[i]);
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        real_t dt[COLUMN_COMPONENTS_MAX], dy[16], left = c->sensor[k].e;
-        if (!before.sensor[k].moves)
+    memcpy(x, before.model.x, sizeof x);
+    for (size_t i = 0; i < c->model.column.n_fractions; i++)
+        if (c->model.truncated[i / m] && i % m == m - 1)
+            x[i] = c->model.x[i] - c->model.blocks.change[i];
+    TEST_ASSERT_EQUAL(ERR_OK, column_implicit_step(&c->model.column, c->model.truncated, x,
+                                                   c->model.rates, h, pull, pulls, &wanted));
+    for (size_t i = 0; i < c->model.column.n_fractions; i++)
+        TEST_ASSERT_FLOAT_WITHIN(2e-6f, wanted.change[i], c->model.blocks.change[i]);
+    for (uint8_t k = 0; k < c->sensors.n; k++) {
+        real_t dt[COLUMN_COMPONENTS_MAX], dy[16], left = c->sensors.sensor[k].e;
+        if (!before.sensors.sensor[k].moves)
             continue;
-        slopes(c, c->sensor[k].stage, x, dt, dy);
+        slopes(c, c->sensors.sensor[k].stage, x, dt, dy);
         for (size_t j = 0; j < m; j++)
-            left -= dt[j] * wanted.change[c->sensor[k].stage * m + j];
-        TEST_ASSERT_FLOAT_WITHIN(2e-2f, before.sensor[k].sum + h * left, c->sensor[k].sum);
-        TEST_ASSERT_FLOAT_WITHIN(1e-4f * fabsf(dt[c->sensor[k].component]),
-                                 dt[c->sensor[k].component], c->sensor[k].slope);
+            left -= dt[j] * wanted.change[c->sensors.sensor[k].stage * m + j];
+        TEST_ASSERT_FLOAT_WITHIN(2e-2f, before.sensors.sensor[k].sum + h * left,
+                                 c->sensors.sensor[k].sum);
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f * fabsf(dt[c->sensors.sensor[k].component]),
+                                 dt[c->sensors.sensor[k].component], c->sensors.sensor[k].slope);
         TEST_ASSERT_FLOAT_WITHIN(1e-5f,
-                                 (c->sensor[k].kp + h * c->sensor[k].ki) * left +
-                                     c->sensor[k].ki * before.sensor[k].sum,
-                                 c->sensor[k].correction);
+                                 (c->sensors.sensor[k].kp + h * c->sensors.sensor[k].ki) * left +
+                                     c->sensors.sensor[k].ki * before.sensors.sensor[k].sum,
+                                 c->sensors.sensor[k].correction);
     }
 }
 
@@ -133,18 +135,18 @@ static void an_integral_rests_where_its_fraction_is_at_a_limit(void)
     temperature_at(T_HIGH, 12, 1);
     begin();
     for (unsigned n = 0; n < 2; n++) {
-        struct composition_sensor *s = &block.c.sensor[1];
-        block.c.x[11] = 0.9999f;
+        struct composition_sensor *s = &block.sensors.sensor[1];
+        block.model.x[11] = 0.9999f;
         measure();
         for (uint8_t k = 0; k < 3; k++) {
-            block.c.sensor[k].there = true;
-            t[k] = truth(block.c.sensor[k].stage + 1u);
+            block.sensors.sensor[k].present = true;
+            t[k] = truth(block.sensors.sensor[k].stage + 1u);
         }
         t[1] -= 20; /* no fraction is so light */
         s->sum = n ? 50.0f : -50.0f;
-        TEST_ASSERT_EQUAL(ERR_OK, composition_step(&block.c, t));
-        TEST_ASSERT_TRUE(block.c.clipped > 0);
-        TEST_ASSERT_EQUAL_FLOAT(1, block.c.x[11]);
+        TEST_ASSERT_EQUAL(ERR_OK, whole_step(&block, t));
+        TEST_ASSERT_TRUE(block.model.clipped > 0);
+        TEST_ASSERT_EQUAL_FLOAT(1, block.model.x[11]);
         if (n)
             TEST_ASSERT_TRUE(s->sum < 50.0f); /* on its way back it goes on */
         else
@@ -158,21 +160,21 @@ static void an_integral_moves_a_temperature_by_so_many_kelvin_in_its_time_at_mos
     begin();
     real_t most = 100 * 3600.0f; /* 100 K in 1/lambda: ki z = 100 lambda */
     for (int n = -1; n <= 1; n += 2) {
-        block.c.sensor[0].sum = (real_t)n * 1e8f;
+        block.sensors.sensor[0].sum = (real_t)n * 1e8f;
         begin();
-        block.c.sensor[0].sum = (real_t)n * 1.01f * most;
+        block.sensors.sensor[0].sum = (real_t)n * 1.01f * most;
         step();
-        TEST_ASSERT_FLOAT_WITHIN(1.0f, (float)n * most, block.c.sensor[0].sum);
+        TEST_ASSERT_FLOAT_WITHIN(1.0f, (float)n * most, block.sensors.sensor[0].sum);
     }
 }
 
 /* ---- reduced filter ---- */
 
 /* The rate of the light fraction of a stage by itself, by differences, flows and the vapour from below held. */
-static double own_derivative(const struct composition *c, const real_t *x, size_t s)
+static double own_derivative(const struct composition_block *c, const real_t *x, size_t s)
 {
-    const struct column *column = &c->column;
-    size_t top = c->table.config.stages - 1;
+    const struct column *column = &c->model.column;
+    size_t top = c->model.table.config.stages - 1;
     real_t dt[COLUMN_COMPONENTS_MAX], dy[16];
     slopes(c, s, x, dt, dy);
     double in = s < top ? (double)column->liquid[s + 1] : 0, out = (double)column->vapour_flow[s];
@@ -180,16 +182,16 @@ static double own_derivative(const struct composition *c, const real_t *x, size_
         in += (double)column->vapour_flow[s - 1];
     if (s == 4)
         in += (double)column->flows.feed;
-    double e = s == 0 || s == top ? 1 : (double)c->table.config.efficiency;
+    double e = s == 0 || s == top ? 1 : (double)c->model.table.config.efficiency;
     /* d/dx of in (c_in - x) - out (v - x), v = below + E (y - below) */
     return (-in - out * (e * (double)dy[0] - 1)) / (double)column->holdup[s];
 }
 
 static void filters_as_said(float interval)
 {
-    static struct composition before;
+    static struct composition_block before;
     real_t t[SENSORS_MAX];
-    struct composition *c = &block.c;
+    struct composition_block *c = &block;
     bench_pilot();
     everywhere();
     all_settings.s.method = METHOD_REKF;
@@ -197,33 +199,34 @@ static void filters_as_said(float interval)
     all_settings.model = 0.2f;
     setup.interval_s = interval;
     begin();
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.04f, c->sensor[k].variance);
-        c->sensor[k].variance = (interval < 1 ? 1e-7f : 1e-4f) * (real_t)(k + 1);
-        c->sensor[k].there = k != 1;
-        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? -0.25f : 0.5f);
+    for (uint8_t k = 0; k < c->sensors.n; k++) {
+        TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.04f, c->sensors.sensor[k].variance);
+        c->sensors.sensor[k].variance = (interval < 1 ? 1e-7f : 1e-4f) * (real_t)(k + 1);
+        c->sensors.sensor[k].present = k != 1;
+        t[k] = truth(c->sensors.sensor[k].stage + 1u) + (k % 2 ? -0.25f : 0.5f);
     }
-    c->inputs.heat += 200; /* the model moves as well */
+    c->model.inputs.heat += 200; /* the model moves as well */
     before = *c;
-    TEST_ASSERT_EQUAL(ERR_OK, composition_step(c, t));
+    TEST_ASSERT_EQUAL(ERR_OK, whole_step(c, t));
     static struct column_blocks alone;
-    TEST_ASSERT_EQUAL(ERR_OK, column_implicit_step(&c->column, c->truncated, before.x, c->rates,
-                                                   interval, NULL, 0, &alone));
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        const struct composition_sensor *s = &c->sensor[k];
+    TEST_ASSERT_EQUAL(ERR_OK,
+                      column_implicit_step(&c->model.column, c->model.truncated, before.model.x,
+                                           c->model.rates, interval, NULL, 0, &alone));
+    for (uint8_t k = 0; k < c->sensors.n; k++) {
+        const struct composition_sensor *s = &c->sensors.sensor[k];
         if (!s->moves)
             continue;
         real_t dt[COLUMN_COMPONENTS_MAX], dy[16];
-        slopes(c, s->stage, before.x, dt, dy);
-        double f = own_derivative(c, before.x, s->stage), b = (double)dt[0];
+        slopes(c, s->stage, before.model.x, dt, dy);
+        double f = own_derivative(c, before.model.x, s->stage), b = (double)dt[0];
         double q = 0.04 / 3600, part = exp(2 * f * (double)interval);
-        double p = (double)before.sensor[k].variance * part + q * (part - 1) / (2 * f);
+        double p = (double)before.sensors.sensor[k].variance * part + q * (part - 1) / (2 * f);
         double spread = b * p * b + 0.09, gain = p * b / spread;
         TEST_ASSERT_DOUBLE_WITHIN(spread * 1e-3, spread, (double)s->spread);
-        double e =
-            (double)(t[k] - c->column.temperature[s->stage]) - b * (double)alone.change[s->stage];
-        double moved = (double)(c->blocks.change[s->stage] - alone.change[s->stage]);
-        if (!before.sensor[k].there) {
+        double e = (double)(t[k] - c->model.column.temperature[s->stage]) -
+                   b * (double)alone.change[s->stage];
+        double moved = (double)(c->model.blocks.change[s->stage] - alone.change[s->stage]);
+        if (!before.sensors.sensor[k].present) {
             TEST_ASSERT_DOUBLE_WITHIN(p * 1e-3, p, (double)s->variance);
             TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0, moved);
             continue;
@@ -259,8 +262,8 @@ static void a_variance_is_never_below_nothing(void)
         put(T_LOW, truth(3) + (float)(n % 7) - 3);
         put(T_HIGH, truth(10) + (float)(n % 5) - 2);
         step();
-        TEST_ASSERT_TRUE(block.c.sensor[0].variance > 0);
-        TEST_ASSERT_TRUE(block.c.sensor[1].variance > 0);
+        TEST_ASSERT_TRUE(block.sensors.sensor[0].variance > 0);
+        TEST_ASSERT_TRUE(block.sensors.sensor[1].variance > 0);
     }
 }
 
@@ -274,8 +277,8 @@ static void a_truncated_temperature_is_between_those_around_it(void)
         begin();
         put(T_LOW, truth(1) + 5); /* whatever the step moves */
         step();
-        float low = (float)block.c.column.temperature[0];
-        float high = (float)block.c.column.temperature[15];
+        float low = (float)block.model.column.temperature[0];
+        float high = (float)block.model.column.temperature[15];
         float part = mean ? 0.5f : 9.0f / 15;
         TEST_ASSERT_FLOAT_WITHIN(1e-3f, low + part * (high - low), given(INNER_TEMPERATURE));
         TEST_ASSERT_EQUAL_FLOAT(57, shown("states"));
@@ -288,9 +291,11 @@ static void the_splitter_stays_where_its_readings_are_those_of_its_model(void)
     begin();
     plant_runs(3000);
     steps(3000);
-    TEST_ASSERT_FLOAT_WITHIN(3e-3f, (float)column_fraction(&plant.c.column, plant.c.x, 36, 1),
+    TEST_ASSERT_FLOAT_WITHIN(3e-3f,
+                             (float)column_fraction(&plant.model.column, plant.model.x, 36, 1),
                              given(TOP_FRACTION));
-    TEST_ASSERT_FLOAT_WITHIN(3e-3f, (float)column_fraction(&plant.c.column, plant.c.x, 0, 2),
+    TEST_ASSERT_FLOAT_WITHIN(3e-3f,
+                             (float)column_fraction(&plant.model.column, plant.model.x, 0, 2),
                              given(BOTTOM_FRACTION));
 }
 
@@ -298,11 +303,11 @@ static void the_splitter_stays_where_its_readings_are_those_of_its_model(void)
 
 static void a_state_of_numbers_within_limits(void)
 {
-    size_t m = block.c.table.config.components - 1;
-    for (size_t s = 0; s < block.c.table.config.stages; s++) {
+    size_t m = block.model.table.config.components - 1;
+    for (size_t s = 0; s < block.model.table.config.stages; s++) {
         float sum = 0;
         for (size_t j = 0; j < m; j++) {
-            float x = (float)block.c.x[s * m + j];
+            float x = (float)block.model.x[s * m + j];
             TEST_ASSERT_TRUE(x >= 0);
             sum += x;
         }
@@ -310,9 +315,9 @@ static void a_state_of_numbers_within_limits(void)
     }
     for (unsigned k = 0; k < setup.points; k++)
         TEST_ASSERT_TRUE(float_is_finite(num_to_float(point[k])));
-    for (uint8_t k = 0; k < block.c.sensors; k++) {
-        TEST_ASSERT_TRUE(float_is_finite((float)block.c.sensor[k].sum));
-        TEST_ASSERT_TRUE(float_is_finite((float)block.c.sensor[k].square));
+    for (uint8_t k = 0; k < block.sensors.n; k++) {
+        TEST_ASSERT_TRUE(float_is_finite((float)block.sensors.sensor[k].sum));
+        TEST_ASSERT_TRUE(float_is_finite((float)block.watch.sensor[k].square));
     }
 }
 

@@ -1,6 +1,6 @@
 /* The kind `composition` and the board's workspace: who has it, who gives it back, what acts meanwhile, and what of analyses is lost with it. */
 #include "composition_filter_bench.h"
-#include "kinds/composition/composition_covariance.h"
+#include "kinds/composition/composition_job_state.h"
 
 void setUp(void) {}
 
@@ -46,7 +46,7 @@ static void without_a_workspace_the_reduced_filter_acts_and_says_so(void)
         workspace_share(NULL);
         begin_both();
         for (unsigned s = 0; s < 12; s++)
-            plant.c.x[s] *= 0.9f;
+            plant.model.x[s] *= 0.9f;
         run(400);
         says_that_it_lacks_it();
         TEST_ASSERT_FALSE(has_gains());
@@ -96,7 +96,7 @@ static void of_two_filters_one_gets_it_and_the_other_when_it_is_free(void)
         TEST_ASSERT_TRUE(raised(EVENT_LOST));
         TEST_ASSERT_EQUAL_FLOAT(0, event_value[EVENT_LOST]);
         TEST_ASSERT_TRUE(has_gains());
-        TEST_ASSERT_NULL(other.b->c.gains.of);
+        TEST_ASSERT_NULL(other.b->filter.gain);
         TEST_ASSERT_EQUAL_STRING("composition", verb_named("take")->run(other.b, NULL));
         TEST_ASSERT_NULL(tell("free"));
         for (unsigned n = 0; n < 10; n++) {
@@ -107,7 +107,7 @@ static void of_two_filters_one_gets_it_and_the_other_when_it_is_free(void)
             work_all(&filter);
             work_all(&other);
         }
-        TEST_ASSERT_NOT_NULL_MESSAGE(other.b->c.gains.of, name);
+        TEST_ASSERT_NOT_NULL_MESSAGE(other.b->filter.gain, name);
         TEST_ASSERT_FALSE(raised(EVENT_LOST));
         TEST_ASSERT_EQUAL_STRING("composition", tell("take"));
         free(other.b);
@@ -130,7 +130,7 @@ static void given_back_the_last_gains_go_on_and_taken_again_it_finds_others(void
         run(2);
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, start_up_leases(), name);
         TEST_ASSERT_EQUAL(0, io.ask_work);
-        plant.c.inputs.heat += 5;
+        plant.model.inputs.heat += 5;
         run(300);
         TEST_ASSERT_TRUE(has_gains());
         if (filter_ways[i].covariance != COVARIANCE_STEADY) {
@@ -228,10 +228,9 @@ static void an_order_that_was_given_up_half_way_goes_on(void)
             while (filter.b->filter.count == count)
                 ticks(1);
             if (!given_up)
-                memcpy(gains, composition_gain_memory(filter.b), sizeof gains);
+                memcpy(gains, whole_gains(filter.b), sizeof gains);
         }
-        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(gains, composition_gain_memory(filter.b), sizeof gains,
-                                         name);
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(gains, whole_gains(filter.b), sizeof gains, name);
     }
 }
 

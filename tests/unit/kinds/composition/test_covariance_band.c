@@ -340,7 +340,7 @@ static void a_measurement_that_is_none_leaves_everything(void)
 {
     real_t slope[] = {1, 1, 1};
     struct covariance_measurement z = {
-        .at = 4, .count = 2, .slope = slope, .extra = 3, .variance = 1};
+        .first = 4, .count = 2, .slope = slope, .extra = 3, .variance = 1};
     begin(STAGES, 2, 3, false);
     z.variance = 0;
     is_not_taken(z);
@@ -355,12 +355,12 @@ static void a_measurement_that_is_none_leaves_everything(void)
     z.variance = -1;
     is_not_taken(z);
     z.variance = 1;
-    z.at = 5; /* of two stages */
+    z.first = 5; /* of two stages */
     is_not_taken(z);
     TEST_ASSERT_TRUE(covariance_band_of(&band, &z) == 0);
     z.count = 0;
     is_not_taken(z);
-    z.at = 2 * STAGES;
+    z.first = 2 * STAGES;
     z.count = 1;
     is_not_taken(z);
 }

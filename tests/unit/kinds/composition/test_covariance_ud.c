@@ -139,14 +139,14 @@ static void measure(size_t stage, bool analysis, double sd)
     real_t slope[3];
     for (size_t j = 0; j < ud.m; j++)
         slope[j] = (real_t)(100 * (case_random(&kase) - 0.5));
-    struct covariance_measurement z = {.at = stage * ud.m,
+    struct covariance_measurement z = {.first = stage * ud.m,
                                        .count = ud.m,
                                        .slope = slope,
                                        .extra = COVARIANCE_EXTRAS_MAX,
                                        .variance = (real_t)(sd * sd)};
     if (analysis) {
         slope[0] = z.extra_slope = 1;
-        z.at += ud.m - 1;
+        z.first += ud.m - 1;
         z.count = 1;
         z.extra = ud.extras ? ud.extras - 1 : 0;
     }
@@ -273,7 +273,7 @@ static void run_blind(unsigned steps, double sensor_sd)
     for (unsigned t = 0; t < steps; t++) {
         carry(COVARIANCE_UD_EFFORT);
         for (size_t s = 1; s < ud.stages; s += 3) {
-            struct covariance_measurement z = {.at = s * ud.m,
+            struct covariance_measurement z = {.first = s * ud.m,
                                                .count = ud.m,
                                                .slope = slope,
                                                .extra = s % 2 ? ud.extras : 0,
@@ -387,7 +387,7 @@ static void a_measurement_that_is_none_changes_nothing(void)
     size_t bytes = ud_count(case_all(&kase)) * sizeof(real_t);
     TEST_ASSERT_TRUE(bytes <= sizeof before);
     memcpy(before, memory, bytes);
-    struct covariance_measurement z = {.at = 4, .count = 2, .slope = slope, .extra = 9};
+    struct covariance_measurement z = {.first = 4, .count = 2, .slope = slope, .extra = 9};
     for (int k = 0; k < 4; k++) {
         static const float variances[] = {0, -1, NAN, 1};
         z.variance = variances[k];

@@ -1,11 +1,10 @@
-/* The job of kinds/composition/composition_job.h as its two files share it: what the tick hands over and gets (composition_job.c), and the pieces
- * (composition_covariance.c). It stands in the leased workspace. For this folder alone. */
-#ifndef REFLUX_COMPOSITION_COMPOSITION_COVARIANCE_H
-#define REFLUX_COMPOSITION_COMPOSITION_COVARIANCE_H
+/* State of the job that computes gains. It stands in the leased workspace. For its owner composition_job.c and for tests. */
+#ifndef REFLUX_COMPOSITION_COMPOSITION_JOB_STATE_H
+#define REFLUX_COMPOSITION_COMPOSITION_JOB_STATE_H
 
 #include <stddef.h>
 
-#include "kinds/composition/composition_block.h"
+#include "kinds/composition/composition_parts.h"
 #include "kinds/composition/covariance_band.h"
 #include "kinds/composition/covariance_ud.h"
 
@@ -33,15 +32,15 @@ struct composition_job {
     real_t x[COLUMN_STATES_MAX];
     struct column_inputs inputs;
     real_t h;                   /* s, of a cycle */
-    uint16_t there;             /* bit k: sensor k counts */
+    uint16_t present;           /* bit k: sensor k counts */
     uint8_t analysed;           /* bit i: analysis i has a sample */
     real_t older[ANALYSES_MAX]; /* variance for its age */
     bool begin;
 
-    uint8_t phase, at;
+    uint8_t phase, next;
     enum err err;
     bool carrying;
-    uint32_t cycles;       /* of a steady state */
+    uint32_t cycles;       /* towards a steady state */
     real_t moved, largest; /* gains, in a cycle */
     real_t before[COMPOSITION_LENGTH_MOST];
     uint16_t noise_first;
@@ -62,17 +61,9 @@ struct composition_job {
     /* the result */
     real_t gain[(SENSORS_MAX + ANALYSES_MAX) * COMPOSITION_LENGTH_MOST];
     real_t spread[SENSORS_MAX];
-    real_t sd[BLOCK_POINTS_MAX], least, most;
-    _Alignas(max_align_t) uint8_t memory[]; /* of the covariance */
+    struct composition_certainty certainty;
+    _Alignas(max_align_t) uint8_t memory[]; /* for the covariance */
 };
-
-static inline bool composition_is_banded(const struct composition_settings *s)
-{
-    return s->covariance == COVARIANCE_BAND;
-}
-
-/* A piece: a phase, or a part of one. */
-void composition_covariance_piece(struct composition_block *b, struct composition_job *job);
 
 #endif
 #endif
