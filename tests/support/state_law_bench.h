@@ -13,7 +13,10 @@
 #include "base/workspace.h"
 #include "block_defaults.h"
 #include "composition_tables.h"
+#include "kinds/state_law/state_law.h"
 #include "kinds/state_law/state_law_block.h"
+#include "kinds/state_law/state_law_column.h"
+#include "kinds/state_law/state_law_column_state.h"
 #include "unity.h"
 
 #define PERIOD_S      30.0f
@@ -44,7 +47,7 @@ static inline void input_is(enum state_law_input is, unsigned stage, float si,
                             struct block_signal signal)
 {
     unsigned k = input_at++;
-    settings.is[k] = (uint8_t)is;
+    settings.role[k] = (uint8_t)is;
     settings.place[k][STATE_LAW_STAGE] = (uint16_t)stage;
     settings.place[k][STATE_LAW_COMPONENT] =
         is == STATE_LAW_FRACTION || is == STATE_LAW_FEED_FRACTION ? 1 : 0;
@@ -82,7 +85,7 @@ static inline void six_states(void)
 
 static inline void no_inputs(void)
 {
-    memset(&settings.is, 0, sizeof settings.is);
+    memset(&settings.role, 0, sizeof settings.role);
     memset(&settings.place, 0, sizeof settings.place);
     memset(&settings.si, 0, sizeof settings.si);
     memset(setup.input, 0, sizeof setup.input);

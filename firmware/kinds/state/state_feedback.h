@@ -2,7 +2,7 @@
  *
  *     u = F x + G (w + I - D),   I = integral of (w - y)/ti,   D = td y'
  *
- * x what its inputs are: states, measured or from an estimator, and measured disturbances, whose columns of F are Tf. Source of the law: P. L. Falb and
+ * x its inputs: states, measured or from an estimator, and measured disturbances, whose columns of F are Tf. Source of the law: P. L. Falb and
  * W. A. Wolovich, IEEE Trans. Automatic Control 12 (1967) 651, on a column T. O. Folami (1989), chapter 6; design/state_decoupler.h finds
  * F, G and Tf. I and D are ours. All signals are fractions of span; a constant makes the beginning bumpless, so what counts of x and w
  * is by how much they are away from where it began. Without ti a beginning that is not at rest leaves an offset.
@@ -15,12 +15,11 @@
 #ifndef REFLUX_STATE_STATE_FEEDBACK_H
 #define REFLUX_STATE_STATE_FEEDBACK_H
 
-#include "block/block.h"
+#include "law/state_law_settings.h"
 
 #if CONFIG_BLOCKS
 
-#define STATE_FEEDBACK_LOOPS  4
-#define STATE_FEEDBACK_INPUTS 8 /* states and disturbances: a row of a record has no more columns */
+#define STATE_FEEDBACK_LOOPS 4
 
 struct state_feedback_settings {
     float f[STATE_FEEDBACK_LOOPS][STATE_FEEDBACK_INPUTS]; /* MV span per span of the input */

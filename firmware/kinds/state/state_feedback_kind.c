@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "block/refuse.h"
-#include "kinds/state_law/state_law.h"
+#include "law/state_law_settings.h"
 #include "num/accumulator.h"
 #include "num/solve_small.h"
 

@@ -1,8 +1,9 @@
-/* The kind `state_law` as its files share it. */
+/* The state of a block of the kind `state_law`. For its owner state_law_kind.c and for tests. */
 #ifndef REFLUX_STATE_LAW_STATE_LAW_BLOCK_H
 #define REFLUX_STATE_LAW_STATE_LAW_BLOCK_H
 
-#include "kinds/state_law/state_law_job.h"
+#include "kinds/column/column.h"
+#include "law/state_law_found.h"
 
 #if CONFIG_BLOCKS
 
@@ -15,33 +16,25 @@ enum state_law_stage {
     STATE_LAW_REFUSED
 };
 
+enum state_law_event { STATE_LAW_EVENT_MADE, STATE_LAW_EVENT_REFUSED, STATE_LAW_EVENTS };
+
+struct state_law_column;
+
 struct state_law_block {
     struct state_law_settings s;
     struct block_signal input[BLOCK_INPUTS_MAX];
     uint8_t inputs, loops;
-    uint8_t stage;
-    uint8_t tells; /* enum state_law_event + 1, in the next step */
+    uint8_t stage; /* enum state_law_stage */
+    uint8_t event; /* enum state_law_event + 1, raised in the next step; 0: none */
     const struct column_record *record;
     uint32_t checksum; /* of the table */
     uint32_t lease;
-    struct state_law_job *job; /* in the workspace, while leased */
+    struct state_law_column *job; /* in the workspace, while leased */
     float interval_s;
     struct state_law_found found;
-    char refused[STATE_LAW_WORDS]; /* why */
+    char refused[STATE_LAW_WORDS]; /* the reason */
     bool proposes, waits;
 };
-
-enum state_law_event { STATE_LAW_EVENT_MADE, STATE_LAW_EVENT_REFUSED, STATE_LAW_EVENTS };
-
-#define STATE_LAW_PARAMETERS (12 + STATE_LAW_LOOPS * (STATE_LAW_LOOPS + STATE_FEEDBACK_INPUTS))
-extern const struct block_parameter state_law_parameters[STATE_LAW_PARAMETERS];
-MUST_CHECK enum err state_law_check(const struct block_setup *setup, struct block_fault *fault);
-
-/* ---- proposals ---- */
-
-void state_law_propose(struct state_law_block *b, struct block_proposal *room);
-
-const char *state_law_describe(const void *state, size_t i, float *value);
 
 #endif
 #endif

@@ -1,10 +1,17 @@
-/* Kind `state_law`: what it does in the tick and between ticks, what it may be told. */
-#include "kinds/state_law/state_law_block.h"
+/* Kind `state_law`: its steps, its work between ticks, its verbs. */
+#include "kinds/state_law/state_law.h"
 
 #include <string.h>
 
 #include "base/text.h"
 #include "base/workspace.h"
+#include "block/refuse.h"
+#include "kinds/state_law/state_law_block.h"
+#include "kinds/state_law/state_law_column.h"
+#include "kinds/state_law/state_law_column_state.h"
+#include "kinds/state_law/state_law_parameters.h"
+#include "law/state_law_job.h"
+#include "law/state_law_proposal.h"
 
 #define HOLDER "state_law"
 #define FREES  "block N stop"
@@ -21,6 +28,13 @@ static uint32_t state_law_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct state_law_block) + 7u) & ~(size_t)7u);
 }
 
+static enum err state_law_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    if (sizeof(struct state_law_column) > WORKSPACE_BYTES)
+        return block_refuse(fault, 0, "column", "needs more workspace than this board has");
+    return state_law_check_settings(setup, fault);
+}
+
 static bool is_designing(const struct state_law_block *b)
 {
     return b->stage == STATE_LAW_ASKED || b->stage == STATE_LAW_DESIGNS;
@@ -33,7 +47,7 @@ static void end_lease(struct state_law_block *b)
     b->job = NULL;
 }
 
-/* What is told of it begins there. */
+/* Ends without a law; returns where the reason goes on. */
 static struct text refusal(struct state_law_block *b, unsigned loop)
 {
     struct text t = text_on(b->refused, sizeof b->refused);
@@ -41,7 +55,7 @@ static struct text refusal(struct state_law_block *b, unsigned loop)
     b->found.loop = (uint8_t)loop;
     end_lease(b);
     b->stage = STATE_LAW_REFUSED;
-    b->tells = STATE_LAW_EVENT_REFUSED + 1;
+    b->event = STATE_LAW_EVENT_REFUSED + 1;
     return t;
 }
 
@@ -57,7 +71,7 @@ static void end_stopped(struct state_law_block *b, const char *why)
     text_str(&t, why);
 }
 
-/* But for the law, which comes by proposals of its own. */
+/* Compares all settings but the law, which comes by proposals of its own. */
 static bool goal_differs(const struct state_law_settings *a, const struct state_law_settings *b)
 {
     return memcmp(a, b, offsetof(struct state_law_settings, made_s)) != 0;
@@ -93,7 +107,7 @@ static void lease_for_law(struct state_law_block *b)
 {
     struct workspace *w = workspace_shared();
     void *memory = NULL;
-    if (w && workspace_lease_for_now(w, HOLDER, FREES, sizeof(struct state_law_job), &b->lease,
+    if (w && workspace_lease_for_now(w, HOLDER, FREES, sizeof(struct state_law_column), &b->lease,
                                      &memory) == ERR_OK)
         b->job = memory;
 }
@@ -101,10 +115,10 @@ static void lease_for_law(struct state_law_block *b)
 static bool state_law_work(void *state)
 {
     struct state_law_block *b = state;
-    struct state_law_job *job = b->job;
+    struct state_law_column *job = b->job;
     if (b->stage == STATE_LAW_ASKED && !job)
         lease_for_law(b);
-    return b->stage == STATE_LAW_DESIGNS && job && state_law_job_piece(job);
+    return b->stage == STATE_LAW_DESIGNS && job && state_law_column_piece(job);
 }
 
 /* ---- in the tick ---- */
@@ -136,14 +150,14 @@ static void keep_lease(struct state_law_block *b)
 
 static void take_law(struct state_law_block *b)
 {
-    b->found = b->job->found;
+    b->found = *state_law_column_found(b->job);
     if (b->found.field[0]) {
         end_refused(b);
         return;
     }
     end_lease(b);
     b->stage = STATE_LAW_DONE;
-    b->tells = STATE_LAW_EVENT_MADE + 1;
+    b->event = STATE_LAW_EVENT_MADE + 1;
     b->proposes = true;
     b->waits = false;
 }
@@ -153,18 +167,28 @@ static void law_goes_on(struct state_law_block *b, struct block_io *io)
     if (io->work_wanted)
         return;
     if (b->stage == STATE_LAW_ASKED && b->job) {
-        state_law_job_of_column(b->job, &b->s, b->input, b->inputs, b->record);
+        state_law_column_begin(b->job, &b->s, b->input, b->inputs, b->record);
         b->stage = STATE_LAW_DESIGNS;
         io->ask_work = steps_of_job(b);
     } else if (b->stage == STATE_LAW_ASKED && io->work_done) {
         end_without_workspace(b);
     } else if (b->stage == STATE_LAW_ASKED) {
         io->ask_work = 1;
-    } else if (b->job->phase == STATE_LAW_PHASE_OVER) {
+    } else if (state_law_column_is_over(b->job)) {
         take_law(b);
     } else { /* given up, as by an apply */
         io->ask_work = steps_of_job(b);
     }
+}
+
+static void propose_law_of_column(struct state_law_block *b, struct block_proposal *room)
+{
+    if (!b->proposes || !room)
+        return;
+    if (!b->waits)
+        state_law_put_values(&b->s, &b->found, b->s.period_s, b->loops, PROPOSED_SELF, room);
+    b->proposes = b->waits = room->n > 0; /* else it is in force, or refused, or rejected */
+    room->manner = b->s.adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
 }
 
 static void state_law_step(void *state, struct block_io *io)
@@ -173,15 +197,39 @@ static void state_law_step(void *state, struct block_io *io)
     keep_lease(b);
     if (is_designing(b))
         law_goes_on(b, io);
-    state_law_propose(b, io->proposal);
+    propose_law_of_column(b, io->proposal);
     io->withdraws = !b->proposes;
     io->raised = 0;
-    if (b->tells) {
-        io->raised = (uint16_t)(1u << (b->tells - 1u));
-        io->event_value[b->tells - 1u] =
-            b->tells == STATE_LAW_EVENT_MADE + 1 ? b->found.radius : (float)b->found.loop;
-        b->tells = 0;
+    if (b->event) {
+        io->raised = (uint16_t)(1u << (b->event - 1u));
+        io->event_value[b->event - 1u] =
+            b->event == STATE_LAW_EVENT_MADE + 1 ? b->found.radius : (float)b->found.loop;
+        b->event = 0;
     }
+}
+
+/* ---- for the console ---- */
+
+static const char *state_law_describe(const void *state, size_t i, float *value)
+{
+    const struct state_law_block *b = state;
+    const struct state_law_found *f = &b->found;
+    const char *const names[] = {"stage",    "index_1",          "K_star_1", "index_2",
+                                 "K_star_2", "condition",        "zeros",    "outermost_zero",
+                                 "radius",   "radius_by_inputs", "left_of_F"};
+    const float values[] = {b->stage,     f->index[0],      f->k_star[0], f->index[1],
+                            f->k_star[1], f->condition,     f->zeros,     f->zero,
+                            f->radius,    f->inputs_radius, f->left};
+    size_t all = sizeof values / sizeof values[0];
+    if (b->stage == STATE_LAW_REFUSED && i == 0) {
+        *value = f->loop;
+        return b->refused;
+    }
+    i -= b->stage == STATE_LAW_REFUSED ? 1u : 0u;
+    if (i >= all)
+        return NULL;
+    *value = values[i];
+    return names[i];
 }
 
 /* ---- verbs ---- */

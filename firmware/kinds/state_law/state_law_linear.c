@@ -14,7 +14,28 @@
 #define OF_QUALITY        REAL_C(0.03125)
 #define OF_KELVIN         ONE
 
-enum err state_law_linear_begin(struct state_law_linear *l, const struct column_record *record)
+void state_law_linear_put(struct state_law_linear *l, const struct state_law_settings *s,
+                          const struct block_signal *input, unsigned inputs)
+{
+    l->inputs = (uint8_t)inputs;
+    l->loops = 0;
+    l->basis = s->basis;
+    for (unsigned k = 0; k < inputs; k++) {
+        const uint16_t *place = s->place[k];
+        real_t si = s->si[k] < 0 || s->si[k] > 0 ? s->si[k] : ONE;
+        l->loops = (uint8_t)(l->loops + (input[k].is_mv ? 1u : 0u));
+        l->place[k] = (struct state_law_place){
+            .span = si * (input[k].hi - input[k].lo),
+            .role = s->role[k],
+            .stage = (uint8_t)(place[STATE_LAW_STAGE] ? place[STATE_LAW_STAGE] - 1u : 0),
+            .component =
+                (uint8_t)(place[STATE_LAW_COMPONENT] ? place[STATE_LAW_COMPONENT] - 1u : 0),
+            .is_mv = input[k].is_mv};
+    }
+}
+
+enum err state_law_linear_begin(struct state_law_linear *l, const struct column_record *record,
+                                struct state_model *plant, struct matrix *seen)
 {
     struct column_fault fault;
     enum err err = column_record_open(record, &l->table, &l->column);
@@ -24,18 +45,20 @@ enum err state_law_linear_begin(struct state_law_linear *l, const struct column_
     if (n > STATE_MODEL_STATES || l->column.n_states != n)
         return ERR_FULL;
     memcpy(l->x, l->table.profile, n * sizeof(real_t));
-    memset(&l->plant, 0, sizeof l->plant);
-    memset(&l->seen, 0, sizeof l->seen);
-    l->at = 0;
-    l->plant.a.rows = l->plant.a.cols = (uint8_t)n;
-    l->plant.b.rows = l->plant.e.rows = (uint8_t)n;
-    l->plant.c.cols = l->seen.cols = (uint8_t)n;
-    l->plant.b.cols = l->plant.c.rows = l->loops;
+    l->plant = plant;
+    l->seen = seen;
+    memset(plant, 0, sizeof *plant);
+    memset(seen, 0, sizeof *seen);
+    l->next = 0;
+    l->plant->a.rows = l->plant->a.cols = (uint8_t)n;
+    l->plant->b.rows = l->plant->e.rows = (uint8_t)n;
+    l->plant->c.cols = l->seen->cols = (uint8_t)n;
+    l->plant->b.cols = l->plant->c.rows = l->loops;
     for (unsigned k = 0; k < l->inputs; k++) {
-        if (state_law_is_of_stage(l->place[k].is))
-            l->seen.rows++;
+        if (state_law_is_of_stage(l->place[k].role))
+            l->seen->rows++;
         else if (!l->place[k].is_mv)
-            l->plant.e.cols++;
+            l->plant->e.cols++;
     }
     return column_set_inputs(&l->column, &l->table.nominal, &fault);
 }
@@ -46,11 +69,11 @@ enum err state_law_linear_begin(struct state_law_linear *l, const struct column_
 static real_t *nudged(const struct state_law_place *place, struct column_inputs *in,
                       real_t *distance)
 {
-    real_t *flow = place->is == STATE_LAW_FEED     ? &in->feed_flow
-                   : place->is == STATE_LAW_REFLUX ? &in->reflux_flow
-                   : place->is == STATE_LAW_HEAT   ? &in->heat
-                                                   : &in->boilup;
-    switch (place->is) {
+    real_t *flow = place->role == STATE_LAW_FEED     ? &in->feed_flow
+                   : place->role == STATE_LAW_REFLUX ? &in->reflux_flow
+                   : place->role == STATE_LAW_HEAT   ? &in->heat
+                                                     : &in->boilup;
+    switch (place->role) {
     case STATE_LAW_FEED_FRACTION:
         *distance = OF_FRACTION;
         return &in->feed_fraction[place->component];
@@ -66,7 +89,7 @@ static real_t *nudged(const struct state_law_place *place, struct column_inputs 
     }
 }
 
-/* A number so far from there; what is nearer to an end than twice that is looked at from as near. */
+/* A number so far away; what is nearer to an end than twice that is looked at from as near. */
 static real_t room_around(real_t at, real_t hi, real_t distance)
 {
     real_t room = (at < hi - at ? at : hi - at) / TWO;
@@ -86,18 +109,18 @@ static real_t distance_of(const struct state_law_linear *l, size_t k)
     }
     const struct state_law_place *place = &l->place[k - n];
     real_t at = *nudged(place, &in, &distance);
-    if (place->is == STATE_LAW_FEED_FRACTION) {
+    if (place->role == STATE_LAW_FEED_FRACTION) {
         real_t closing = in.feed_fraction[l->table.config.components - 1];
         distance = room_around(at, at + closing, distance);
     }
-    return place->is == STATE_LAW_FEED_QUALITY ? room_around(at, TWO, distance) : distance;
+    return place->role == STATE_LAW_FEED_QUALITY ? room_around(at, TWO, distance) : distance;
 }
 
-static real_t seen_there(const struct state_law_linear *l, const struct state_law_place *place)
+static real_t seen_at(const struct state_law_linear *l, const struct state_law_place *place)
 {
     size_t components = l->table.config.components;
     real_t full[COLUMN_COMPONENTS_MAX];
-    if (place->is == STATE_LAW_TEMPERATURE)
+    if (place->role == STATE_LAW_TEMPERATURE)
         return l->column.temperature[place->stage];
     for (size_t j = 0; j < components; j++)
         full[j] = column_fraction(&l->column, l->x, place->stage, j);
@@ -118,7 +141,7 @@ static enum err add_point(struct state_law_linear *l, size_t k, real_t by, real_
         l->x[k] += by;
     } else {
         *nudged(&l->place[k - n], &in, &unused) += by;
-        if (l->place[k - n].is == STATE_LAW_FEED_FRACTION)
+        if (l->place[k - n].role == STATE_LAW_FEED_FRACTION)
             in.feed_fraction[l->table.config.components - 1] -= by;
     }
     enum err err = column_set_inputs(&l->column, &in, &fault);
@@ -128,8 +151,8 @@ static enum err add_point(struct state_law_linear *l, size_t k, real_t by, real_
     for (size_t i = 0; !err && i < n; i++)
         slope[i] += weight * l->rates[i];
     for (unsigned i = 0; !err && i < l->inputs; i++)
-        if (state_law_is_of_stage(l->place[i].is))
-            seen[row++] += weight * seen_there(l, &l->place[i]);
+        if (state_law_is_of_stage(l->place[i].role))
+            seen[row++] += weight * seen_at(l, &l->place[i]);
     if (k < n)
         l->x[k] = l->table.profile[k];
     return err;
@@ -141,14 +164,14 @@ static void take_state(struct state_law_linear *l, size_t k, const real_t *slope
                        const real_t *seen)
 {
     size_t row = 0;
-    for (size_t i = 0; i < l->plant.a.rows; i++)
-        l->plant.a.at[i][k] = slope[i];
+    for (size_t i = 0; i < l->plant->a.rows; i++)
+        l->plant->a.at[i][k] = slope[i];
     for (unsigned i = 0; i < l->inputs; i++) {
-        if (!state_law_is_of_stage(l->place[i].is))
+        if (!state_law_is_of_stage(l->place[i].role))
             continue;
-        l->seen.at[row][k] = seen[row] / l->place[i].span;
+        l->seen->at[row][k] = seen[row] / l->place[i].span;
         if (row < l->loops)
-            l->plant.c.at[row][k] = l->seen.at[row][k];
+            l->plant->c.at[row][k] = l->seen->at[row][k];
         row++;
     }
 }
@@ -157,10 +180,10 @@ static void take_state(struct state_law_linear *l, size_t k, const real_t *slope
 static void take_input(struct state_law_linear *l, unsigned k, const real_t *slope)
 {
     const struct state_law_place *place = &l->place[k];
-    struct matrix *to = place->is_mv ? &l->plant.b : &l->plant.e;
+    struct matrix *to = place->is_mv ? &l->plant->b : &l->plant->e;
     size_t col = 0;
     for (unsigned i = 0; i < k; i++)
-        if (!state_law_is_of_stage(l->place[i].is) && l->place[i].is_mv == place->is_mv)
+        if (!state_law_is_of_stage(l->place[i].role) && l->place[i].is_mv == place->is_mv)
             col++;
     for (size_t i = 0; i < to->rows; i++)
         to->at[i][col] = slope[i] * place->span;
@@ -168,7 +191,7 @@ static void take_input(struct state_law_linear *l, unsigned k, const real_t *slo
 
 enum err state_law_linear_piece(struct state_law_linear *l)
 {
-    size_t n = l->column.n_fractions, k = l->at, all = n + l->inputs;
+    size_t n = l->column.n_fractions, k = l->next, all = n + l->inputs;
     real_t slope[STATE_MODEL_STATES] = {ZERO}, seen[BLOCK_INPUTS_MAX] = {ZERO};
     real_t h = distance_of(l, k);
     if (!(h > ZERO))
@@ -189,7 +212,7 @@ enum err state_law_linear_piece(struct state_law_linear *l)
     else
         take_input(l, (unsigned)(k - n), slope);
     do {
-        l->at++;
-    } while (l->at >= n && l->at < all && state_law_is_of_stage(l->place[l->at - n].is));
-    return l->at < all ? ERR_BUSY : ERR_OK;
+        l->next++;
+    } while (l->next >= n && l->next < all && state_law_is_of_stage(l->place[l->next - n].role));
+    return l->next < all ? ERR_BUSY : ERR_OK;
 }

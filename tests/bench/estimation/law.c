@@ -4,16 +4,18 @@
 
 #include "composition_tables.h"
 #include "cost.h"
-#include "kinds/state_law/state_law_job.h"
+#include "kinds/state_law/state_law_column.h"
+#include "kinds/state_law/state_law_column_state.h"
 
-static struct state_law_job job;
+static struct state_law_column column;
+static struct state_law_job *const job = &column.job;
 static struct column_record record;
 static struct state_law_settings settings;
 static struct block_signal input[BLOCK_INPUTS_MAX];
 
 static void input_is(unsigned k, uint8_t is, uint16_t stage, float si, struct block_signal signal)
 {
-    settings.is[k] = is;
+    settings.role[k] = is;
     settings.place[k][STATE_LAW_STAGE] = stage;
     settings.place[k][STATE_LAW_COMPONENT] = 1;
     settings.si[k] = si;
@@ -37,26 +39,28 @@ static void pilot(void)
 
 static void say_job(const char *what, unsigned loops)
 {
-    struct cost all = {0}, of[STATE_LAW_PHASE_OVER + 1];
+    enum { PHASES = STATE_LAW_COLUMN_LAW + STATE_LAW_PHASE_OVER };
+    struct cost all = {0}, of[PHASES + 1];
     static const char *const names[] = {"law_table",  "law_linear", "law_sample",
                                         "law_design", "law_inputs", "law_loop"};
     memset(of, 0, sizeof of);
     bool more = true;
     cost_paint_stack();
     while (more) {
-        uint8_t phase = job.phase;
+        unsigned phase =
+            column.phase < STATE_LAW_COLUMN_LAW ? column.phase : STATE_LAW_COLUMN_LAW + job->phase;
         uint32_t from = cost_now();
-        more = state_law_job_piece(&job);
+        more = state_law_column_piece(&column);
         uint32_t to = cost_now();
         cost_add(&all, from, to);
         cost_add(&of[phase], from, to);
     }
     cost_stack(&all);
-    if (job.found.field[0])
+    if (job->found.field[0])
         return; /* a row is missing */
-    cost_say(what, loops, all.sum, all.most, sizeof job);
+    cost_say(what, loops, all.sum, all.most, sizeof column);
     cost_say("stack", loops, all.stack, all.stack, 0);
-    for (unsigned k = 0; k < STATE_LAW_PHASE_OVER; k++)
+    for (unsigned k = 0; k < PHASES; k++)
         if (of[k].count)
             cost_say(names[k], loops, of[k].sum, of[k].most, of[k].count);
 }
@@ -64,11 +68,11 @@ static void say_job(const char *what, unsigned loops)
 int main(void)
 {
     pilot();
-    state_law_job_of_column(&job, &settings, input, 10, &record);
+    state_law_column_begin(&column, &settings, input, 10, &record);
     say_job("law", 2);
     static const real_t b[2][2] = {{REAL_C(0.32), REAL_C(0.12)}, {REAL_C(-0.08), REAL_C(0.24)}};
-    state_law_job_of_model(&job, &settings, 2);
-    struct state_model *m = &job.sampled;
+    state_law_job_of_model(job, &settings, 2);
+    struct state_model *m = &job->sampled;
     m->a.rows = m->a.cols = m->b.rows = m->b.cols = m->c.rows = m->c.cols = 2;
     for (unsigned i = 0; i < 2; i++) {
         m->a.at[i][i] = REAL_C(0.9);

@@ -38,25 +38,25 @@ static double worst_of(const char *what, const struct matrix *m, bool by_row)
 
 static void matrices_are_those_of_differences_in_long_double(void)
 {
-    static struct state_law_job job;
+    static struct state_law_column job;
     by_feed();
-    state_law_job_of_column(&job, &settings, setup.input, setup.inputs, &record);
-    while (job.phase <= STATE_LAW_PHASE_LINEAR)
-        (void)state_law_job_piece(&job);
-    TEST_ASSERT_EQUAL(STATE_LAW_PHASE_SAMPLE, job.phase);
-    TEST_ASSERT_TRUE(worst_of("a", &job.linear.plant.a, true) < 1e-4);
-    TEST_ASSERT_TRUE(worst_of("b", &job.linear.plant.b, false) < 1e-4);
-    job.linear.seen.rows = 6;
-    TEST_ASSERT_TRUE(worst_of("seen", &job.linear.seen, true) < 1e-4);
-    job.linear.plant.e.cols = 1; /* its second is by mole here, there by mass */
-    TEST_ASSERT_TRUE(worst_of("e", &job.linear.plant.e, false) < 1e-4);
+    state_law_column_begin(&job, &settings, setup.input, setup.inputs, &record);
+    while (job.phase < STATE_LAW_COLUMN_LAW)
+        (void)state_law_column_piece(&job);
+    TEST_ASSERT_EQUAL(STATE_LAW_PHASE_SAMPLE, job.job.phase);
+    TEST_ASSERT_TRUE(worst_of("a", &job.job.plant.a, true) < 1e-4);
+    TEST_ASSERT_TRUE(worst_of("b", &job.job.plant.b, false) < 1e-4);
+    job.job.seen.rows = 6;
+    TEST_ASSERT_TRUE(worst_of("seen", &job.job.seen, true) < 1e-4);
+    job.job.plant.e.cols = 1; /* its second is by mole here, there by mass */
+    TEST_ASSERT_TRUE(worst_of("e", &job.job.plant.e, false) < 1e-4);
 }
 
 /* Next to either end of its range a feed's quality is moved by less. Beside differences of 1e-3: rates are linear in it. */
 static void the_feeds_quality_is_looked_at_as_far_as_there_is_room(void)
 {
     static const float quality[] = {0.01f, 0.9f, 1.99f}, heat[] = {190, 600, 1080}; /* W */
-    static struct state_law_job job;
+    static struct state_law_column job;
     for (unsigned q = 0; q < 3; q++) {
         bench_pilot();
         change_record(&record, COLUMN_TABLE_FEED_BASIS, COLUMN_FLOW_MOLAR);
@@ -68,10 +68,10 @@ static void the_feeds_quality_is_looked_at_as_far_as_there_is_room(void)
         six_states();
         input_is(STATE_LAW_FEED_QUALITY, 0, 0, (struct block_signal){0, 2, false});
         mvs_are();
-        state_law_job_of_column(&job, &settings, setup.input, setup.inputs, &record);
-        while (job.phase <= STATE_LAW_PHASE_LINEAR)
-            (void)state_law_job_piece(&job);
-        TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_PHASE_SAMPLE, job.phase, job.found.wanted);
+        state_law_column_begin(&job, &settings, setup.input, setup.inputs, &record);
+        while (job.phase < STATE_LAW_COLUMN_LAW)
+            (void)state_law_column_piece(&job);
+        TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_PHASE_SAMPLE, job.job.phase, job.job.found.wanted);
         struct state_law_linear *l = &job.linear;
         real_t rates[2][STATE_MODEL_STATES] = {{0}};
         double most = 0, off = 0;
@@ -82,10 +82,10 @@ static void the_feeds_quality_is_looked_at_as_far_as_there_is_room(void)
             TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&l->column, &in, &wrong));
             TEST_ASSERT_EQUAL(ERR_OK, column_rates(&l->column, l->x, rates[k]));
         }
-        for (unsigned i = 0; i < l->plant.e.rows; i++) {
+        for (unsigned i = 0; i < l->plant->e.rows; i++) {
             double slope = (double)(rates[1][i] - rates[0][i]) / 2e-3 * 2;
             most = fmax(most, fabs(slope));
-            off = fmax(off, fabs(slope - (double)l->plant.e.at[i][0]));
+            off = fmax(off, fabs(slope - (double)l->plant->e.at[i][0]));
         }
         printf("quality %.2f: within %.2e of the largest\n", (double)quality[q], off / most);
         TEST_ASSERT_TRUE(off < 1e-2 * most);

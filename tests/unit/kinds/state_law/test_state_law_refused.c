@@ -46,12 +46,12 @@ static void numbers_that_cannot_be_are_refused(void)
 
 static void what_an_input_cannot_be_of_the_column_is_refused(void)
 {
-    REFUSED(settings.is[9] = STATE_LAW_TEMPERATURE, "is", "where the input is an MV");
-    REFUSED(settings.is[9] = STATE_LAW_FEED_FRACTION, "is", "where the input is an MV");
-    REFUSED(settings.is[1] = STATE_LAW_FEED, "is", "what a loop controls");
-    REFUSED(settings.is[9] = STATE_LAW_REFLUX, "is", "once");
-    REFUSED(settings.is[9] = STATE_LAW_BOILUP, "is", "heat or boilup");
-    REFUSED(settings.is[7] = STATE_LAW_FEED_QUALITY, "is", "temperature or quality");
+    REFUSED(settings.role[9] = STATE_LAW_TEMPERATURE, "is", "where the input is an MV");
+    REFUSED(settings.role[9] = STATE_LAW_FEED_FRACTION, "is", "where the input is an MV");
+    REFUSED(settings.role[1] = STATE_LAW_FEED, "is", "what a loop controls");
+    REFUSED(settings.role[9] = STATE_LAW_REFLUX, "is", "once");
+    REFUSED(settings.role[9] = STATE_LAW_BOILUP, "is", "heat or boilup");
+    REFUSED(settings.role[7] = STATE_LAW_FEED_QUALITY, "is", "temperature or quality");
     REFUSED(settings.place[3][STATE_LAW_STAGE] = 13, "place", "condenser");
     REFUSED(settings.place[3][STATE_LAW_STAGE] = 0, "place", "condenser");
     REFUSED(settings.place[2][STATE_LAW_COMPONENT] = 3, "place", "component of the table");
@@ -74,7 +74,7 @@ static void one_loop_and_one_without_a_table_are_accepted(void)
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, check(), fault.wanted);
     settings.column = 0;
     setup.named = NULL;
-    settings.is[0] = STATE_LAW_FEED; /* nobody looks at it */
+    settings.role[0] = STATE_LAW_FEED; /* nobody looks at it */
     configure(false);
     TEST_ASSERT_EQUAL_STRING("column", tell("design"));
 }

@@ -1,8 +1,8 @@
-/* Parameters of the kind `state_law`, and what is refused. */
-#include "kinds/state_law/state_law_block.h"
+#include "kinds/state_law/state_law_parameters.h"
 
-#include "base/workspace.h"
 #include "block/refuse.h"
+#include "kinds/state_law/state_law_column.h"
+#include "lti/state_model.h"
 
 #define AT(field) offsetof(struct state_law_settings, field)
 #define FOUND(id, field, name)                                                                     \
@@ -28,7 +28,7 @@ const struct block_parameter state_law_parameters[STATE_LAW_PARAMETERS] = {
      0},
     {5, BLOCK_FLOAT, AT(td_s), 1, STATE_LAW_LOOPS, "td", "s",
      "derivative times, of measurements; 0: none", 0, 1e6f, 0},
-    {6, BLOCK_WORD, AT(is), BLOCK_INPUTS_MAX, 1, "is",
+    {6, BLOCK_WORD, AT(role), BLOCK_INPUTS_MAX, 1, "is",
      "temperature|fraction|feed|feed_fraction|feed_temperature|feed_quality|reflux|heat|boilup",
      "what the input is of the column", 0, 0, STATE_LAW_TEMPERATURE},
     {7, BLOCK_U16, AT(place), BLOCK_INPUTS_MAX, STATE_LAW_PLACE, "place", "-",
@@ -78,15 +78,15 @@ static enum err check_law_stage(const struct block_setup *setup, const struct co
         return block_refuse(fault, 0, "place",
                             "needs a stage, 1 to that of the condenser, for each "
                             "temperature and fraction");
-    if (s->is[k] == STATE_LAW_FRACTION &&
+    if (s->role[k] == STATE_LAW_FRACTION &&
         (place[STATE_LAW_COMPONENT] < 1 || place[STATE_LAW_COMPONENT] > table->config.components))
         return block_refuse(fault, 0, "place", "needs a component of the table");
     return ERR_OK;
 }
 
-static bool is_law_flow(uint8_t is)
+static bool is_law_flow(uint8_t role)
 {
-    return is == STATE_LAW_FEED || is >= STATE_LAW_REFLUX;
+    return role == STATE_LAW_FEED || role >= STATE_LAW_REFLUX;
 }
 
 static enum err check_law_drive(const struct block_setup *setup, const struct column_table *table,
@@ -95,25 +95,25 @@ static enum err check_law_drive(const struct block_setup *setup, const struct co
     const struct state_law_settings *s = setup->settings;
     const struct column_inputs *in = &table->nominal;
     const uint16_t *place = s->place[k];
-    bool of_feed = s->is[k] == STATE_LAW_FEED_FRACTION;
+    bool of_feed = s->role[k] == STATE_LAW_FEED_FRACTION;
     if (k < state_law_loops(setup->input, setup->inputs))
         return block_refuse(fault, k, "is",
                             "must be temperature or fraction of what a loop controls");
-    if (setup->input[k].is_mv && !is_law_flow(s->is[k]))
+    if (setup->input[k].is_mv && !is_law_flow(s->role[k]))
         return block_refuse(fault, 0, "is",
                             "must be reflux, heat, boilup or feed where the input is an MV");
     for (unsigned i = 0; i < k; i++)
-        if (s->is[i] == s->is[k] &&
+        if (s->role[i] == s->role[k] &&
             (!of_feed || s->place[i][STATE_LAW_COMPONENT] == place[STATE_LAW_COMPONENT]))
             return block_refuse(fault, 0, "is", "must have each but those of stages once");
     if (of_feed && (place[STATE_LAW_COMPONENT] < 1 ||
                     place[STATE_LAW_COMPONENT] > table->config.components - 1))
         return block_refuse(fault, 0, "place",
                             "needs a component of the table, not the closing one");
-    if (s->is[k] == (in->boilup_given ? STATE_LAW_HEAT : STATE_LAW_BOILUP))
+    if (s->role[k] == (in->boilup_given ? STATE_LAW_HEAT : STATE_LAW_BOILUP))
         return block_refuse(fault, 0, "is", "must have heat or boilup, whichever the table has");
-    if (s->is[k] == (in->feed_state == COLUMN_FEED_TEMPERATURE ? STATE_LAW_FEED_QUALITY
-                                                               : STATE_LAW_FEED_TEMPERATURE))
+    if (s->role[k] == (in->feed_state == COLUMN_FEED_TEMPERATURE ? STATE_LAW_FEED_QUALITY
+                                                                 : STATE_LAW_FEED_TEMPERATURE))
         return block_refuse(fault, 0, "is",
                             "must have the feed's temperature or quality, whichever the "
                             "table has");
@@ -143,12 +143,12 @@ static enum err check_law_column(const struct block_setup *setup, struct block_f
         return block_refuse(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;
     for (unsigned k = 0; !err && k < setup->inputs; k++)
-        err = state_law_is_of_stage(s->is[k]) ? check_law_stage(setup, &table, k, fault)
-                                              : check_law_drive(setup, &table, k, fault);
+        err = state_law_is_of_stage(s->role[k]) ? check_law_stage(setup, &table, k, fault)
+                                                : check_law_drive(setup, &table, k, fault);
     return err;
 }
 
-enum err state_law_check(const struct block_setup *setup, struct block_fault *fault)
+enum err state_law_check_settings(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct state_law_settings *s = setup->settings;
     enum err err = check_law_inputs(setup, fault);
@@ -159,7 +159,5 @@ enum err state_law_check(const struct block_setup *setup, struct block_fault *fa
     for (unsigned i = 0; i < state_law_loops(setup->input, setup->inputs); i++)
         if (!(s->tau_s[i] > 0))
             return block_refuse(fault, i, "tau", "must be above 0: the loop's time constant");
-    if (sizeof(struct state_law_job) > WORKSPACE_BYTES)
-        return block_refuse(fault, 0, "column", "needs more workspace than this board has");
     return s->column ? check_law_column(setup, fault) : ERR_OK;
 }

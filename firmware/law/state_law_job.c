@@ -1,4 +1,4 @@
-#include "kinds/state_law/state_law_job.h"
+#include "law/state_law_job.h"
 
 #include <string.h>
 
@@ -7,21 +7,14 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-unsigned state_law_loops(const struct block_signal *input, unsigned inputs)
-{
-    unsigned loops = 0;
-    for (unsigned k = 0; k < inputs; k++)
-        loops += input[k].is_mv ? 1u : 0u;
-    return loops;
-}
-
-static void begin_job(struct state_law_job *job, const struct state_law_settings *s, unsigned loops)
+void state_law_job_begin(struct state_law_job *job, const struct state_law_settings *s,
+                         unsigned loops)
 {
     memset(job, 0, sizeof *job);
     state_decoupler_config_default(&job->config);
     job->left = s->left;
     job->goal.feedforward = STATE_FEEDFORWARD_OUTPUTS;
-    job->linear.loops = (uint8_t)loops;
+    job->loops = (uint8_t)loops;
     job->sampled.period_s = s->period_s;
     job->found.field = job->found.wanted = "";
     for (unsigned i = 0; i < loops; i++) {
@@ -33,40 +26,34 @@ static void begin_job(struct state_law_job *job, const struct state_law_settings
     state_decoupler_begin(&job->work);
 }
 
-void state_law_job_of_column(struct state_law_job *job, const struct state_law_settings *s,
-                             const struct block_signal *input, unsigned inputs,
-                             const struct column_record *record)
+void state_law_job_add_input(struct state_law_job *job, bool is_mv, bool of_stage)
 {
-    struct state_law_linear *l = &job->linear;
-    begin_job(job, s, state_law_loops(input, inputs));
-    job->record = record;
-    l->inputs = (uint8_t)inputs;
-    l->basis = s->basis;
-    for (unsigned k = 0; k < inputs; k++) {
-        const uint16_t *place = s->place[k];
-        real_t si = s->si[k] < 0 || s->si[k] > 0 ? s->si[k] : ONE;
-        l->place[k] = (struct state_law_place){
-            .span = si * (input[k].hi - input[k].lo),
-            .is = s->is[k],
-            .stage = (uint8_t)(place[STATE_LAW_STAGE] ? place[STATE_LAW_STAGE] - 1u : 0),
-            .component =
-                (uint8_t)(place[STATE_LAW_COMPONENT] ? place[STATE_LAW_COMPONENT] - 1u : 0),
-            .is_mv = input[k].is_mv};
-    }
+    job->is_mv[job->inputs] = is_mv;
+    job->of_stage[job->inputs++] = of_stage;
+}
+
+struct state_model *state_law_job_plant(struct state_law_job *job)
+{
+    return &job->plant;
+}
+
+struct matrix *state_law_job_seen(struct state_law_job *job)
+{
+    return &job->seen;
 }
 
 void state_law_job_of_model(struct state_law_job *job, const struct state_law_settings *s,
                             unsigned loops)
 {
-    struct state_law_linear *l = &job->linear;
-    begin_job(job, s, loops);
+    state_law_job_begin(job, s, loops);
     job->phase = STATE_LAW_PHASE_DESIGN;
-    l->inputs = (uint8_t)(2u * loops);
-    l->seen.rows = l->seen.cols = (uint8_t)loops;
+    job->seen.rows = job->seen.cols = (uint8_t)loops;
     for (unsigned k = 0; k < loops; k++) {
-        l->seen.at[k][k] = ONE;
-        l->place[loops + k].is_mv = true;
+        job->seen.at[k][k] = ONE;
+        state_law_job_add_input(job, false, true);
     }
+    for (unsigned k = 0; k < loops; k++)
+        state_law_job_add_input(job, true, false);
 }
 
 void state_law_words(const struct state_law_found *found, char *text, size_t size)
@@ -81,8 +68,8 @@ void state_law_words(const struct state_law_found *found, char *text, size_t siz
 
 /* ---- phases ---- */
 
-static void refuse_law(struct state_law_job *job, const char *field, const char *wanted,
-                       unsigned loop)
+void state_law_job_refuse(struct state_law_job *job, const char *field, const char *wanted,
+                          unsigned loop)
 {
     job->found.field = field;
     job->found.wanted = wanted;
@@ -90,32 +77,11 @@ static void refuse_law(struct state_law_job *job, const char *field, const char 
     job->phase = STATE_LAW_PHASE_OVER;
 }
 
-static void read_table(struct state_law_job *job)
-{
-    enum err err = state_law_linear_begin(&job->linear, job->record);
-    if (err == ERR_FULL)
-        refuse_law(job, "column", "of 16 mole fractions at most, and holdups that do not move", 0);
-    else if (err)
-        refuse_law(job, "column", "a table that is in order", 0);
-    else
-        job->phase = STATE_LAW_PHASE_LINEAR;
-}
-
-static void linearise_column(struct state_law_job *job)
-{
-    enum err err = state_law_linear_piece(&job->linear);
-    if (err == ERR_OK)
-        job->phase = STATE_LAW_PHASE_SAMPLE;
-    else if (err != ERR_BUSY)
-        refuse_law(job, "column",
-                   "a column with a solution around its profile, and flows that are not 0", 0);
-}
-
 static void sample(struct state_law_job *job)
 {
     real_t period = job->sampled.period_s;
-    if (state_model_sample(&job->linear.plant, period, &job->work.at.sampling, &job->sampled))
-        refuse_law(job, "period", "shorter", 0);
+    if (state_model_sample(&job->plant, period, &job->work.at.sampling, &job->sampled))
+        state_law_job_refuse(job, "period", "shorter", 0);
     else
         job->phase = STATE_LAW_PHASE_DESIGN;
 }
@@ -134,7 +100,7 @@ static void take_design(struct state_law_job *job)
     }
 }
 
-/* As the parameters of the kind are called. */
+/* Returns the name of the parameter for a field. */
 static const char *called(const char *field)
 {
     return strcmp(field, "pole") == 0           ? "tau"
@@ -152,17 +118,17 @@ static void design(struct state_law_job *job)
         return;
     take_design(job);
     if (err)
-        refuse_law(job, called(reason.field), reason.wanted,
-                   reason.loop == STATE_LOOP_NONE ? 0 : reason.loop + 1u);
+        state_law_job_refuse(job, called(reason.field), reason.wanted,
+                             reason.loop == STATE_LOOP_NONE ? 0 : reason.loop + 1u);
     else
         job->phase = STATE_LAW_PHASE_INPUTS;
 }
 
-/* told <- weights seen, weights such that it is as near to F as the inputs let it: F pinv(seen), rows of one size. */
+/* from_inputs <- weights seen, weights such that it is as near to F as the inputs let it: F pinv(seen), rows of one size. */
 static enum err weigh(struct state_law_job *job)
 {
-    const struct matrix *seen = &job->linear.seen;
-    struct matrix *rows = &job->linear.plant.a, *inverse = &job->linear.plant.e;
+    const struct matrix *seen = &job->seen;
+    struct matrix *rows = &job->plant.a, *inverse = &job->plant.e;
     real_t size[MATRIX_MAX] = {ZERO};
     *rows = *seen; /* plant has been sampled: there is room in it */
     for (size_t k = 0; k < rows->rows; k++) {
@@ -181,16 +147,17 @@ static enum err weigh(struct state_law_job *job)
     for (size_t i = 0; !err && i < job->weights.rows; i++)
         for (size_t k = 0; k < job->weights.cols; k++)
             job->weights.at[i][k] /= size[k];
-    return err ? err : matrix_multiply(&job->weights, seen, &job->told);
+    return err ? err : matrix_multiply(&job->weights, seen, &job->from_inputs);
 }
 
-/* Of the largest element, what is left of F. */
-static real_t left_of_f(const struct matrix *f, const struct matrix *told)
+/* Returns the largest error of an element of F, part of the largest element. */
+static real_t left_of_f(const struct matrix *f, const struct matrix *from_inputs)
 {
     real_t most = ZERO, left = ZERO;
     for (size_t i = 0; i < f->rows; i++)
         for (size_t k = 0; k < f->cols; k++) {
-            real_t off = real_abs(f->at[i][k] - told->at[i][k]), size = real_abs(f->at[i][k]);
+            real_t off = real_abs(f->at[i][k] - from_inputs->at[i][k]),
+                   size = real_abs(f->at[i][k]);
             left = off > left ? off : left;
             most = size > most ? size : most;
         }
@@ -201,33 +168,33 @@ static void put_law(struct state_law_job *job)
 {
     struct state_law_found *to = &job->found;
     size_t state = 0, known = 0;
-    for (unsigned k = 0; k < job->linear.inputs; k++) {
-        const struct state_law_place *place = &job->linear.place[k];
-        bool of_stage = state_law_is_of_stage(place->is);
-        if (place->is_mv)
+    for (unsigned k = 0; k < job->inputs; k++) {
+        bool of_stage = job->of_stage[k];
+        if (job->is_mv[k])
             continue;
-        for (unsigned i = 0; i < job->linear.loops; i++)
+        for (unsigned i = 0; i < job->loops; i++)
             to->f[i][k] = (float)(of_stage ? job->weights.at[i][state] : job->law.tf.at[i][known]);
         if (of_stage)
             state++;
         else
             known++;
     }
-    for (unsigned i = 0; i < job->linear.loops; i++)
-        for (unsigned j = 0; j < job->linear.loops; j++)
+    for (unsigned i = 0; i < job->loops; i++)
+        for (unsigned j = 0; j < job->loops; j++)
             to->g[i][j] = (float)job->law.g.at[i][j];
 }
 
 static void go_to_inputs(struct state_law_job *job)
 {
     if (weigh(job)) {
-        refuse_law(job, "inputs", "of stages of their own: two tell of the same mole fraction", 0);
+        state_law_job_refuse(job, "inputs",
+                             "of stages of their own: two tell of the same mole fraction", 0);
         return;
     }
-    job->found.left = 100 * (float)left_of_f(&job->law.f, &job->told);
+    job->found.left = 100 * (float)left_of_f(&job->law.f, &job->from_inputs);
     if (!(job->found.left <= job->left)) {
-        refuse_law(job, "inputs", "those that F needs: they leave out more of it than left allows",
-                   0);
+        state_law_job_refuse(job, "inputs",
+                             "those that F needs: they leave out more of it than left allows", 0);
         return;
     }
     put_law(job);
@@ -236,26 +203,21 @@ static void go_to_inputs(struct state_law_job *job)
 
 static void judge_inputs(struct state_law_job *job)
 {
-    const struct state_law law = {&job->told, &job->law.g, job->law.integral_s,
+    const struct state_law law = {&job->from_inputs, &job->law.g, job->law.integral_s,
                                   job->law.derivative_s};
     real_t radius = ZERO;
     enum err err = state_loop_radius(&job->sampled, &law, &job->work.at.zeros, &radius);
     job->found.inputs_radius = (float)radius;
     if (err || !(radius < ONE))
-        refuse_law(job, "inputs",
-                   "those that F needs: with what they tell alone the loop is not stable", 0);
+        state_law_job_refuse(job, "inputs",
+                             "those that F needs: with what they tell alone the loop is not stable",
+                             0);
     job->phase = STATE_LAW_PHASE_OVER;
 }
 
 bool state_law_job_piece(struct state_law_job *job)
 {
     switch (job->phase) {
-    case STATE_LAW_PHASE_TABLE:
-        read_table(job);
-        break;
-    case STATE_LAW_PHASE_LINEAR:
-        linearise_column(job);
-        break;
     case STATE_LAW_PHASE_SAMPLE:
         sample(job);
         break;
@@ -272,4 +234,14 @@ bool state_law_job_piece(struct state_law_job *job)
         break;
     }
     return job->phase != STATE_LAW_PHASE_OVER;
+}
+
+bool state_law_job_is_over(const struct state_law_job *job)
+{
+    return job->phase == STATE_LAW_PHASE_OVER;
+}
+
+const struct state_law_found *state_law_job_found(const struct state_law_job *job)
+{
+    return &job->found;
 }
