@@ -1,5 +1,5 @@
-/* What the files of the column share: column_evaluate.c (a column and its outputs), column_flows.c (flows with perfect
- * levels), column_levels.c (holdups that move), column_balances.c (rates). */
+/* Functions that the files of the column share: column_evaluate.c (a column and its outputs), column_wanted.c (flows as inputs ask for
+ * them), column_levels.c (holdups that move), column_flows.c (all flows), column_balances.c (rates). */
 #ifndef REFLUX_MODEL_COLUMN_INSIDE_H
 #define REFLUX_MODEL_COLUMN_INSIDE_H
 

@@ -79,7 +79,7 @@ static void begin_second(struct inferential *s)
 {
     s->from2 = s->t2;
     accumulator_set(&s->wanted, num_zero());
-    accumulator_set(&s->x2, num_neg(s->told));
+    accumulator_set(&s->x2, num_neg(s->applied));
 }
 
 /* ---- settings ---- */
@@ -105,7 +105,7 @@ void inferential_init(struct inferential *s, const struct inferential_config *c)
 static void keep_second_load(struct inferential *s, float load, float slope_before)
 {
     float slope = s->config.a[SECONDARY] * s->config.u_span;
-    load += (slope_before - slope) * num_to_float(s->told);
+    load += (slope_before - slope) * num_to_float(s->applied);
     accumulator_set(&s->x2, num_from_float(load / slope));
     accumulator_add_product(&s->x2, s->pair.o2, num_sub(s->from2, s->t2));
 }
@@ -153,7 +153,7 @@ void inferential_follow(struct inferential *s, num_t setpoint, num_t t1, num_t t
     s->setpoint = setpoint;
     s->t1 = s->from1 = t1;
     s->t2 = t2;
-    s->given = s->told = u;
+    s->given = s->applied = u;
     s->cut = 0;
     begin_second(s);
     meet(s, u);
@@ -206,9 +206,9 @@ static num_t primary_in_effect(const struct inferential *s)
 {
     num_t u = s->primary;
     if (s->cut > 0)
-        u = num_min(u, s->told);
+        u = num_min(u, s->applied);
     if (s->cut < 0)
-        u = num_max(u, s->told);
+        u = num_max(u, s->applied);
     return num_clamp(u, num_zero(), num_one());
 }
 
@@ -217,20 +217,20 @@ static void second_goes_on(struct inferential *s)
     struct accumulator by;
     observer_error(&s->x2, primary_in_effect(s), s->pair.o2, num_sub(s->t2, s->from2), &by);
     accumulator_add_scaled(&s->wanted, s->pair.g2, &by);
-    observer_error(&s->x2, s->told, s->pair.o2, num_sub(s->t2, s->from2), &by);
+    observer_error(&s->x2, s->applied, s->pair.o2, num_sub(s->t2, s->from2), &by);
     accumulator_add_scaled(&s->x2, s->pair.k, &by);
 }
 
-void inferential_back_calculate(struct inferential *s, num_t told, uint8_t clamp)
+void inferential_back_calculate(struct inferential *s, num_t applied, uint8_t clamp)
 {
     struct accumulator by;
-    s->told = told;
-    s->cut = is_above(s->given, told) ? 1 : is_above(told, s->given) ? -1 : 0;
+    s->applied = applied;
+    s->cut = is_above(s->given, applied) ? 1 : is_above(applied, s->given) ? -1 : 0;
     if (s->acts == LAW_HOLD)
         return;
     if (uses_second(s->acts))
         second_goes_on(s);
-    observer_error(&s->x1, told, s->alone.o1, num_sub(s->t1, s->from1), &by);
+    observer_error(&s->x1, applied, s->alone.o1, num_sub(s->t1, s->from1), &by);
     num_t up = accumulator_get(&by); /* x falls, and u rises */
     if (((clamp & INTEGRAL_CLAMP_UP) && num_lt(num_zero(), up)) ||
         ((clamp & INTEGRAL_CLAMP_DOWN) && num_lt(up, num_zero())))
@@ -254,4 +254,27 @@ num_t inferential_away(const struct inferential *s)
 {
     struct accumulator away = away_of_second(s);
     return uses_second(s->acts) ? accumulator_get(&away) : num_zero();
+}
+
+const struct inferential_config *inferential_config(const struct inferential *s)
+{
+    return &s->config;
+}
+
+uint8_t inferential_acts(const struct inferential *s)
+{
+    return s->acts;
+}
+
+num_t inferential_applied(const struct inferential *s)
+{
+    return s->applied;
+}
+
+struct inferential_inner inferential_inner(const struct inferential *s)
+{
+    return (struct inferential_inner){.y1 = num_sub(s->t1, s->setpoint),
+                                      .primary = s->primary,
+                                      .secondary = num_sub(s->given, s->primary),
+                                      .cut = s->cut};
 }

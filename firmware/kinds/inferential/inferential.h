@@ -12,28 +12,9 @@
 #ifndef REFLUX_INFERENTIAL_INFERENTIAL_H
 #define REFLUX_INFERENTIAL_INFERENTIAL_H
 
-#include "kinds/inferential/inferential_settings.h"
+#include "kinds/inferential/inferential_gains.h"
 
 #if CONFIG_BLOCKS
-
-#include "num/accumulator.h"
-
-struct inferential_config {
-    uint8_t law, form; /* enum inferential_law, inferential_form */
-    float a[2]; /* EU/h per EU of the output; a[SECONDARY] is read where there is a secondary */
-    float kc, kc2, ko;     /* 1/h */
-    float interval_h;      /* of the steps */
-    float span[2], u_span; /* EU */
-};
-
-/* What the equations come to in steps and fractions of span. */
-struct inferential_coefficients {
-    struct coefficient p1, p2; /* u*: of y1, of e2 */
-    struct coefficient q1, q2; /* u~ */
-    struct coefficient o1, o2; /* the observers' share of T1 and T2 */
-    struct coefficient k;      /* how far x goes in a step, negative */
-    struct coefficient g2;     /* a2 over a step */
-};
 
 struct inferential {
     struct inferential_config config, next;      /* next: settings that wait */
@@ -46,11 +27,8 @@ struct inferential {
     num_t from1, from2;     /* where T1 and T2 were when it began: what is multiplied stays small */
     num_t setpoint, t1, t2; /* inputs of the last step */
     num_t primary;          /* u* of the last step */
-    num_t given, told;      /* u of the last step; what took effect */
+    num_t given, applied;   /* u of the last step; what took effect */
 };
-
-/* The words why these cannot be, with the name of the parameter; NULL: they can. */
-const char *inferential_wrong(const struct inferential_config *c, const char **field);
 
 /* Settings that are not wrong. State is cleared: call follow before step. */
 void inferential_init(struct inferential *s, const struct inferential_config *c);
@@ -60,15 +38,15 @@ void inferential_init(struct inferential *s, const struct inferential_config *c)
 void inferential_retune(struct inferential *s, const struct inferential_config *c,
                         bool same_second);
 
-/* The next step with the same inputs gives u. second: T2 is there; without it the loop is conventional. */
+/* The next step with the same inputs gives u. second: T2 is good; without it the loop is conventional. */
 void inferential_follow(struct inferential *s, num_t setpoint, num_t t1, num_t t2, bool second,
                         num_t u);
 
 /* Output for these inputs. */
 num_t inferential_step(struct inferential *s, num_t setpoint, num_t t1, num_t t2, bool second);
 
-/* told: the output that took effect. clamp: enum integral_clamp, directions in which it may not move on. */
-void inferential_back_calculate(struct inferential *s, num_t told, uint8_t clamp);
+/* applied: the output that took effect. clamp: enum integral_clamp, directions in which it may not move on. */
+void inferential_back_calculate(struct inferential *s, num_t applied, uint8_t clamp);
 
 /* Estimated load of temperature i (PRIMARY, SECONDARY), EU/h, with u counted from the lower end of its span. */
 float inferential_load(const struct inferential *s, unsigned i);
@@ -76,15 +54,20 @@ float inferential_load(const struct inferential *s, unsigned i);
 /* T2 - T2*, fraction of T2's span; 0 where there is no secondary. */
 num_t inferential_away(const struct inferential *s);
 
-/* ---- inferential_gains.c ---- */
+/* Settings in force. */
+const struct inferential_config *inferential_config(const struct inferential *s);
+/* Returns the enum inferential_law that computes: without the secondary the conventional one. */
+uint8_t inferential_acts(const struct inferential *s);
+/* Returns the output that took effect. */
+num_t inferential_applied(const struct inferential *s);
 
-/* The equations in steps and fractions; conventional where `pair` is false. */
-void inferential_coefficients_of(const struct inferential_config *c, bool pair,
-                                 struct inferential_coefficients *out);
-
-/* Frequency, 1/h, and damping with which deviations go, Frau (4.42), (4.63) [law: what computes]. */
-void inferential_predicted(const struct inferential_config *c, uint8_t law, float *frequency,
-                           float *damping);
+/* The last step, for the console. */
+struct inferential_inner {
+    num_t y1;                 /* T1 less its setpoint */
+    num_t primary, secondary; /* u*, u~ */
+    int8_t cut;               /* the output was cut from above (1), from below (-1) */
+};
+struct inferential_inner inferential_inner(const struct inferential *s);
 
 #endif
 #endif

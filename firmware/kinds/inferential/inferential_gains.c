@@ -1,7 +1,6 @@
-/* What the equations of docs/inferential.md come to in steps. */
-#include <stddef.h>
+#include "kinds/inferential/inferential_gains.h"
 
-#include "kinds/inferential/inferential.h"
+#include <stddef.h>
 
 #include "num/real.h"
 

@@ -1,16 +1,29 @@
-/* Kind `inferential`: what the tick calls. The law: inferential.h. */
-#include "kinds/inferential/inferential_block.h"
-
+/* Kind `inferential`: the loops of a block. The law: inferential.h. */
 #include <string.h>
 
 #include "base/channel.h"
+#include "kinds/inferential/inferential.h"
+#include "kinds/inferential/inferential_parameters.h"
 #include "num/real.h"
 
 /* So many equal readings in a row of two temperatures are one thermometer; equal: within this part of the span. */
 #define EQUAL_STEPS 20u
 #define EQUAL       1e-5f
-/* So many steps in a row without its secondary are told; one reading that is missing is nobody's affair. */
+/* So many consecutive steps without the secondary raise the event; a single missing reading does not. */
 #define ALONE_STEPS 10u
+
+#define INNER_VALUES 15
+
+struct inferential_block {
+    uint8_t loops, seconds;            /* secondary temperatures among the inputs, the first ones */
+    uint8_t second[INFERENTIAL_LOOPS]; /* which of them, INFERENTIAL_NONE: none */
+    uint8_t acted;                     /* bit k: loop k acted in the last step */
+    uint8_t alone[INFERENTIAL_LOOPS];  /* steps in a row without the secondary that its law has */
+    uint8_t equal[INFERENTIAL_LOOPS];  /* steps in a row in which both temperatures were equal */
+    uint8_t begun;                     /* bit k: loop k has followed */
+    float lo[INFERENTIAL_LOOPS][2];    /* of the temperatures, EU */
+    struct inferential loop[INFERENTIAL_LOOPS];
+};
 
 enum inferential_event { EVENT_NO_SECOND, EVENT_SAME, INFERENTIAL_EVENTS };
 
@@ -28,7 +41,7 @@ static uint32_t inferential_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct inferential_block) + 7u) & ~(size_t)7u);
 }
 
-/* Of one step: by it a loop's own MV is known from another. */
+/* One step: by it a loop's own MV is known from another. */
 static uint16_t inferential_history(const struct block_setup *setup)
 {
     (void)setup;
@@ -62,7 +75,7 @@ static enum err inferential_configure(void *state, const struct block_setup *set
 
 static float temperature(const struct inferential_block *s, unsigned k, unsigned i, num_t value)
 {
-    return s->lo[k][i] + num_to_float(value) * s->loop[k].config.span[i];
+    return s->lo[k][i] + num_to_float(value) * inferential_config(&s->loop[k])->span[i];
 }
 
 static num_t second_of(const struct inferential_block *s, unsigned k, const struct block_io *io)
@@ -70,10 +83,9 @@ static num_t second_of(const struct inferential_block *s, unsigned k, const stru
     return s->second[k] == INFERENTIAL_NONE ? num_zero() : io->input[s->second[k]];
 }
 
-/* One that is held or doubtful does not count: without it the loop goes on as well, and what is held jumps when it is believed
+/* A secondary that is held or doubtful does not count: without it the loop goes on as well, and a held value jumps when it is believed
  * again. */
-static bool second_is_there(const struct inferential_block *s, unsigned k,
-                            const struct block_io *io)
+static bool second_is_good(const struct inferential_block *s, unsigned k, const struct block_io *io)
 {
     return s->second[k] != INFERENTIAL_NONE && io->quality[s->second[k]] == QUALITY_GOOD &&
            s->equal[k] < EQUAL_STEPS;
@@ -84,7 +96,7 @@ static void compare_temperatures(struct inferential_block *s, unsigned k, const 
     float apart =
         temperature(s, k, PRIMARY, io->in[k]) - temperature(s, k, SECONDARY, second_of(s, k, io));
     if (s->second[k] == INFERENTIAL_NONE ||
-        !(real_abs(apart) <= EQUAL * s->loop[k].config.span[PRIMARY]))
+        !(real_abs(apart) <= EQUAL * inferential_config(&s->loop[k])->span[PRIMARY]))
         s->equal[k] = 0;
     else if (s->equal[k] < EQUAL_STEPS)
         s->equal[k]++;
@@ -93,7 +105,7 @@ static void compare_temperatures(struct inferential_block *s, unsigned k, const 
 static void follow_loop(struct inferential_block *s, unsigned k, const struct block_io *io)
 {
     inferential_follow(&s->loop[k], io->setpoint[k], io->in[k], second_of(s, k, io),
-                       second_is_there(s, k, io), io->out[k]);
+                       second_is_good(s, k, io), io->out[k]);
     s->begun = (uint8_t)(s->begun | (1u << k));
 }
 
@@ -102,12 +114,13 @@ static void inferential_block_follow(void *state, struct block_io *io)
 {
     struct inferential_block *s = state;
     for (unsigned k = 0; k < s->loops; k++)
-        if (!(s->acted & io->acting & (1u << k)) || !num_eq(io->out[k], s->loop[k].told))
+        if (!(s->acted & io->acting & (1u << k)) ||
+            !num_eq(io->out[k], inferential_applied(&s->loop[k])))
             follow_loop(s, k, io);
     s->acted &= io->acting;
 }
 
-/* Whether the MVs among the inputs are those that its loops drive: what is applied is kept once for each. */
+/* True: the MVs among the inputs are those that its loops drive. What is applied is kept once for each. */
 static bool has_own_mvs(const struct inferential_block *s, const struct block_io *io)
 {
     for (unsigned k = 0; k < s->loops; k++)
@@ -122,7 +135,7 @@ static void tell_events(struct inferential_block *s, struct block_io *io)
     for (unsigned k = s->loops; k-- > 0;) {
         const struct inferential *l = &s->loop[k];
         bool same = s->equal[k] >= EQUAL_STEPS;
-        if (!(io->acting & (1u << k)) || l->acts == l->config.law)
+        if (!(io->acting & (1u << k)) || inferential_acts(l) == inferential_config(l)->law)
             s->alone[k] = 0;
         else if (s->alone[k] < ALONE_STEPS)
             s->alone[k]++;
@@ -149,7 +162,7 @@ static void inferential_block_step(void *state, struct block_io *io)
             follow_loop(s, k, io);
         else
             io->out[k] = inferential_step(&s->loop[k], io->setpoint[k], io->in[k],
-                                          second_of(s, k, io), second_is_there(s, k, io));
+                                          second_of(s, k, io), second_is_good(s, k, io));
     }
     s->acted = io->acting;
     tell_events(s, io);
@@ -161,6 +174,43 @@ static void inferential_block_back_calculate(void *state, struct block_io *io)
     for (unsigned k = 0; k < s->loops; k++)
         if (io->acting & (1u << k))
             inferential_back_calculate(&s->loop[k], io->out[k], io->clamp[k]);
+}
+
+/* ---- for the console ---- */
+
+static const char *inferential_describe(const void *state, size_t i, float *value)
+{
+    const struct inferential_block *s = state;
+    size_t k = i / INNER_VALUES;
+    if (k >= s->loops)
+        return NULL;
+    const struct inferential *l = &s->loop[k];
+    float frequency = 0, damping = 0;
+    const struct inferential_config *c = inferential_config(l);
+    const struct inferential_inner last = inferential_inner(l);
+    inferential_predicted(c, inferential_acts(l), &frequency, &damping);
+    const struct {
+        const char *name[INFERENTIAL_LOOPS];
+        float value;
+    } inner[INNER_VALUES] = {
+        {{"law_1", "law_2"}, inferential_acts(l)},
+        {{"y1_1", "y1_2"}, num_to_float(last.y1) * c->span[PRIMARY]},
+        {{"y2_1", "y2_2"}, num_to_float(inferential_away(l)) * c->span[SECONDARY]},
+        {{"b1_1", "b1_2"}, inferential_load(l, PRIMARY)},
+        {{"b2_1", "b2_2"}, inferential_load(l, SECONDARY)},
+        {{"prim_1", "prim_2"}, num_to_float(last.primary)},
+        {{"sec_1", "sec_2"}, num_to_float(last.secondary)},
+        {{"sat_1", "sat_2"}, last.cut},
+        {{"a1_1", "a1_2"}, c->a[PRIMARY]},
+        {{"a2_1", "a2_2"}, c->a[SECONDARY]},
+        {{"kc_1", "kc_2"}, c->kc},
+        {{"kc2_1", "kc2_2"}, c->kc2},
+        {{"ko_1", "ko_2"}, c->ko},
+        {{"freq_1", "freq_2"}, frequency},
+        {{"damp_1", "damp_2"}, damping},
+    };
+    *value = inner[i % INNER_VALUES].value;
+    return inner[i % INNER_VALUES].name[k];
 }
 
 const struct block_kind inferential_kind = {

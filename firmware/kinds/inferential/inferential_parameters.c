@@ -1,5 +1,4 @@
-/* Parameters of the kind `inferential`: rows, what they come to, and what is refused. */
-#include "kinds/inferential/inferential_block.h"
+#include "kinds/inferential/inferential_parameters.h"
 
 #include "block/refuse.h"
 #include "num/real.h"
@@ -93,7 +92,6 @@ static void gains_of(const struct inferential_settings *c, unsigned k,
         out->ko = c->ko[k];
 }
 
-/* Which of its inputs is the secondary temperature of loop k; INFERENTIAL_NONE: it has none. */
 unsigned inferential_second(const struct block_setup *setup, unsigned k)
 {
     const struct inferential_settings *c = setup->settings;
