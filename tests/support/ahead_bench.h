@@ -12,6 +12,8 @@
 #include "composition_tables.h"
 #include "formats.h"
 #include "kinds/ahead/column_ahead_block.h"
+#include "kinds/ahead/column_ahead_model.h"
+#include "kinds/ahead/column_ahead_parameters.h"
 #include "unity.h"
 
 enum { IN_FRACTION = 6, IN_FEED, IN_REFLUX, IN_HEAT, IN_ALL };
@@ -44,7 +46,7 @@ static inline struct ahead *block(void)
 static inline void input_is(unsigned k, enum ahead_input is, unsigned stage, float factor,
                             struct block_signal signal)
 {
-    settings.is[k] = (uint8_t)is;
+    settings.role[k] = (uint8_t)is;
     settings.place[k][AHEAD_STAGE] = (uint16_t)stage;
     settings.place[k][AHEAD_COMPONENT] = stage ? 1 : 0;
     settings.si[k][AHEAD_FACTOR] = factor;

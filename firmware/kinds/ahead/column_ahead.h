@@ -19,7 +19,7 @@
 
 #define AHEAD_LOOPS 4
 
-/* What an input is of the column. */
+/* Quantity of the column that an input measures. */
 enum ahead_input {
     AHEAD_TEMPERATURE,   /* of a stage */
     AHEAD_FRACTION,      /* of a component on a stage */
@@ -36,26 +36,42 @@ enum ahead_input {
 
 enum ahead_basis { AHEAD_MOLE, AHEAD_MASS };
 
-enum { AHEAD_STAGE, AHEAD_COMPONENT, AHEAD_PLACE }; /* columns of place and target */
-enum { AHEAD_FACTOR, AHEAD_ZERO, AHEAD_UNIT };      /* SI = factor * value + zero */
+/* Columns of place and target. */
+enum { AHEAD_STAGE, AHEAD_COMPONENT, AHEAD_PLACE };
+/* Columns of si and pv_si: SI = factor * value + zero. */
+enum { AHEAD_FACTOR, AHEAD_ZERO, AHEAD_UNIT };
+
+static inline bool ahead_is_of_stage(uint8_t role)
+{
+    return role == AHEAD_TEMPERATURE || role == AHEAD_FRACTION;
+}
 
 struct ahead_settings {
-    float tau_s[AHEAD_LOOPS]; /* time constant of the closed loop */
-    float far[AHEAD_LOOPS];   /* EU of the PV: alarm, the prediction is off by more; 0: none */
-    float miss_s;             /* time in which a miss is believed; 0: at once */
-    float
-        doubt; /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
-    float trust; /* part of what an input says more than the model that it takes in a step */
+    /* s, time constant of the closed loop */
+    float tau_s[AHEAD_LOOPS];
+    /* EU of the PV: alarm, the prediction is off by more; 0: none */
+    float alarm[AHEAD_LOOPS];
+    /* s, time in which a miss is believed; 0: at once */
+    float miss_s;
+    /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
+    float doubt;
+    /* part of what an input says more than the model that it takes in a step */
+    float trust;
     float si[BLOCK_INPUTS_MAX][AHEAD_UNIT];
     float pv_si[AHEAD_LOOPS][AHEAD_UNIT];
-    uint16_t column; /* block */
+    /* block with the table */
+    uint16_t column;
     uint16_t place[BLOCK_INPUTS_MAX][AHEAD_PLACE];
-    uint16_t target[AHEAD_LOOPS]
-                   [AHEAD_PLACE]; /* of the PVs: stage, component; 0: the temperature */
-    uint16_t moves[AHEAD_LOOPS];  /* number of the input that is the loop's MV */
-    uint16_t parts;               /* of an interval in which the model is carried on */
-    uint8_t is[BLOCK_INPUTS_MAX]; /* enum ahead_input */
-    uint8_t basis;                /* enum ahead_basis, of fractions on stages */
+    /* PVs: stage, component; 0: the temperature */
+    uint16_t target[AHEAD_LOOPS][AHEAD_PLACE];
+    /* number of the input that is the loop's MV */
+    uint16_t moves[AHEAD_LOOPS];
+    /* parts of an interval in which the model is carried on */
+    uint16_t parts;
+    /* enum ahead_input */
+    uint8_t role[BLOCK_INPUTS_MAX];
+    /* enum ahead_basis, of fractions on stages */
+    uint8_t basis;
 };
 
 extern const struct block_kind ahead_kind;

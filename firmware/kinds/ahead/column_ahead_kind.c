@@ -1,6 +1,11 @@
-#include "kinds/ahead/column_ahead_block.h"
-
+/* Kind `ahead`: its steps. */
 #include <string.h>
+
+#include "kinds/ahead/column_ahead_block.h"
+#include "kinds/ahead/column_ahead_law.h"
+#include "kinds/ahead/column_ahead_model.h"
+#include "kinds/ahead/column_ahead_parameters.h"
+#include "kinds/ahead/column_ahead_place.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
@@ -36,80 +41,31 @@ static real_t *numbers_of(struct ahead *b)
 
 /* ---- settings ---- */
 
-static struct ahead_place place_of(const struct block_signal *signal, const float unit[AHEAD_UNIT],
-                                   uint8_t is, const uint16_t place[AHEAD_PLACE])
-{
-    real_t factor = column_drive_factor(unit[AHEAD_FACTOR]);
-    return (struct ahead_place){
-        .zero = factor * signal->lo + unit[AHEAD_ZERO],
-        .span = factor * (signal->hi - signal->lo),
-        .is = is,
-        .stage = (uint8_t)(place[AHEAD_STAGE] ? place[AHEAD_STAGE] - 1u : 0),
-        .component = (uint8_t)(place[AHEAD_COMPONENT] ? place[AHEAD_COMPONENT] - 1u : 0)};
-}
-
-static void take_places(const struct block_setup *setup, struct ahead_place *input,
-                        struct ahead_place *pv)
-{
-    const struct ahead_settings *s = setup->settings;
-    for (unsigned k = 0; k < setup->inputs; k++)
-        input[k] = place_of(&setup->input[k], s->si[k], s->is[k], s->place[k]);
-    for (unsigned i = 0; i < setup->members; i++)
-        pv[i] = place_of(&setup->pv[i], s->pv_si[i],
-                         s->target[i][AHEAD_COMPONENT] ? AHEAD_FRACTION : AHEAD_TEMPERATURE,
-                         s->target[i]);
-}
-
-static bool is_same_place(const struct ahead_place *a, const struct ahead_place *b)
-{
-    return a->is == b->is && a->stage == b->stage && a->component == b->component;
-}
-
-/* Signals mean what they meant, and the column is the one that it was. */
-static bool is_same_column(const struct ahead *b, const struct block_setup *setup,
-                           const struct ahead_place *input, const struct ahead_place *pv)
-{
-    const struct column_record *record = setup->named;
-    bool same = b->record == record && b->checksum == column_record_checksum(record);
-    for (unsigned k = 0; same && k < setup->inputs; k++)
-        same = is_same_place(&b->input[k], &input[k]);
-    for (unsigned i = 0; same && i < setup->members; i++)
-        same = is_same_place(&b->pv[i], &pv[i]);
-    return same;
-}
-
+/* The numbers behind the state begin anew where the column or the meaning of a signal is another. */
 static enum err ahead_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct ahead *b = state;
     const struct ahead_settings *s = setup->settings;
     const struct column_record *record = setup->named;
-    struct ahead_place input[BLOCK_INPUTS_MAX] = {{ZERO, ZERO, 0, 0, 0}};
-    struct ahead_place pv[AHEAD_LOOPS] = {{ZERO, ZERO, 0, 0, 0}};
-    take_places(setup, input, pv);
-    if (!retune || !is_same_column(b, setup, input, pv)) {
+    bool same = retune && b->record == record && b->checksum == column_record_checksum(record);
+    if (!(ahead_places_set(&b->places, setup) && same)) {
         memset(b, 0, sizeof *b);
+        (void)ahead_places_set(&b->places, setup);
         enum err err = ahead_model_begin(&b->m, record, numbers_of(b));
         if (err)
             return err;
     }
     b->record = record;
     b->checksum = column_record_checksum(record);
-    b->loops = b->law.n = setup->members;
-    b->inputs = setup->inputs;
-    b->basis = s->basis;
     b->trust = s->trust;
     b->doubt = s->doubt;
-    memcpy(b->input, input, sizeof b->input);
-    memcpy(b->pv, pv, sizeof b->pv);
-    b->m.parts = s->parts;
-    b->m.h = (real_t)setup->interval_s / (real_t)s->parts;
+    ahead_law_set(&b->law, setup->members);
+    ahead_model_set(&b->m, s->parts, setup->interval_s);
     b->keep = s->miss_s > 0 ? ONE - real_exp(-(real_t)setup->interval_s / s->miss_s) : ONE;
-    for (unsigned i = 0; i < b->loops; i++) {
-        b->mv[i] = (uint8_t)(s->moves[i] - 1u);
+    for (unsigned i = 0; i < setup->members; i++) {
         b->pole[i] = real_exp(-(real_t)setup->interval_s / s->tau_s[i]);
-        b->far[i] = s->far[i] / (setup->pv[i].hi - setup->pv[i].lo);
-        b->law.lo[i] = ZERO;
-        b->law.hi[i] = ONE;
+        b->alarm[i] = s->alarm[i] / (setup->pv[i].hi - setup->pv[i].lo);
+        ahead_law_free(&b->law, i);
     }
     b->holds_next = true;
     return ERR_OK;
@@ -121,25 +77,26 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
 static enum err predict_pvs(struct ahead *b, const real_t *u, real_t *y)
 {
     struct column_inputs inputs;
-    ahead_drive_by(b, u, &inputs);
+    ahead_places_drive(&b->places, &b->m, u, &inputs);
     enum err err = ahead_model_predict(&b->m, &inputs);
-    for (unsigned i = 0; !err && i < b->loops; i++)
-        y[i] = ahead_target_of(b, i, b->m.later);
+    for (unsigned i = 0; !err && i < ahead_places_loops(&b->places); i++)
+        y[i] = ahead_places_target(&b->places, &b->m, i, ahead_model_later(&b->m));
     return err;
 }
 
 /* B*, around law.u, where y[] is what was predicted. */
 static enum err find_b(struct ahead *b, const real_t *y)
 {
-    real_t u[AHEAD_LOOPS], there[AHEAD_LOOPS];
+    real_t u[AHEAD_LOOPS], moved[AHEAD_LOOPS];
     enum err err = ERR_OK;
-    for (unsigned j = 0; !err && j < b->loops; j++) {
-        memcpy(u, b->law.u, sizeof u);
+    for (unsigned j = 0; !err && j < ahead_places_loops(&b->places); j++) {
+        memcpy(u, ahead_law_u(&b->law), sizeof u);
         real_t move = u[j] > REAL_C(0.5) ? -TRIED : TRIED;
         u[j] += move;
-        err = predict_pvs(b, u, there);
-        for (unsigned i = 0; !err && i < b->loops; i++)
-            b->law.b[i][j] = (there[i] - y[i]) / (b->pv[i].span * move);
+        err = predict_pvs(b, u, moved);
+        for (unsigned i = 0; !err && i < ahead_places_loops(&b->places); i++)
+            ahead_law_put_b(&b->law, i, j,
+                            (moved[i] - y[i]) / (ahead_places_span(&b->places, i) * move));
     }
     return err;
 }
@@ -147,22 +104,24 @@ static enum err find_b(struct ahead *b, const real_t *y)
 /* What loop i is to be an interval later. */
 static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
-    real_t now = ahead_target_of(b, i, b->m.x) + b->bias[i];
-    real_t w = io->acting & (1u << i) ? ahead_place_si(b, &b->pv[i], io->setpoint[i]) : now;
-    return now + (ONE - b->pole[i]) * (w - now);
+    real_t present = ahead_places_target(&b->places, &b->m, i, ahead_model_x(&b->m)) + b->bias[i];
+    real_t w = io->acting & (1u << i) ? ahead_places_pv_si(&b->places, &b->m, i, io->setpoint[i])
+                                      : present;
+    return present + (ONE - b->pole[i]) * (w - present);
 }
 
 /* Everything but the outputs of this step: where the column is is known, m.x looked at last. asked[] is given. */
 static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
 {
-    for (unsigned i = 0; i < b->loops; i++) {
-        real_t y = ahead_place_si(b, &b->pv[i], io->in[i]);
-        real_t off = y - ahead_target_of(b, i, b->m.x);
-        if (b->has_said) {
-            real_t missed = y - b->said[i];
+    for (unsigned i = 0; i < ahead_places_loops(&b->places); i++) {
+        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]);
+        real_t off = y - ahead_places_target(&b->places, &b->m, i, ahead_model_x(&b->m));
+        if (b->has_prediction) {
+            real_t missed = y - b->predicted[i];
             b->bias[i] += b->keep * (off - b->bias[i]);
             b->missed[i] += b->keep * missed;
-            if (b->far[i] > ZERO && real_abs(missed) > b->far[i] * real_abs(b->pv[i].span)) {
+            if (b->alarm[i] > ZERO &&
+                real_abs(missed) > b->alarm[i] * real_abs(ahead_places_span(&b->places, i))) {
                 io->raised |= 1u << EVENT_FAR;
                 io->event_value[EVENT_FAR] = (float)(i + 1u);
             }
@@ -185,15 +144,16 @@ static void begin_to_watch(struct ahead *b)
 static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 {
     bool doubts = false;
-    for (unsigned i = 0; i < b->loops && b->has_said; i++) {
-        real_t y = ahead_place_si(b, &b->pv[i], io->in[i]), still = STILL * real_abs(b->pv[i].span);
-        bool is_worse = real_abs(y - b->said[i]) > real_abs(y - b->before[i]) + still;
+    for (unsigned i = 0; i < ahead_places_loops(&b->places) && b->has_prediction; i++) {
+        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]),
+               still = STILL * real_abs(ahead_places_span(&b->places, i));
+        bool is_worse = real_abs(y - b->predicted[i]) > real_abs(y - b->before[i]) + still;
         b->worse[i] += ((is_worse ? ONE : ZERO) - b->worse[i]) / (real_t)WATCHED;
         doubts = doubts || b->worse[i] > b->doubt;
     }
-    for (unsigned i = 0; i < b->loops; i++)
-        b->before[i] = ahead_place_si(b, &b->pv[i], io->in[i]);
-    if (b->has_said && b->watched < WATCHED)
+    for (unsigned i = 0; i < ahead_places_loops(&b->places); i++)
+        b->before[i] = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]);
+    if (b->has_prediction && b->watched < WATCHED)
         b->watched++;
     return doubts && b->doubt > ZERO && b->watched == WATCHED;
 }
@@ -201,9 +161,9 @@ static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 /* The MVs in effect, within their spans. */
 static void take_applied(struct ahead *b, const struct block_io *io)
 {
-    for (unsigned j = 0; j < b->loops; j++) {
-        real_t u = num_to_float(io->input[b->mv[j]]);
-        b->law.u[j] = u < ZERO ? ZERO : u > ONE ? ONE : u;
+    for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
+        real_t u = num_to_float(io->input[ahead_places_mv(&b->places, j)]);
+        ahead_law_put_u(&b->law, j, u < ZERO ? ZERO : u > ONE ? ONE : u);
     }
 }
 
@@ -211,8 +171,8 @@ static void take_applied(struct ahead *b, const struct block_io *io)
 static enum err hold_outputs(struct ahead *b, const real_t *asked)
 {
     real_t y[AHEAD_LOOPS];
-    enum err err = predict_pvs(b, b->law.u, y);
-    for (unsigned i = 0; !err && i < b->loops; i++)
+    enum err err = predict_pvs(b, ahead_law_u(&b->law), y);
+    for (unsigned i = 0; !err && i < ahead_places_loops(&b->places); i++)
         b->missed[i] = asked[i] - y[i];
     return err;
 }
@@ -221,16 +181,17 @@ static enum err hold_outputs(struct ahead *b, const real_t *asked)
 static bool take_turn(struct ahead *b, const real_t *asked, const real_t *y)
 {
     real_t e[AHEAD_LOOPS] = {ZERO}, before[AHEAD_LOOPS] = {ZERO};
-    for (unsigned i = 0; i < b->loops; i++) {
-        e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
-        before[i] = b->law.u[i];
+    for (unsigned i = 0; i < ahead_places_loops(&b->places); i++) {
+        e[i] = (asked[i] - b->missed[i] - y[i]) / ahead_places_span(&b->places, i);
+        before[i] = ahead_law_u(&b->law)[i];
     }
     if (!ahead_law_solve(&b->law, e))
         return false;
-    for (unsigned i = 0; i < b->loops; i++) {
-        b->said[i] = y[i] + b->missed[i];
-        for (unsigned j = 0; j < b->loops; j++)
-            b->said[i] += b->pv[i].span * b->law.b[i][j] * (b->law.u[j] - before[j]);
+    for (unsigned i = 0; i < ahead_places_loops(&b->places); i++) {
+        b->predicted[i] = y[i] + b->missed[i];
+        for (unsigned j = 0; j < ahead_places_loops(&b->places); j++)
+            b->predicted[i] += ahead_places_span(&b->places, i) * ahead_law_b(&b->law, i, j) *
+                               (ahead_law_u(&b->law)[j] - before[j]);
     }
     return true;
 }
@@ -241,7 +202,7 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
     real_t y[AHEAD_LOOPS] = {ZERO};
     *found = true;
     for (unsigned turn = 0; *found && turn < TURNS; turn++) {
-        enum err err = predict_pvs(b, b->law.u, y);
+        enum err err = predict_pvs(b, ahead_law_u(&b->law), y);
         if (!err && turn == 0)
             err = find_b(b, y);
         if (err)
@@ -255,7 +216,7 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
 
 static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
 {
-    b->has_said = b->observed = false;
+    b->has_prediction = b->observed = false;
     ahead_model_rest(&b->m);
     io->gives_up = !err ? "no_effect" : err == ERR_NOT_FINITE ? "no_number" : "no_solution";
 }
@@ -263,9 +224,9 @@ static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
 /* An input that is said to be the loop's MV is another one. */
 static bool has_other_mv(const struct ahead *b, const struct block_io *io)
 {
-    for (unsigned j = 0; j < b->loops; j++)
+    for (unsigned j = 0; j < ahead_places_loops(&b->places); j++)
         if (io->member_applied && io->input_applied &&
-            io->member_applied[j] != io->input_applied[b->mv[j]])
+            io->member_applied[j] != io->input_applied[ahead_places_mv(&b->places, j)])
             return true;
     return false;
 }
@@ -281,12 +242,12 @@ static void ahead_step(void *state, struct block_io *io)
     struct ahead *b = state;
     real_t asked[AHEAD_LOOPS] = {ZERO};
     bool found = true;
-    ahead_model_stands_here(&b->m, numbers_of(b));
+    ahead_model_relocate(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
         io->gives_up = "other_mv";
         return;
     }
-    enum err err = b->observed ? ERR_OK : ahead_observe(b, io);
+    enum err err = b->observed ? ERR_OK : ahead_places_observe(&b->places, &b->m, io, b->trust);
     b->observed = false;
     if (is_in_doubt(b, io)) {
         begin_to_watch(b);
@@ -297,7 +258,7 @@ static void ahead_step(void *state, struct block_io *io)
         take_applied(b, io);
         take_misses(b, io, asked);
     }
-    b->law.acting = io->acting;
+    ahead_law_act(&b->law, io->acting);
     if (!err && b->holds_next)
         err = hold_outputs(b, asked);
     b->holds_next = false;
@@ -307,42 +268,31 @@ static void ahead_step(void *state, struct block_io *io)
         ahead_gives_up(b, io, err);
         return;
     }
-    b->has_said = true;
-    for (unsigned j = 0; j < b->loops; j++) {
+    b->has_prediction = true;
+    for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
         if (!(io->acting & (1u << j)))
             continue;
-        real_t u = b->law.asked[j];
+        real_t u = ahead_law_asked(&b->law, j);
         u = u < ZERO ? ZERO : u > ONE ? ONE : u;
-        b->given[j] = io->out[j] = num_from_float(u - b->apart[j]);
+        b->given[j] = io->out[j] = num_from_float(u - b->offset[j]);
     }
-}
-
-/* Where an MV was held back is a limit, until it is seen beyond. */
-static void take_limits(struct ahead *b, unsigned j, num_t told, real_t applied)
-{
-    if (applied > b->law.hi[j])
-        b->law.hi[j] = ONE;
-    if (applied < b->law.lo[j])
-        b->law.lo[j] = ZERO;
-    if (num_lt(told, b->given[j]))
-        b->law.hi[j] = applied;
-    if (num_lt(b->given[j], told))
-        b->law.lo[j] = applied;
 }
 
 /* What took effect, as far as it was not what the step gave. */
 static void ahead_back_calculate(void *state, struct block_io *io)
 {
     struct ahead *b = state;
-    for (unsigned j = 0; j < b->loops; j++) {
-        real_t applied = num_to_float(io->input[b->mv[j]]);
-        for (unsigned i = 0; i < b->loops; i++)
-            b->said[i] += b->pv[i].span * b->law.b[i][j] * (applied - b->law.u[j]);
-        b->law.u[j] = applied;
+    for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
+        real_t applied = num_to_float(io->input[ahead_places_mv(&b->places, j)]);
+        for (unsigned i = 0; i < ahead_places_loops(&b->places); i++)
+            b->predicted[i] += ahead_places_span(&b->places, i) * ahead_law_b(&b->law, i, j) *
+                               (applied - ahead_law_u(&b->law)[j]);
+        ahead_law_put_u(&b->law, j, applied);
         if (!(io->acting & (1u << j)))
             continue;
-        b->apart[j] = applied - num_to_float(io->out[j]);
-        take_limits(b, j, io->out[j], applied);
+        b->offset[j] = applied - num_to_float(io->out[j]);
+        ahead_law_limit(&b->law, j, applied, num_lt(io->out[j], b->given[j]),
+                        num_lt(b->given[j], io->out[j]));
     }
 }
 
@@ -350,16 +300,15 @@ static void ahead_follow(void *state, struct block_io *io)
 {
     struct ahead *b = state;
     real_t asked[AHEAD_LOOPS] = {ZERO};
-    ahead_model_stands_here(&b->m, numbers_of(b));
-    b->has_said = b->holds_next = false;
+    ahead_model_relocate(&b->m, numbers_of(b));
+    b->has_prediction = b->holds_next = false;
     begin_to_watch(b);
-    enum err err = ahead_find_column(b, io);
+    enum err err = ahead_places_find(&b->places, &b->m, io);
     b->observed = !err;
     take_applied(b, io);
-    for (unsigned j = 0; j < b->loops; j++) {
-        b->law.lo[j] = ZERO;
-        b->law.hi[j] = ONE;
-        b->apart[j] = b->law.u[j] - num_to_float(io->out[j]);
+    for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
+        ahead_law_free(&b->law, j);
+        b->offset[j] = ahead_law_u(&b->law)[j] - num_to_float(io->out[j]);
         b->given[j] = io->out[j];
     }
     if (!err) {
@@ -368,6 +317,55 @@ static void ahead_follow(void *state, struct block_io *io)
     }
     if (err)
         ahead_gives_up(b, io, err);
+}
+
+/* ---- for the console ---- */
+
+enum { VALUE_MISSED, VALUE_BIAS, VALUE_GIVEN, VALUE_DOUBT, VALUES };
+
+/* B*, row by row. */
+static const char *const element[AHEAD_LOOPS][AHEAD_LOOPS] = {
+    {"b_11", "b_12", "b_13", "b_14"},
+    {"b_21", "b_22", "b_23", "b_24"},
+    {"b_31", "b_32", "b_33", "b_34"},
+    {"b_41", "b_42", "b_43", "b_44"},
+};
+
+static const char *const loop_names[VALUES][AHEAD_LOOPS] = {
+    {"missed_1", "missed_2", "missed_3", "missed_4"},
+    {"bias_1", "bias_2", "bias_3", "bias_4"},
+    {"given_1", "given_2", "given_3", "given_4"},
+    {"doubt_1", "doubt_2", "doubt_3", "doubt_4"},
+};
+
+/* A value of loop k; missed and bias as fractions of the PV's span. */
+static real_t value_of_loop(const struct ahead *b, unsigned which, unsigned k)
+{
+    switch (which) {
+    case VALUE_MISSED:
+        return b->missed[k] / ahead_places_span(&b->places, k);
+    case VALUE_BIAS:
+        return b->bias[k] / ahead_places_span(&b->places, k);
+    case VALUE_GIVEN:
+        return num_to_float(b->given[k]);
+    default:
+        return b->worse[k];
+    }
+}
+
+static const char *ahead_describe(const void *state, size_t i, float *value)
+{
+    const struct ahead *b = state;
+    unsigned n = ahead_places_loops(&b->places), k = (unsigned)(i % n), which = (unsigned)(i / n);
+    if (which < VALUES) {
+        *value = (float)value_of_loop(b, which, k);
+        return loop_names[which][k];
+    }
+    which -= VALUES;
+    if (which >= n)
+        return NULL;
+    *value = (float)ahead_law_b(&b->law, which, k);
+    return element[which][k];
 }
 
 static const struct block_event ahead_events[AHEAD_EVENTS] = {

@@ -1,13 +1,71 @@
 #include "kinds/ahead/column_ahead_law.h"
 
+#include "kinds/ahead/column_ahead_law_state.h"
 #include "num/solve_small.h"
 
 #define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
 
 /* Where inputs do nearly the same, or nothing at all, they move little: the sum of squares of what is left and of the moves times this part of
  * the largest element. 1e-3 of that element changes the answer by as much where b has a condition number of 30. */
 #define DAMPING REAL_C(1e-3)
 #define WIDTH   (AHEAD_LOOPS + 1)
+
+void ahead_law_set(struct ahead_law *law, uint8_t n)
+{
+    law->n = n;
+}
+
+void ahead_law_act(struct ahead_law *law, uint8_t acting)
+{
+    law->acting = acting;
+}
+
+void ahead_law_free(struct ahead_law *law, unsigned j)
+{
+    law->lo[j] = ZERO;
+    law->hi[j] = ONE;
+}
+
+void ahead_law_limit(struct ahead_law *law, unsigned j, real_t applied, bool held_below,
+                     bool held_above)
+{
+    if (applied > law->hi[j])
+        law->hi[j] = ONE;
+    if (applied < law->lo[j])
+        law->lo[j] = ZERO;
+    if (held_below)
+        law->hi[j] = applied;
+    if (held_above)
+        law->lo[j] = applied;
+}
+
+const real_t *ahead_law_u(const struct ahead_law *law)
+{
+    return law->u;
+}
+
+void ahead_law_put_u(struct ahead_law *law, unsigned j, real_t u)
+{
+    law->u[j] = u;
+}
+
+real_t ahead_law_b(const struct ahead_law *law, unsigned i, unsigned j)
+{
+    return law->b[i][j];
+}
+
+void ahead_law_put_b(struct ahead_law *law, unsigned i, unsigned j, real_t b)
+{
+    law->b[i][j] = b;
+}
+
+real_t ahead_law_asked(const struct ahead_law *law, unsigned j)
+{
+    return law->asked[j];
+}
+
+/* ---- solution ---- */
 
 static bool is_in(uint8_t set, unsigned k)
 {

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "kinds/ahead/column_ahead_model_state.h"
 #include "model/column_implicit.h"
 
 #define ZERO REAL_C(0.0)
@@ -50,7 +51,7 @@ enum err ahead_model_begin(struct ahead_model *m, const struct column_record *re
     return ERR_OK;
 }
 
-void ahead_model_stands_here(struct ahead_model *m, real_t *numbers)
+void ahead_model_relocate(struct ahead_model *m, real_t *numbers)
 {
     if (m->column.config != &m->table.config) {
         column_table_moved(&m->table);
@@ -62,6 +63,27 @@ void ahead_model_stands_here(struct ahead_model *m, real_t *numbers)
 }
 
 /* ---- what drives it ---- */
+
+void ahead_model_set(struct ahead_model *m, uint16_t parts, real_t interval_s)
+{
+    m->parts = parts;
+    m->h = interval_s / (real_t)parts;
+}
+
+const real_t *ahead_model_x(const struct ahead_model *m)
+{
+    return m->x;
+}
+
+const real_t *ahead_model_later(const struct ahead_model *m)
+{
+    return m->later;
+}
+
+struct column_inputs *ahead_model_inputs(struct ahead_model *m)
+{
+    return &m->inputs;
+}
 
 /* The closing component gives way, then the others in proportion. */
 void ahead_model_take_fraction(struct column_inputs *inputs, size_t components, size_t j,
@@ -79,9 +101,21 @@ void ahead_model_take_fraction(struct column_inputs *inputs, size_t components, 
     z[components - 1] = ONE - rest;
 }
 
+void ahead_model_take_feed(const struct ahead_model *m, struct column_inputs *inputs, size_t j,
+                           real_t value)
+{
+    ahead_model_take_fraction(inputs, m->table.config.components, j, value);
+}
+
+void ahead_model_take_drive(const struct ahead_model *m, struct column_inputs *inputs,
+                            enum column_drive drive, real_t value)
+{
+    column_drive_take(&m->table, inputs, drive, value);
+}
+
 /* ---- where it will be ---- */
 
-static enum err tell_inputs(struct ahead_model *m, const struct column_inputs *inputs)
+static enum err put_model_inputs(struct ahead_model *m, const struct column_inputs *inputs)
 {
     struct column_fault fault;
     return column_set_inputs(&m->column, inputs, &fault);
@@ -104,7 +138,7 @@ static enum err carry_part(struct ahead_model *m, real_t *x)
 
 static enum err carry_on(struct ahead_model *m, const struct column_inputs *inputs, real_t *x)
 {
-    enum err err = tell_inputs(m, inputs);
+    enum err err = put_model_inputs(m, inputs);
     for (uint16_t part = 0; !err && part < m->parts; part++)
         err = carry_part(m, x);
     return err;
@@ -124,7 +158,7 @@ enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *in
 
 enum err ahead_model_look(struct ahead_model *m, const real_t *x)
 {
-    enum err err = tell_inputs(m, &m->inputs);
+    enum err err = put_model_inputs(m, &m->inputs);
     return err ? err : column_evaluate(&m->column, x);
 }
 
@@ -163,67 +197,67 @@ static real_t component_at(const struct ahead_model *m, size_t stage, size_t j)
     return inside(m->x[stage * (m->table.config.components - 1) + j]);
 }
 
-/* By how much the mole fraction at the place has to move for what is said. */
-static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *said)
+/* Returns by how much the mole fraction at the place has to move for the reading. */
+static real_t wanted_move(const struct ahead_model *m, const struct ahead_reading *reading)
 {
-    real_t off =
-        said->value - ahead_model_value(m, m->x, said->stage, said->is_fraction, said->component);
-    if (said->is_fraction)
+    real_t off = reading->value - ahead_model_value(m, m->x, reading->stage, reading->is_fraction,
+                                                    reading->component);
+    if (reading->is_fraction)
         return ahead_between(off, -MOVE_MOST, MOVE_MOST);
-    size_t n = m->table.config.components, s = said->stage;
+    size_t n = m->table.config.components, s = reading->stage;
     real_t full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX],
         dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     for (size_t j = 0; j < n; j++)
         full[j] = column_fraction(&m->column, m->x, s, j);
     vle_full_slopes(&m->column.vle, m->column.temperature[s], full, &m->column.k[s * n],
                     &m->column.dk[s * n], dt, dy);
-    real_t slope = dt[said->component];
+    real_t slope = dt[reading->component];
     return real_abs(slope) > REAL_C(1e-3) ? ahead_between(off / slope, -MOVE_MOST, MOVE_MOST)
                                           : ZERO;
 }
 
-/* The same of ln(x/(1 - x)). */
-static real_t wanted_shift(const struct ahead_model *m, const struct ahead_said *said)
+/* Returns the same of ln(x/(1 - x)). */
+static real_t wanted_shift(const struct ahead_model *m, const struct ahead_reading *reading)
 {
-    real_t x = component_at(m, said->stage, said->component);
-    real_t to = inside(x + wanted_move(m, said));
+    real_t x = component_at(m, reading->stage, reading->component);
+    real_t to = inside(x + wanted_move(m, reading));
     return real_log(to * (ONE - x) / (x * (ONE - to)));
 }
 
-/* By how much component j shifts on a stage: in proportion between the nearest places below and above that say something of it, beyond
- * the last one as there. */
-static real_t shift_at(const struct ahead_said *said, const real_t *shift, size_t n, size_t j,
+/* Returns by how much component j shifts on a stage: in proportion between the nearest readings of it below and above, beyond the last one
+ * as there. */
+static real_t shift_at(const struct ahead_reading *reading, const real_t *shift, size_t n, size_t j,
                        size_t stage)
 {
     size_t below = n, above = n;
     for (size_t k = 0; k < n; k++) {
-        if (said[k].component != j)
+        if (reading[k].component != j)
             continue;
-        if (said[k].stage <= stage)
+        if (reading[k].stage <= stage)
             below = k;
-        if (said[k].stage >= stage && above == n)
+        if (reading[k].stage >= stage && above == n)
             above = k;
     }
     if (below == n || above == n || below == above)
         return below < n ? shift[below] : above < n ? shift[above] : ZERO;
-    real_t part =
-        (real_t)(stage - said[below].stage) / (real_t)(said[above].stage - said[below].stage);
+    real_t part = (real_t)(stage - reading[below].stage) /
+                  (real_t)(reading[above].stage - reading[below].stage);
     return shift[below] + part * (shift[above] - shift[below]);
 }
 
-enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *said, size_t n,
+enum err ahead_model_correct(struct ahead_model *m, const struct ahead_reading *reading, size_t n,
                              real_t trust)
 {
-    real_t shift[AHEAD_SAID_MOST];
+    real_t shift[AHEAD_READINGS_MOST];
     size_t fractions = m->table.config.components - 1;
     enum err err = ahead_model_look(m, m->x);
     if (err)
         return err;
     for (size_t k = 0; k < n; k++)
-        shift[k] = trust * wanted_shift(m, &said[k]);
+        shift[k] = trust * wanted_shift(m, &reading[k]);
     for (size_t s = 0; s < m->table.config.stages; s++)
         for (size_t j = 0; j < fractions; j++) {
-            real_t x = component_at(m, s, j), part = real_exp(shift_at(said, shift, n, j, s));
+            real_t x = component_at(m, s, j), part = real_exp(shift_at(reading, shift, n, j, s));
             m->rates[s * fractions + j] = x * part / (ONE - x + x * part) - x;
         }
     (void)column_move(&m->column, m->x, m->rates);

@@ -1,109 +1,189 @@
-/* Of the kind `ahead`: what its signals are in the model's units, and where the column is from what they say. */
-#include "kinds/ahead/column_ahead_block.h"
+#include "kinds/ahead/column_ahead_place.h"
+
+#include <string.h>
+
+#include "kinds/ahead/column_ahead_place_state.h"
 
 #define ONE REAL_C(1.0)
 
-/* Before it begins, nobody knows where the model is: it is corrected so often, and carried on in between, so that stages that nothing is
- * said of come to stand with the others. */
+/* Before it begins, nobody knows the state of the column: the model is corrected so often, and carried on in between, so that stages
+ * without a reading come to stand with the others. */
 #define ROUNDS 8
+
+/* ---- settings ---- */
+
+static struct ahead_place place_of(const struct block_signal *signal, const float unit[AHEAD_UNIT],
+                                   uint8_t role, const uint16_t place[AHEAD_PLACE])
+{
+    real_t factor = column_drive_factor(unit[AHEAD_FACTOR]);
+    return (struct ahead_place){
+        .zero = factor * signal->lo + unit[AHEAD_ZERO],
+        .span = factor * (signal->hi - signal->lo),
+        .role = role,
+        .stage = (uint8_t)(place[AHEAD_STAGE] ? place[AHEAD_STAGE] - 1u : 0),
+        .component = (uint8_t)(place[AHEAD_COMPONENT] ? place[AHEAD_COMPONENT] - 1u : 0)};
+}
+
+static void take_places(const struct block_setup *setup, struct ahead_places *p)
+{
+    const struct ahead_settings *s = setup->settings;
+    memset(p, 0, sizeof *p);
+    p->loops = setup->members;
+    p->inputs = setup->inputs;
+    p->basis = s->basis;
+    for (unsigned k = 0; k < setup->inputs; k++)
+        p->input[k] = place_of(&setup->input[k], s->si[k], s->role[k], s->place[k]);
+    for (unsigned i = 0; i < setup->members; i++) {
+        p->pv[i] = place_of(&setup->pv[i], s->pv_si[i],
+                            s->target[i][AHEAD_COMPONENT] ? AHEAD_FRACTION : AHEAD_TEMPERATURE,
+                            s->target[i]);
+        p->mv[i] = (uint8_t)(s->moves[i] - 1u);
+    }
+}
+
+static bool is_same_place(const struct ahead_place *a, const struct ahead_place *b)
+{
+    return a->role == b->role && a->stage == b->stage && a->component == b->component;
+}
+
+bool ahead_places_set(struct ahead_places *p, const struct block_setup *setup)
+{
+    struct ahead_places wanted;
+    bool same = true;
+    take_places(setup, &wanted);
+    for (unsigned k = 0; same && k < setup->inputs; k++)
+        same = is_same_place(&p->input[k], &wanted.input[k]);
+    for (unsigned i = 0; same && i < setup->members; i++)
+        same = is_same_place(&p->pv[i], &wanted.pv[i]);
+    *p = wanted;
+    return same;
+}
+
+unsigned ahead_places_loops(const struct ahead_places *p)
+{
+    return p->loops;
+}
+
+unsigned ahead_places_mv(const struct ahead_places *p, unsigned j)
+{
+    return p->mv[j];
+}
 
 /* ---- units ---- */
 
-real_t ahead_place_si(const struct ahead *b, const struct ahead_place *place, num_t fraction)
+real_t ahead_places_span(const struct ahead_places *p, unsigned i)
+{
+    return p->pv[i].span;
+}
+
+static real_t value_si(const struct ahead_places *p, const struct ahead_model *m,
+                       const struct ahead_place *place, num_t fraction)
 {
     real_t value = place->zero + place->span * num_to_float(fraction);
-    return place->is == AHEAD_FRACTION && b->basis == AHEAD_MASS
-               ? ahead_model_mole_fraction(&b->m, place->stage, place->component, value)
+    return place->role == AHEAD_FRACTION && p->basis == AHEAD_MASS
+               ? ahead_model_mole_fraction(m, place->stage, place->component, value)
                : value;
 }
 
-real_t ahead_target_of(const struct ahead *b, unsigned i, const real_t *x)
+real_t ahead_places_pv_si(const struct ahead_places *p, const struct ahead_model *m, unsigned i,
+                          num_t fraction)
 {
-    return ahead_model_value(&b->m, x, b->pv[i].stage, b->pv[i].is == AHEAD_FRACTION,
-                             b->pv[i].component);
+    return value_si(p, m, &p->pv[i], fraction);
 }
 
-static void take_drive(const struct ahead *b, struct column_inputs *inputs,
+real_t ahead_places_target(const struct ahead_places *p, const struct ahead_model *m, unsigned i,
+                           const real_t *x)
+{
+    return ahead_model_value(m, x, p->pv[i].stage, p->pv[i].role == AHEAD_FRACTION,
+                             p->pv[i].component);
+}
+
+static void take_drive(const struct ahead_model *m, struct column_inputs *inputs,
                        const struct ahead_place *place, real_t fraction)
 {
     real_t value = place->zero + place->span * fraction;
-    if (place->is == AHEAD_FEED_FRACTION)
-        ahead_model_take_fraction(inputs, b->m.table.config.components, place->component, value);
-    else if (place->is >= AHEAD_FEED)
-        column_drive_take(&b->m.table, inputs, (enum column_drive)(place->is - AHEAD_FEED), value);
+    if (place->role == AHEAD_FEED_FRACTION)
+        ahead_model_take_feed(m, inputs, place->component, value);
+    else if (place->role >= AHEAD_FEED)
+        ahead_model_take_drive(m, inputs, (enum column_drive)(place->role - AHEAD_FEED), value);
 }
 
-void ahead_drive_by(const struct ahead *b, const real_t *u, struct column_inputs *inputs)
+void ahead_places_drive(const struct ahead_places *p, struct ahead_model *m, const real_t *u,
+                        struct column_inputs *inputs)
 {
-    *inputs = b->m.inputs;
-    for (unsigned j = 0; j < b->loops; j++)
-        take_drive(b, inputs, &b->input[b->mv[j]], u[j]);
+    *inputs = *ahead_model_inputs(m);
+    for (unsigned j = 0; j < p->loops; j++)
+        take_drive(m, inputs, &p->input[p->mv[j]], u[j]);
 }
 
 /* ---- where the column is ---- */
 
-static void insert_said(struct ahead_said *said, size_t *n, struct ahead_said one)
+static void insert_reading(struct ahead_reading *reading, size_t *n, struct ahead_reading one)
 {
-    size_t at = *n;
+    size_t place = *n;
     for (size_t k = 0; k < *n; k++)
-        if (said[k].stage == one.stage && said[k].component == one.component)
+        if (reading[k].stage == one.stage && reading[k].component == one.component)
             return; /* inputs come first: a PV there may be the noisier of the two */
-    for (; at > 0 && said[at - 1].stage > one.stage; at--)
-        said[at] = said[at - 1];
-    said[at] = one;
+    for (; place > 0 && reading[place - 1].stage > one.stage; place--)
+        reading[place] = reading[place - 1];
+    reading[place] = one;
     ++*n;
 }
 
-static struct ahead_said said_by(const struct ahead *b, const struct ahead_place *place,
-                                 num_t fraction)
+static struct ahead_reading reading_of(const struct ahead_places *p, const struct ahead_model *m,
+                                       const struct ahead_place *place, num_t fraction)
 {
-    return (struct ahead_said){.stage = place->stage,
-                               .component = place->component,
-                               .is_fraction = place->is == AHEAD_FRACTION,
-                               .value = ahead_place_si(b, place, fraction)};
+    return (struct ahead_reading){.stage = place->stage,
+                                  .component = place->component,
+                                  .is_fraction = place->role == AHEAD_FRACTION,
+                                  .value = value_si(p, m, place, fraction)};
 }
 
-static size_t gather_said(const struct ahead *b, const struct block_io *io, struct ahead_said *said)
+static size_t gather_readings(const struct ahead_places *p, const struct ahead_model *m,
+                              const struct block_io *io, struct ahead_reading *reading)
 {
     size_t n = 0;
-    for (unsigned k = 0; k < b->inputs; k++)
-        if (ahead_is_of_stage(b->input[k].is))
-            insert_said(said, &n, said_by(b, &b->input[k], io->input[k]));
-    for (unsigned i = 0; i < b->loops; i++)
-        insert_said(said, &n, said_by(b, &b->pv[i], io->in[i]));
+    for (unsigned k = 0; k < p->inputs; k++)
+        if (ahead_is_of_stage(p->input[k].role))
+            insert_reading(reading, &n, reading_of(p, m, &p->input[k], io->input[k]));
+    for (unsigned i = 0; i < p->loops; i++)
+        insert_reading(reading, &n, reading_of(p, m, &p->pv[i], io->in[i]));
     return n;
 }
 
 /* The MVs as they were in the interval that is over, everything else as it is now. */
-static void take_drives(struct ahead *b, const struct block_io *io)
+static void take_drives(const struct ahead_places *p, struct ahead_model *m,
+                        const struct block_io *io)
 {
-    for (unsigned k = 0; k < b->inputs; k++)
-        take_drive(b, &b->m.inputs, &b->input[k], num_to_float(io->input[k]));
+    for (unsigned k = 0; k < p->inputs; k++)
+        take_drive(m, ahead_model_inputs(m), &p->input[k], num_to_float(io->input[k]));
 }
 
-/* What is said of the column now. */
-static enum err correct(struct ahead *b, const struct block_io *io, real_t trust)
+static enum err correct_model(const struct ahead_places *p, struct ahead_model *m,
+                              const struct block_io *io, real_t trust)
 {
-    struct ahead_said said[AHEAD_SAID_MOST];
-    size_t n = gather_said(b, io, said);
-    return ahead_model_correct(&b->m, said, n, trust);
+    struct ahead_reading reading[AHEAD_READINGS_MOST];
+    size_t n = gather_readings(p, m, io, reading);
+    return ahead_model_correct(m, reading, n, trust);
 }
 
-enum err ahead_observe(struct ahead *b, const struct block_io *io)
+enum err ahead_places_observe(const struct ahead_places *p, struct ahead_model *m,
+                              const struct block_io *io, real_t trust)
 {
-    take_drives(b, io);
-    enum err err = ahead_model_carry(&b->m, &b->m.inputs);
-    return err ? err : correct(b, io, b->trust);
+    take_drives(p, m, io);
+    enum err err = ahead_model_carry(m, ahead_model_inputs(m));
+    return err ? err : correct_model(p, m, io, trust);
 }
 
-enum err ahead_find_column(struct ahead *b, const struct block_io *io)
+enum err ahead_places_find(const struct ahead_places *p, struct ahead_model *m,
+                           const struct block_io *io)
 {
-    take_drives(b, io);
-    enum err err = correct(b, io, ONE);
+    take_drives(p, m, io);
+    enum err err = correct_model(p, m, io, ONE);
     for (unsigned k = 0; !err && k < ROUNDS; k++) {
-        err = ahead_model_carry(&b->m, &b->m.inputs);
+        err = ahead_model_carry(m, ahead_model_inputs(m));
         if (!err)
-            err = correct(b, io, ONE);
+            err = correct_model(p, m, io, ONE);
     }
     return err;
 }

@@ -6,6 +6,8 @@
 #include "composition_tables.h"
 #include "cost.h"
 #include "kinds/ahead/column_ahead_block.h"
+#include "kinds/ahead/column_ahead_model.h"
+#include "kinds/ahead/column_ahead_parameters.h"
 
 #define SAMPLES 60u
 #define FIRST   5u
@@ -28,13 +30,13 @@ static void settings_for(unsigned stages)
     settings.trust = 1;
     settings.parts = 3;
     for (unsigned k = 0; k < SEEN; k++) {
-        settings.is[k] = AHEAD_TEMPERATURE;
+        settings.role[k] = AHEAD_TEMPERATURE;
         settings.place[k][AHEAD_STAGE] = (uint16_t)(3 + k * (stages - 4) / SEEN);
         settings.place[k][AHEAD_COMPONENT] = 1;
         setup.input[k] = (struct block_signal){250, 450, false};
     }
-    settings.is[SEEN] = AHEAD_REFLUX;
-    settings.is[SEEN + 1] = AHEAD_HEAT;
+    settings.role[SEEN] = AHEAD_REFLUX;
+    settings.role[SEEN + 1] = AHEAD_HEAT;
     for (unsigned i = 0; i < 2; i++) {
         settings.moves[i] = (uint16_t)(SEEN + 1u + i);
         settings.target[i][AHEAD_STAGE] = (uint16_t)(i ? 2 : stages - 1);
@@ -59,7 +61,7 @@ static void settings_for(unsigned stages)
         (struct block_signal){0, 2 * (table.nominal.heat + table.heat_loss), true};
     if (ahead_kind.check(&setup, &fault) != ERR_OK || ahead_kind.bytes(&setup) > sizeof state ||
         ahead_kind.configure(state, &setup, false) != ERR_OK)
-        b->loops = 0;
+        b->places.loops = 0;
 }
 
 /* Sets readings to the model's values at its profile, with some scatter. */
@@ -80,7 +82,7 @@ static void cost_of_column(unsigned stages)
     struct cost step = {0}, begin = {0}, prediction = {0};
     real_t temperature[COLUMN_STAGES_MAX];
     settings_for(stages);
-    if (!b->loops || ahead_model_look(&b->m, b->m.x) != ERR_OK)
+    if (!b->places.loops || ahead_model_look(&b->m, b->m.x) != ERR_OK)
         return; /* a row is missing */
     memcpy(temperature, b->m.column.temperature, sizeof temperature);
     struct block_io io = {.acting = 3,

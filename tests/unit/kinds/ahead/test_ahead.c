@@ -242,7 +242,7 @@ static void limits_that_widen_are_found(void)
 
 static void a_pv_that_is_not_where_it_was_predicted_is_told(void)
 {
-    settings.far[TOP] = 0.5f;
+    settings.alarm[TOP] = 0.5f;
     begin();
     ticks(3);
     TEST_ASSERT_EQUAL(0, io.raised);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "kinds/ahead/column_ahead_law.h"
+#include "kinds/ahead/column_ahead_law_state.h"
 #include "unity.h"
 
 #define CASES 2000

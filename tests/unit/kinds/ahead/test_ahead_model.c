@@ -25,15 +25,15 @@ static double profile(unsigned stage)
     return (double)m.table.profile[stage - 1];
 }
 
-static void said_fraction(struct ahead_said *said, unsigned stage, double x)
+static void said_fraction(struct ahead_reading *said, unsigned stage, double x)
 {
-    *said = (struct ahead_said){
+    *said = (struct ahead_reading){
         .stage = (uint8_t)(stage - 1), .component = 0, .is_fraction = true, .value = (real_t)x};
 }
 
 static void fractions_that_are_said_are_taken_and_stages_between_go_along(void)
 {
-    struct ahead_said said[2];
+    struct ahead_reading said[2];
     double first = profile(4) + 0.05, second = profile(9) - 0.04;
     said_fraction(&said[0], 4, first);
     said_fraction(&said[1], 9, second);
@@ -50,7 +50,7 @@ static void fractions_that_are_said_are_taken_and_stages_between_go_along(void)
 
 static void three_places_bend_the_correction_at_the_middle_one(void)
 {
-    struct ahead_said said[3];
+    struct ahead_reading said[3];
     said_fraction(&said[0], 2, profile(2));
     said_fraction(&said[1], 6, profile(6) + 0.1);
     said_fraction(&said[2], 10, profile(10));
@@ -65,7 +65,7 @@ static void three_places_bend_the_correction_at_the_middle_one(void)
 
 static void a_part_of_what_is_said_is_taken_in_a_step(void)
 {
-    struct ahead_said said;
+    struct ahead_reading said;
     said_fraction(&said, 6, profile(6) + 0.1);
     TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, REAL_C(0.25)));
     double whole = shift_of(profile(6) + 0.1) - shift_of(profile(6));
@@ -75,7 +75,7 @@ static void a_part_of_what_is_said_is_taken_in_a_step(void)
 static void temperature_is_met(void)
 {
     TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(&m, m.x));
-    struct ahead_said said = {.stage = 5, .component = 0};
+    struct ahead_reading said = {.stage = 5, .component = 0};
     said.value = m.column.temperature[5] + 3;
     for (unsigned k = 0; k < 4; k++)
         TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, 1));
@@ -99,7 +99,7 @@ static void a_temperature_of_four_components_is_met_too(void)
 static void at_rest_again_it_is_to_the_bit_what_it_was_at_first(void)
 {
     real_t first[12];
-    struct ahead_said said;
+    struct ahead_reading said;
     TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(&m, m.x));
     memcpy(first, m.column.temperature, sizeof first);
     said_fraction(&said, 6, profile(6) + 0.1);
@@ -112,7 +112,7 @@ static void at_rest_again_it_is_to_the_bit_what_it_was_at_first(void)
 /* In one correction a mole fraction goes by 0.2 at most. */
 static void what_is_far_away_is_met_in_pieces(void)
 {
-    struct ahead_said said;
+    struct ahead_reading said;
     said_fraction(&said, 6, 0.95);
     double before = profile(6);
     TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, 1));
@@ -121,7 +121,7 @@ static void what_is_far_away_is_met_in_pieces(void)
 
 static void no_mole_fraction_leaves_its_ends(void)
 {
-    struct ahead_said said;
+    struct ahead_reading said;
     for (unsigned k = 0; k < 20; k++) {
         said_fraction(&said, 6, k < 10 ? -0.5 : 1.5);
         TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, 1));

@@ -99,15 +99,15 @@ static void each_input_needs_a_place_that_the_column_has(void)
 
 static void what_drives_the_column_is_told_once_and_as_the_table_has_it(void)
 {
-    settings.is[IN_FEED] = AHEAD_REFLUX;
+    settings.role[IN_FEED] = AHEAD_REFLUX;
     refused(0, "is", "once");
-    settings.is[IN_FEED] = AHEAD_BOILUP;
+    settings.role[IN_FEED] = AHEAD_BOILUP;
     refused(0, "is", "heat or boilup");
-    settings.is[IN_FEED] = AHEAD_FEED_QUALITY;
+    settings.role[IN_FEED] = AHEAD_FEED_QUALITY;
     refused(0, "is", "temperature or quality");
-    settings.is[IN_FEED] = AHEAD_FEED_FRACTION;
+    settings.role[IN_FEED] = AHEAD_FEED_FRACTION;
     refused(0, "place", "not the closing one");
-    settings.is[IN_FEED] = AHEAD_FEED_FRACTION;
+    settings.role[IN_FEED] = AHEAD_FEED_FRACTION;
     settings.place[IN_FEED][AHEAD_COMPONENT] = 1;
     accepted();
 }

@@ -1,14 +1,15 @@
-/* Parameters of the kind `ahead`, and what is refused. */
-#include "kinds/ahead/column_ahead_block.h"
+#include "kinds/ahead/column_ahead_parameters.h"
 
 #include "block/refuse.h"
+#include "kinds/column/column.h"
+#include "model/column_drive.h"
 
 #define AT(field) offsetof(struct ahead_settings, field)
 
 const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
     {1, BLOCK_U16, AT(column), 1, 1, "column", "-", "number of the block with the column's table",
      0, CONFIG_BLOCKS, 0},
-    {2, BLOCK_WORD, AT(is), BLOCK_INPUTS_MAX, 1, "is",
+    {2, BLOCK_WORD, AT(role), BLOCK_INPUTS_MAX, 1, "is",
      "temperature|fraction|feed_fraction|feed|feed_temperature|feed_quality|reflux|heat|boilup|"
      "pressure",
      "what the input is of the column", 0, 0, AHEAD_TEMPERATURE},
@@ -29,7 +30,7 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
      1e6f, 0},
     {9, BLOCK_FLOAT, AT(miss_s), 1, 1, "miss", "s",
      "time in which what predictions miss is believed; 0: at once", 0, 1e6f, 0},
-    {10, BLOCK_FLOAT, AT(far), 1, AHEAD_LOOPS, "far", "EU",
+    {10, BLOCK_FLOAT, AT(alarm), 1, AHEAD_LOOPS, "far", "EU",
      "alarm: a prediction is off by more; 0: none", 0, 1e6f, 0},
     {11, BLOCK_FLOAT, AT(trust), 1, 1, "trust", "-",
      "part of what inputs say more than the model that it takes in a step", 0.01f, 1, 1},
@@ -43,9 +44,9 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
      0, 1, 0.4f},
 };
 
-static bool is_flow(uint8_t is)
+static bool is_flow(uint8_t role)
 {
-    return is == AHEAD_FEED || is == AHEAD_REFLUX || is == AHEAD_HEAT || is == AHEAD_BOILUP;
+    return role == AHEAD_FEED || role == AHEAD_REFLUX || role == AHEAD_HEAT || role == AHEAD_BOILUP;
 }
 
 static enum err check_stage(const struct block_setup *setup, const struct column_table *table,
@@ -61,7 +62,7 @@ static enum err check_stage(const struct block_setup *setup, const struct column
         return block_refuse(fault, 0, "place",
                             "needs a component of the table, not the closing one");
     for (unsigned i = 0; i < k; i++)
-        if (ahead_is_of_stage(s->is[i]) && s->place[i][AHEAD_STAGE] == stage &&
+        if (ahead_is_of_stage(s->role[i]) && s->place[i][AHEAD_STAGE] == stage &&
             s->place[i][AHEAD_COMPONENT] == component)
             return block_refuse(fault, 0, "place", "must have each stage and component once");
     return ERR_OK;
@@ -71,9 +72,9 @@ static enum err check_drive(const struct block_setup *setup, const struct column
                             unsigned k, struct block_fault *fault)
 {
     const struct ahead_settings *s = setup->settings;
-    bool of_component = s->is[k] == AHEAD_FEED_FRACTION;
+    bool of_component = s->role[k] == AHEAD_FEED_FRACTION;
     for (unsigned i = 0; i < k; i++)
-        if (s->is[i] == s->is[k] &&
+        if (s->role[i] == s->role[k] &&
             (!of_component || s->place[i][AHEAD_COMPONENT] == s->place[k][AHEAD_COMPONENT]))
             return block_refuse(fault, 0, "is", "must have each but those of stages once");
     if (of_component && (s->place[k][AHEAD_COMPONENT] < 1 ||
@@ -82,7 +83,7 @@ static enum err check_drive(const struct block_setup *setup, const struct column
                             "needs a component of the table, not the closing one");
     const char *wanted =
         of_component ? NULL
-                     : column_drive_refused(table, (enum column_drive)(s->is[k] - AHEAD_FEED));
+                     : column_drive_refused(table, (enum column_drive)(s->role[k] - AHEAD_FEED));
     return wanted ? block_refuse(fault, 0, "is", wanted) : ERR_OK;
 }
 
@@ -93,7 +94,7 @@ static enum err check_ahead_loop(const struct block_setup *setup, const struct c
     unsigned k = s->moves[i], stage = s->target[i][AHEAD_STAGE];
     if (!setup->member[i].drives_mv)
         return block_refuse(fault, i, "loops", "needs loops that move an MV, not another loop");
-    if (k < 1 || k > setup->inputs || !setup->input[k - 1].is_mv || !is_flow(s->is[k - 1]))
+    if (k < 1 || k > setup->inputs || !setup->input[k - 1].is_mv || !is_flow(s->role[k - 1]))
         return block_refuse(
             fault, i, "moves",
             "needs the number of an input that is the loop's MV: feed, reflux, heat "
@@ -136,8 +137,8 @@ enum err ahead_check(const struct block_setup *setup, struct block_fault *fault)
         return block_refuse(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;
     for (unsigned k = 0; !err && k < setup->inputs; k++)
-        err = ahead_is_of_stage(s->is[k]) ? check_stage(setup, &table, k, fault)
-                                          : check_drive(setup, &table, k, fault);
+        err = ahead_is_of_stage(s->role[k]) ? check_stage(setup, &table, k, fault)
+                                            : check_drive(setup, &table, k, fault);
     for (unsigned i = 0; !err && i < setup->members; i++)
         err = check_ahead_loop(setup, &table, i, fault);
     return err;
