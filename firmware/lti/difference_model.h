@@ -23,7 +23,7 @@ struct difference_model {
     real_t b[DIFFERENCE_MOST][DIFFERENCE_MOST][DIFFERENCE_B_MOST];
 };
 
-/* What has been, newest first, all of it as deviations from where the model is at rest. Zeros: at rest. */
+/* Past inputs and outputs, newest first, as deviations from where the model is at rest. Zeros: at rest. */
 struct difference_state {
     real_t y[DIFFERENCE_MOST][DIFFERENCE_A_MOST];
     real_t u[DIFFERENCE_MOST][DIFFERENCE_B_MOST];

@@ -1,5 +1,5 @@
 /* A plant as matrices: x' = A x + B u + E d, y = C x, deviations from where it is at rest; d are disturbances. In discrete time x' is x
- * a period later. Feedthrough there is none. */
+ * a period later. There is no feedthrough. */
 #ifndef REFLUX_LTI_STATE_MODEL_H
 #define REFLUX_LTI_STATE_MODEL_H
 

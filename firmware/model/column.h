@@ -39,7 +39,7 @@ enum column_holdup {
     COLUMN_HOLDUP_CONSERVATIVE
 };
 
-/* How a stream's flow is given. */
+/* Unit of a stream's flow. */
 enum column_basis {
     COLUMN_FLOW_MOLAR, /* mol/s */
     COLUMN_FLOW_MASS,  /* kg/s */
@@ -89,41 +89,41 @@ struct column_config {
     void *activity_context; /* handed to activity */
     /* Holdups that move, molar form only; all 0: none does. Each is a further state, its holdup over the nominal one
      * (those above), from the reboiler up behind the mole fractions. docs/columns.md has the equations. */
-    real_t
-        hydraulic_time; /* s, of the trays' liquid; 0: their holdup is constant, above 0 otherwise */
+    /* s, of the trays' liquid; 0: their holdup is constant, above 0 otherwise */
+    real_t hydraulic_time;
     real_t hydraulic_vapour; /* liquid driven off a tray by more vapour, mol per mol, -5 to 5 */
     enum column_levels levels;
     struct column_level condenser_level, reboiler_level; /* of COLUMN_LEVELS_HOLDUPS */
     real_t level_capacity; /* of both vessels, over the nominal holdup, above 1, at most 10 */
 };
 
-/* What is wrong with a config or with inputs. */
+/* A fault of a config or of inputs. */
 struct column_fault {
     const char *field;  /* name of the field, "" when nothing is wrong */
     const char *wanted; /* the range it must be in */
 };
 
-/* What says how hot the feed is. */
+/* Measure of the feed's heat. */
 enum column_feed_state {
     COLUMN_FEED_TEMPERATURE, /* its temperature, by heat capacity and heat of vaporisation */
     COLUMN_FEED_QUALITY      /* its quality: constant molar overflow at the feed */
 };
 
-/* What drives the column. */
+/* Inputs of the column. */
 struct column_inputs {
     enum column_basis feed_basis;
     real_t feed_flow; /* 0 or more, unit as feed_basis says */
-    real_t
-        feed_fraction[COLUMN_COMPONENTS_MAX]; /* mole fractions, each 0 to 1, sum 1 within 1e-3 */
-    real_t feed_temperature;                  /* K, within the config's temperature range */
+    /* mole fractions, each 0 to 1, sum 1 within 1e-3 */
+    real_t feed_fraction[COLUMN_COMPONENTS_MAX];
+    real_t feed_temperature; /* K, within the config's temperature range */
     enum column_basis reflux_basis;
     real_t reflux_flow;       /* wanted flow, 0 or more */
     real_t reflux_subcooling; /* K below the drum's bubble point, 0 to 100 */
     real_t heat;              /* W going into boiling, 0 or more */
     real_t pressure_top;      /* Pa in the condenser, 100 to 1e7 */
     enum column_feed_state feed_state;
-    real_t
-        feed_quality; /* 0 (vapour at its dew point) over 1 (boiling liquid) to 2; not used with a temperature */
+    /* 0 (vapour at its dew point) over 1 (boiling liquid) to 2; not used with a temperature */
+    real_t feed_quality;
     bool boilup_given; /* boilup counts, heat does not */
     real_t boilup;     /* mol/s of vapour leaving the reboiler, 0 or more */
     /* With COLUMN_LEVELS_HOLDUPS, where no level moves them: wanted flows, 0 or more. */
@@ -173,11 +173,11 @@ struct column {
     real_t liquid[COLUMN_STAGES_MAX];      /* mol/s leaving the stage; [0] bottoms, [N-1] reflux */
     real_t vapour_flow[COLUMN_STAGES_MAX]; /* mol/s leaving the stage upwards; [N-1] is 0 */
     real_t holdup[COLUMN_STAGES_MAX]; /* mol; where it moves, at least 1e-4 of the nominal one */
-    real_t vapour[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX]; /* mole fractions leaving, [s C + j];
-                                                                 condenser: none, the drum's bubble */
+    /* mole fractions leaving, [s C + j]; condenser: none, the drum's bubble */
+    real_t vapour[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];
     struct column_flows flows;
-    real_t
-        feed_efficiency; /* of the feed tray: that of all trays, or more where a flash leaves no other choice */
+    /* of the feed tray: that of all trays, or more where a flash leaves no other choice */
+    real_t feed_efficiency;
 
     /* inside */
     real_t k[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];

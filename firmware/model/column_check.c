@@ -1,4 +1,4 @@
-/* What a column's config and inputs must be: one line per field. */
+/* Checks of a column's config and inputs: one line per field. */
 #include "model/column.h"
 
 #define TEXT_OF(x) #x
@@ -77,7 +77,7 @@ static enum err check_component(const struct column_config *c, const struct comp
     return check_heats(c, p, fault);
 }
 
-/* What something needs of every component. */
+/* Checks that every component has what a form needs. */
 static enum err need_mass(const struct column_config *c, struct column_fault *fault)
 {
     for (size_t j = 0; j < c->components; j++)

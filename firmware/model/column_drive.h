@@ -1,4 +1,4 @@
-/* What drives a column, as blocks are told of it: one value after the other, in SI units. */
+/* Inputs of a column as blocks measure them: one value after the other, in SI units. */
 #ifndef REFLUX_MODEL_COLUMN_DRIVE_H
 #define REFLUX_MODEL_COLUMN_DRIVE_H
 
@@ -25,7 +25,8 @@ static inline float column_drive_factor(float factor)
 void column_drive_take(const struct column_table *table, struct column_inputs *inputs,
                        enum column_drive drive, real_t value);
 
-/* What would be right, in words, where the table is driven by another one: heat or boil-up, the feed's temperature or quality. NULL: it is right. */
+/* Returns what would be right, in words, where the table has the other one: heat or boil-up, the feed's temperature or quality. NULL: it is
+ * right. */
 const char *column_drive_refused(const struct column_table *table, enum column_drive drive);
 
 #endif

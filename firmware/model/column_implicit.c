@@ -8,7 +8,7 @@
 
 #define M_MAX (COLUMN_COMPONENTS_MAX - 1)
 
-/* What is done at a stage takes m, the number of mole fractions, and is expanded where it is called: for two of them, which is what a column
+/* Functions for a stage take m, the number of mole fractions, and are expanded where they are called: for two of them, which is what a column
  * on a board mostly has, and for any number. Loops of two turns cost more than what is in them; without them a step of this file takes
  * half of the instructions. */
 
@@ -90,7 +90,7 @@ static ALWAYS_INLINE void close_rows(size_t m, const struct column *column, size
     row[2 * m] = ZERO;
 }
 
-/* Of the vapour leaving the stage, by the change of the liquid on the stage above. */
+/* Finds the change of the vapour leaving the stage, by the change of the liquid on the stage above. */
 static ALWAYS_INLINE void leave(size_t m, real_t efficiency, const real_t *dy,
                                 const struct rows *rows, struct vapour_change *v)
 {

@@ -14,26 +14,26 @@
 
 #include "model/column.h"
 
-/* What draws the column at one stage: the rate of one mole fraction there gets
+/* A pull on the column at one stage: the rate of one mole fraction there gets
  *
  *     (gain (e - sum_j b_j d_j) + rate) / b_component,   b_j = dT/dx_j
  *
  * which moves the bubble point by that rate, K/s; the sum is what the step itself takes off the deviation. Frau (7.1a). */
 struct column_pull {
-    size_t stage,
-        component; /* from 0; a stage that is not truncated, a component that is not the closing one */
+    /* from 0; a stage that is not truncated, a component that is not the closing one */
+    size_t stage, component;
     real_t deviation; /* e, K: temperature measured less temperature[stage] */
     real_t gain;      /* 1/s */
     real_t rate;      /* K/s */
 };
 
-/* What a step leaves for its way back down. */
+/* Numbers of a step for its way back down. */
 struct column_blocks {
     real_t ratio[COLUMN_STAGES_MAX * (COLUMN_COMPONENTS_MAX - 1) * (COLUMN_COMPONENTS_MAX - 1)];
     real_t change[COLUMN_STATES_MAX];
 };
 
-/* What the temperature of a truncated stage is of those of the two nearest stages that are not. */
+/* Temperature of a truncated stage from those of the two nearest stages that are not. */
 enum column_between {
     COLUMN_BETWEEN_LINE, /* on the straight line between them */
     COLUMN_BETWEEN_MEAN  /* their mean, Frau (6.3): vapour pressures once a region */
@@ -53,7 +53,7 @@ MUST_CHECK enum err column_implicit_step(const struct column *column, const bool
                                          const struct column_pull *pull, size_t pulls,
                                          struct column_blocks *blocks);
 
-/* x + d, each mole fraction within what the others leave. How many were not: their d becomes what they moved. */
+/* x + d, each mole fraction within what the others leave. Returns how many were not: their d becomes what they moved. */
 size_t column_move(const struct column *column, real_t *x, real_t *change);
 
 #endif

@@ -16,7 +16,7 @@ struct column_table_text {
     const float *value; /* [COLUMN_TABLE_MOST], 0 behind the size */
 };
 
-/* What it says. It holds pointers into itself and into the values: these must stay, and after it has been moved
+/* The table as it was read. It holds pointers into itself and into the values: these must stay, and after it has been moved
  * column_table_moved() is called. */
 struct column_table {
     struct column_config config;
@@ -40,12 +40,12 @@ MUST_CHECK enum err column_table_read(const struct column_table_text *text,
                                       struct column_table *table, struct column_fault *fault);
 void column_table_moved(struct column_table *table);
 
-/* Of stage 1 (the reboiler) and up: whether an estimator does without the composition of this stage as a state. */
+/* True: an estimator does without the composition of this stage, 1 (the reboiler) and up, as a state. */
 bool column_table_is_truncated(const struct column_table *table, size_t stage);
-/* States that are left: N (C - 1) less one for each of these stages. */
+/* Returns the number of states: N (C - 1) less one for each of these stages. */
 size_t column_table_states(const struct column_table *table);
 
-/* How many stages of the two values COLUMN_TABLE_TRUNCATED these are. */
+/* Returns the number of stages in the two values COLUMN_TABLE_TRUNCATED. */
 unsigned column_table_count(const float value[2]);
 
 /* A name from its four values; false: that is none. */

@@ -1,10 +1,10 @@
-/* Where what stands in the compact table of a column (docs/column-table.md). Nothing but numbers of places: whoever makes
+/* Places in the compact table of a column (docs/column-table.md). Nothing but numbers of places: whoever makes
  * a table and whoever reads one may have different real_t. */
 #ifndef REFLUX_MODEL_COLUMN_TABLE_FORM_H
 #define REFLUX_MODEL_COLUMN_TABLE_FORM_H
 
 #define COLUMN_TABLE_VERSION 1
-/* What a board takes. */
+/* The most that a board takes. */
 #define COLUMN_TABLE_STAGES     40
 #define COLUMN_TABLE_COMPONENTS 4
 

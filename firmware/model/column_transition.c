@@ -42,7 +42,7 @@ static ALWAYS_INLINE void stage_rows(size_t m, const struct column *column, size
     }
 }
 
-/* What leaves the stage as vapour, by its own liquid: E dy/dx. Nothing leaves a condenser. */
+/* Vapour leaving the stage by its own liquid: E dy/dx. Nothing leaves a condenser. */
 static ALWAYS_INLINE void vapour_by_liquid(size_t m, const struct column *column, const real_t *x,
                                            size_t s, real_t efficiency, real_t *g)
 {

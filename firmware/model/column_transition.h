@@ -1,9 +1,9 @@
-/* How deviations of a column's mole fractions move over one step of column_implicit.h: v <- Phi v with
+/* Deviations of a column's mole fractions over one step of column_implicit.h: v <- Phi v with
  *
  *     Phi = (I - h J)^-1
  *
  * J as there: flows, holdups and activity coefficients held, the vapours' memory of all stages under them included. The matrix is
- * never there, only its factors, stage by stage. With w_s the change of the vapour leaving stage s, elimination from the condenser
+ * never made, only its factors, stage by stage. With w_s the change of the vapour leaving stage s, elimination from the condenser
  * down leaves two sweeps,
  *
  *     s = N-1 .. 0:   r_s = P_s (v_s + l_s r_(s+1))                                 r_N = 0

@@ -28,7 +28,7 @@
 
 /* d(ln gamma)/dT, at the temperature it was taken at; good for those near it. */
 struct activity_slope {
-    real_t at; /* K */
+    real_t temperature; /* K */
     real_t number[COLUMN_COMPONENTS_MAX];
 };
 #define SLOPE_HOLDS_K REAL_C(1.0)
@@ -37,7 +37,7 @@ struct activity_slope {
 static void take_activity_slope(const struct vle *vle, const real_t *x, real_t temperature,
                                 const real_t *gamma, struct activity_slope *slope)
 {
-    slope->at = temperature;
+    slope->temperature = temperature;
     vle->activity(vle->activity_context, x, temperature + SLOPE_K, slope->number);
     for (size_t j = 0; j < vle->n; j++)
         slope->number[j] = (slope->number[j] / gamma[j] - REAL_C(1.0)) / SLOPE_K;
@@ -58,7 +58,7 @@ static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pr
     if (!vle->activity)
         return;
     vle->activity(vle->activity_context, x, temperature, gamma);
-    if (real_abs(temperature - slope->at) > SLOPE_HOLDS_K)
+    if (real_abs(temperature - slope->temperature) > SLOPE_HOLDS_K)
         take_activity_slope(vle, x, temperature, gamma, slope);
     for (size_t j = 0; j < vle->n; j++) {
         k[j] *= gamma[j];
@@ -121,7 +121,7 @@ enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressur
         t = vle->temperature_max;
     real_t finish = vle->activity ? FINISH_ACTIVITY_K : FINISH_K;
     warm = warm && t == *temperature;
-    by_temperature.at = REAL_C(-1e9);
+    by_temperature.temperature = REAL_C(-1e9);
 
     for (int i = 0; i < ITERATIONS_MAX; i++) {
         real_t sum = REAL_C(0.0), slope = REAL_C(0.0);

@@ -101,7 +101,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
     return err;
 }
 
-/* What loop i is to be an interval later. */
+/* Returns the PV that loop i is to have an interval later. */
 static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
     real_t present = ahead_places_target(&b->places, &b->m, i, ahead_model_x(&b->m)) + b->bias[i];
@@ -139,8 +139,7 @@ static void begin_to_watch(struct ahead *b)
         b->worse[i] = ZERO;
 }
 
-/* Whether a model that is wrong in sign, unit or place, or MVs that are slow, make predictions useless: so often it would have been
- * better to expect no change. */
+/* True: it would have been better too often to expect no change, because the model is wrong in sign, unit or place, or MVs are slow. */
 static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 {
     bool doubts = false;
@@ -278,7 +277,7 @@ static void ahead_step(void *state, struct block_io *io)
     }
 }
 
-/* What took effect, as far as it was not what the step gave. */
+/* Takes the MVs that took effect, as far as the step gave others. */
 static void ahead_back_calculate(void *state, struct block_io *io)
 {
     struct ahead *b = state;

@@ -6,8 +6,8 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-/* Where inputs do nearly the same, or nothing at all, they move little: the sum of squares of what is left and of the moves times this part of
- * the largest element. 1e-3 of that element changes the answer by as much where b has a condition number of 30. */
+/* Damping, part of the largest element, of the sum of squares of what is left and of the moves: inputs that do nearly the same, or nothing at all,
+ * move little. 1e-3 of that element changes the answer by as much where b has a condition number of 30. */
 #define DAMPING REAL_C(1e-3)
 #define WIDTH   (AHEAD_LOOPS + 1)
 

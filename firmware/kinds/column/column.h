@@ -20,11 +20,11 @@ static inline uint32_t column_record_checksum(const struct column_record *record
     return (uint32_t)record->checksum[0] << 16 | record->checksum[1];
 }
 
-/* What a record says: of the block itself, or of `named` in the setup of one that names it. The record must stay as long
- * as the table is used. Errors as column_table_read(). */
+/* Reads a record: of the block itself, or `named` in the setup of one that names it. The record must stay as long as the table is
+ * used. Errors as column_table_read(). */
 MUST_CHECK enum err column_record_read(const struct column_record *record,
                                        struct column_table *table, struct column_fault *fault);
-/* The same, and the column of that table, which has to stay. Errors as column_record_read() and column_init(). */
+/* Reads it and makes the column of that table, which has to stay. Errors as column_record_read() and column_init(). */
 MUST_CHECK enum err column_record_open(const struct column_record *record,
                                        struct column_table *table, struct column *column);
 

@@ -6,7 +6,7 @@
 
 #define NAME_SIZE (COLUMN_TABLE_NAME_SIZE + 9) /* with what stands in front of it */
 
-/* What the console shows. */
+/* State: values for the console. */
 struct column_state {
     float size, stages, feed_stage, states;
     float feed[COLUMN_TABLE_COMPONENTS];
@@ -101,12 +101,12 @@ static void name_it(char text[NAME_SIZE], const char *what, const float *value)
     text_str(&t, name);
 }
 
-/* In the tick: what check() has accepted is looked up, not read again. */
+/* Runs in the tick: it looks values up that check() has accepted, and does not read the table again. */
 static enum err column_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct column_state *c = state;
     const struct column_record *record = setup->settings;
-    const float *v = record->value, *at = v + COLUMN_TABLE_FIXED;
+    const float *v = record->value, *component = v + COLUMN_TABLE_FIXED;
     (void)retune;
     memset(c, 0, sizeof *c);
     c->size = (float)record->size;
@@ -116,9 +116,9 @@ static enum err column_configure(void *state, const struct block_setup *setup, b
     c->states = c->stages * (float)(c->components - 1u) -
                 (float)column_table_count(v + COLUMN_TABLE_TRUNCATED);
     name_it(c->table, "table of ", v + COLUMN_TABLE_TITLE);
-    for (unsigned j = 0; j < c->components; j++, at += COLUMN_TABLE_C_VALUES) {
-        name_it(c->component[j], "feed of ", at + COLUMN_TABLE_C_NAME);
-        c->feed[j] = at[COLUMN_TABLE_C_FEED];
+    for (unsigned j = 0; j < c->components; j++, component += COLUMN_TABLE_C_VALUES) {
+        name_it(c->component[j], "feed of ", component + COLUMN_TABLE_C_NAME);
+        c->feed[j] = component[COLUMN_TABLE_C_FEED];
     }
     return ERR_OK;
 }

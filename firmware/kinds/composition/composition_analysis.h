@@ -17,7 +17,7 @@
 struct composition_analysis;
 struct composition_analyses;
 
-/* What an analyser shows. */
+/* A reading of an analyser. */
 struct composition_sample {
     real_t y;     /* mole fraction */
     real_t age_s; /* s, since the sample was taken */

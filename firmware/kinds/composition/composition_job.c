@@ -8,11 +8,11 @@
 #define ONE  REAL_C(1.0)
 #define HOUR REAL_C(3600.0)
 
-/* Mole fractions that get their noise in a cycle: of a large whole covariance it costs as much as all the rest if all get it. Of a small
- * one all do: where trays are faster than a tick, gains would come and go with the noise. */
+/* Mole fractions that get their noise in a cycle. In a large whole covariance noise for all of them costs as much as everything else. In a
+ * small one all get it, because gains would come and go with the noise where trays are faster than a tick. */
 #define NOISE_COUNT 8u
 #define NOISE_SMALL 36u
-/* What a mole fraction gathers is proportional to x (1 - x), at least as much as at this one. */
+/* The noise of a mole fraction is proportional to x (1 - x), at least as much as at this one. */
 #define NOISE_PURE REAL_C(0.01)
 /* An offset of the model changes in so many seconds. */
 #define OFFSET_S REAL_C(86400.0)

@@ -108,7 +108,7 @@ static real_t impurity(const struct composition_parts *p, unsigned k)
     return least > IMPURITY_LEAST ? least : IMPURITY_LEAST;
 }
 
-/* Where there is an analysis the model's error is found. */
+/* True: an analysis finds the model's error at the point. */
 static bool is_analysed(const struct composition_parts *p, unsigned k)
 {
     const uint16_t *point = p->settings->point[k];

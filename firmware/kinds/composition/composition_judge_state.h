@@ -7,10 +7,10 @@
 #if CONFIG_BLOCKS
 
 struct composition_judge {
-    uint32_t
-        without;    /* consecutive steps without any temperature that draws, or vapour; saturates */
-    uint32_t steps; /* towards being settled; back in steps that see nothing */
-    uint32_t dry;   /* steps with vapour until the vapour counts */
+    /* consecutive steps without any temperature that draws, or vapour; saturates */
+    uint32_t without;
+    uint32_t steps;  /* towards being settled; back in steps that see nothing */
+    uint32_t dry;    /* steps with vapour until the vapour counts */
     uint8_t missing; /* number of the first missing input that is no temperature, or 0 */
     bool seen;       /* a temperature has drawn since the beginning */
 };

@@ -371,7 +371,7 @@ static void filter(const struct composition_sensors *all, struct composition_sen
     s->variance *= s->noise2 / s->spread; /* rounding leaves it above 0 */
 }
 
-/* What the step means for the sensors, and with an EKF what the sensors mean for the step. */
+/* Moves the sensors by the step, and with an EKF the step by the sensors. */
 static void take_step(struct composition_sensors *all, struct composition_model *model,
                       const real_t *gain)
 {

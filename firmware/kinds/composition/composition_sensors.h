@@ -36,7 +36,7 @@ bool composition_sensors_draws(const struct composition_sensors *all, unsigned k
 bool composition_sensors_draws_in(const struct composition_sensors *all, unsigned k,
                                   size_t feed_stage, bool above);
 
-/* What the monitor looks at. */
+/* The innovation of a sensor in a step, for the monitor. */
 struct composition_innovation {
     real_t e;          /* K */
     real_t expected;   /* K2, variance of e */

@@ -1,4 +1,4 @@
-/* What the forms of a Kalman filter's covariance have in common: how the states move over a step, and what a measurement is.
+/* Steps and measurements of a Kalman filter's covariance, common to its forms.
  *
  * States, in this order: mole fractions of the column as in model/column.h (n = stages m of them), then up to COVARIANCE_EXTRAS_MAX
  * "extras" (an unknown part of the feed's composition or flow, the offset of an analysed place). Extras move the fractions, fractions do
@@ -7,8 +7,8 @@
  *     P <- A (P + N) A' + G,   A = [Phi   Phi push']    Phi of model/column_transition.h: what an extra pushes is carried as well
  *                                  [ 0      keep   ]
  *
- * N is what fractions gather. It is there before Phi, as an unknown rate during the step, which a stage that settles sooner does not
- * keep; G is what extras gather.
+ * N is the noise of the fractions. It enters before Phi, as an unknown rate during the step, which a stage that settles sooner does not
+ * keep; G is the noise of the extras.
  *
  * Forms: kinds/composition/covariance_ud.h, the whole; kinds/composition/covariance_band.h, of neighbouring stages. */
 #ifndef REFLUX_COMPOSITION_COVARIANCE_H
@@ -22,12 +22,12 @@
 /* No variance is known to be less, given all states behind it in the order above: a standard deviation of 1e-12. */
 #define COVARIANCE_LEAST REAL_C(1e-24)
 
-/* How the states move over a step. All arrays are the caller's and stay as they are until the step is done. */
+/* A step of the states. All arrays are the caller's and stay as they are until the step is done. */
 struct covariance_step {
     const struct column_transition *transition;
     size_t extras;
-    const real_t *
-        push; /* [extras][n]: h times the slope of the fractions' rates by each extra; zeros for an offset */
+    /* [extras][n]: h times the slope of the fractions' rates by each extra; zeros for an offset */
+    const real_t *push;
     const real_t *keep;  /* [extras]: part of an extra that is left after the step, 0 to 1 */
     const real_t *grown; /* [extras]: variance that an extra gathers in the step, 0 or more */
     const real_t *noise; /* [n]: variance that a fraction gathers in the step, 0 or more */

@@ -29,10 +29,10 @@
 #define COVARIANCE_BAND_GROWTH (REAL_C(1.0) + REAL_C(1.9073486328125e-6))
 #define COVARIANCE_BAND_BLOCK  ((size_t)COVARIANCE_BAND_M_MAX * COVARIANCE_BAND_M_MAX)
 
-/* What an extra's change over the step does to what it says of the fractions. */
+/* The change of an extra over the step, for the fractions that depend on it. */
 struct covariance_band_fresh {
     real_t unknown;                    /* variance of the old extra, given the new ones */
-    real_t mix[COVARIANCE_EXTRAS_MAX]; /* what the old one is by them, less the new one */
+    real_t mix[COVARIANCE_EXTRAS_MAX]; /* the old one by them, less the new one */
 };
 
 struct covariance_band {
@@ -43,7 +43,7 @@ struct covariance_band {
     /* within a step */
     size_t phase, next;
     struct covariance_band_fresh fresh[COVARIANCE_EXTRAS_MAX];
-    real_t block[4][COVARIANCE_BAND_BLOCK]; /* what a sweep takes from stage to stage */
+    real_t block[4][COVARIANCE_BAND_BLOCK]; /* carried by a sweep from stage to stage */
     real_t row[COVARIANCE_EXTRAS_MAX * COVARIANCE_BAND_M_MAX];
     enum err err; /* ERR_NOT_FINITE: the last step made something that is no number */
 };

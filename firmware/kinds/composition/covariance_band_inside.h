@@ -1,4 +1,4 @@
-/* What the files of the banded covariance share: covariance_band_step.c (beginning, extras, pieces of a step), covariance_band_take.c
+/* Functions that the files of the banded covariance share: covariance_band_step.c (beginning, extras, pieces of a step), covariance_band_take.c
  * (measurements), and the work at each stage in covariance_band_stage.h, which is built twice: covariance_band_two.c for two
  * fractions a stage, which is what a column on a board mostly has, covariance_band_any.c for any number. */
 #ifndef REFLUX_COMPOSITION_COVARIANCE_BAND_INSIDE_H

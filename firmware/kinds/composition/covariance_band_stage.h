@@ -19,7 +19,7 @@
 _Static_assert(COVARIANCE_BAND_M_MAX >= 2 && COVARIANCE_BAND_M_MAX <= BLOCK_M_MAX,
                "more fractions a stage than blocks are made for");
 
-/* What a sweep takes along, where a compiler sees that nothing else points to it. */
+/* The blocks that a sweep carries, where a compiler sees that nothing else points to them. */
 struct band_along {
     real_t block[4][BLOCK_SIZE];
 };
@@ -38,8 +38,8 @@ static BAND_STAGE void keep_along(size_t m, const struct band_along *along,
         block_copy(m * m, along->block[k], c->block[k]);
 }
 
-/* What extras say of a stage, for the new extras in place of the old ones; what they do not say goes to the stage's covariances. row:
- * of the stage above, what extra after extra adds to its own, and then that of this stage. */
+/* Expresses a stage by the new extras in place of the old ones; the rest goes to the stage's covariances. row: numbers that each extra adds to
+ * its own, of the stage above, and afterwards of this stage. */
 static BAND_STAGE void renew_stage(size_t m, struct covariance_band *c,
                                    const struct covariance_step *step, size_t s, real_t *own,
                                    real_t *up, real_t *restrict said)
@@ -224,7 +224,7 @@ static BAND_STAGE real_t within_covariance(real_t g, real_t variance, real_t spr
     return g < ZERO ? -most : most;
 }
 
-/* What a measurement does at one stage. g: S h' of the stage; own: its S. */
+/* Takes a measurement at one stage. g: S h' of the stage; own: its S. */
 static BAND_STAGE void take_stage(size_t m, size_t extras, const struct band_seen *seen,
                                   const real_t *g, const real_t *part, real_t *restrict own,
                                   real_t *restrict said, real_t *restrict gain)

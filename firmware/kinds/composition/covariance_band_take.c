@@ -79,8 +79,8 @@ real_t covariance_band_take(struct covariance_band *c, const struct covariance_m
     return alpha;
 }
 
-/* Of a fraction that hangs on the extras by said[0], said[m], ...: what they tell of it. */
-static real_t told_variance(const struct covariance_band *c, const real_t *said, size_t m)
+/* Returns the variance that the extras give a fraction which depends on them by said[0], said[m], ... */
+static real_t variance_by_extras(const struct covariance_band *c, const real_t *said, size_t m)
 {
     const real_t *column = c->ud;
     real_t sum = ZERO;
@@ -115,7 +115,7 @@ void covariance_band_extremes(const struct covariance_band *c, real_t *least, re
         const real_t *own = &c->blocks[s * stride], *said = own + 2 * m * m;
         size_t count = s < c->stages ? m : c->extras;
         for (size_t i = 0; i < count; i++) {
-            real_t v = s < c->stages ? told_variance(c, said + i, m) + own[i * (m + 1)]
+            real_t v = s < c->stages ? variance_by_extras(c, said + i, m) + own[i * (m + 1)]
                                      : extra_variance(c, i);
             lo = s + i == 0 || v < lo ? v : lo;
             hi = s + i == 0 || v > hi ? v : hi;

@@ -8,8 +8,8 @@
 #define M_MAX ((size_t)COLUMN_COMPONENTS_MAX - 1)
 _Static_assert(M_MAX == 3, "what is expanded, is so for one, two and three mole fractions");
 
-/* What is done for each row of columns takes m, the number of mole fractions, and is expanded for each with its loops undone: that is
- * half of the instructions for two of them and a quarter for three. What is done for a stage is not. */
+/* Functions for each row of columns take m, the number of mole fractions, and are expanded for each m with their loops undone: that takes
+ * half of the instructions for two of them and a quarter for three. Functions for a stage are not expanded. */
 #define EXPANDED inline __attribute__((always_inline))
 #define UNDONE   _Pragma("GCC unroll 8")
 
@@ -66,7 +66,7 @@ static void make_turn(size_t m, real_t rows[M_MAX][2 * M_MAX], struct turn *turn
     }
 }
 
-/* Of reflection i, with m and i known: its product with a row is taken off. */
+/* Takes the product of reflection i with a row off the row, with m and i known. */
 static EXPANDED void reflect_row(size_t m, size_t i, const real_t *v, real_t *row)
 {
     real_t sum = v[0] * row[0];

@@ -1,5 +1,5 @@
-/* What kinds/composition/covariance_ud.c does with the square root S = U D^(1/2), in this order: every extra, every stage from the reboiler up, every
- * stage from the condenser down. Between the parts the triangle holds columns of S and of U D side by side. */
+/* Parts of a step of kinds/composition/covariance_ud.c on the square root S = U D^(1/2), in this order: every extra, every stage from the reboiler up,
+ * every stage from the condenser down. Between the parts the triangle holds columns of S and of U D side by side. */
 #ifndef REFLUX_COMPOSITION_COVARIANCE_ROOT_H
 #define REFLUX_COMPOSITION_COVARIANCE_ROOT_H
 

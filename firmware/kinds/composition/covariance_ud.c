@@ -46,7 +46,7 @@ enum err covariance_ud_begin(struct covariance_ud *c, size_t stages, size_t m, s
 
 /* ---- a step ---- */
 
-/* Variance for `at`, and with it for the state behind it where there is one more of `left` and it is the next. How many it were. */
+/* Adds variance to state `at`, and to the next one where two of `left` are left. Returns the number of states. */
 static size_t add_from(struct covariance_ud *c, size_t at, const real_t *variance, size_t left)
 {
     if (!(variance[0] > ZERO))
@@ -87,10 +87,10 @@ static size_t length_of(const struct covariance_ud *c, const struct covariance_s
     return 0;
 }
 
-/* What is done for a stage however many are below it, in elements. */
+/* Effort for a stage however many are below it, in elements. */
 #define STAGE_EFFORT 50
 
-/* Elements that the next thing of a phase is about. */
+/* Returns the effort of the next part of a phase, in elements. */
 static size_t effort_of(const struct covariance_ud *c, const struct covariance_step *step)
 {
     switch ((enum phase)c->phase) {
@@ -112,7 +112,7 @@ static size_t effort_of(const struct covariance_ud *c, const struct covariance_s
     return 1;
 }
 
-/* How far that goes. */
+/* Does it; returns the number of parts done. */
 static size_t do_next(struct covariance_ud *c, const struct covariance_step *step)
 {
     switch ((enum phase)c->phase) {

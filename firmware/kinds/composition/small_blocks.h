@@ -71,7 +71,7 @@ static BLOCK_FUNCTION void block_product_turned(size_t m, const real_t *a, const
         }
 }
 
-/* What is left of the diagonal becomes what is right of it. */
+/* Copies the elements right of the diagonal to the left of it. */
 static BLOCK_FUNCTION void block_mirror(size_t m, real_t *a)
 {
     for (size_t i = 1; i < m; i++)
@@ -85,11 +85,11 @@ struct block_factors {
     real_t lower[BLOCK_M_MAX * BLOCK_M_MAX], inverse[BLOCK_M_MAX]; /* of D */
 };
 
-/* Of what a pivot began with; less is rounding. */
+/* Part of a pivot's first value; less is rounding. */
 #define BLOCK_PIVOT_LEAST REAL_C(2e-6)
 
-/* A covariance is factored. What follows from the numbers in front of it, to rounding, is left out of products with the inverse: nothing is
- * lost, since it says nothing that they do not say. v_00 is above 0. */
+/* Factors a covariance. A number that follows from those in front of it, to rounding, is left out of products with the inverse: nothing is lost,
+ * because it adds nothing to them. v_00 is above 0. */
 static BLOCK_FUNCTION void block_factor(size_t m, const real_t *v, struct block_factors *f)
 {
     for (size_t j = 0; j < m; j++) {

@@ -38,7 +38,7 @@ static struct accumulator secondary(const struct inferential *s)
     return sum;
 }
 
-/* -u* for the last inputs, but for x1. */
+/* Returns -u* for the last inputs, but for x1. */
 static struct accumulator primary_but_load(const struct inferential *s)
 {
     const struct inferential_coefficients *c = coefficients(s);
@@ -110,7 +110,7 @@ static void keep_second_load(struct inferential *s, float load, float slope_befo
     accumulator_add_product(&s->x2, s->pair.o2, num_sub(s->from2, s->t2));
 }
 
-/* What has waited computes from now on; with these inputs it gives what the settings before give. */
+/* Puts waiting settings in force; with these inputs they give what the settings before give. */
 static void take_waiting(struct inferential *s)
 {
     num_t u = output(s);

@@ -56,7 +56,7 @@ static float rate_of_step(float rate, float step)
     return -d[0][0] / step;
 }
 
-/* What multiplies y1 and e2 in -u* and -u~, in EU. */
+/* Factors of y1 and e2 in -u* and -u~, in EU. */
 struct shares {
     float p1, p2, q1, q2;
 };
@@ -124,7 +124,7 @@ void inferential_predicted(const struct inferential_config *c, uint8_t law, floa
     *damping = law == LAW_HOLD ? 0 : sum / (2 * *frequency);
 }
 
-/* ---- what is wrong ---- */
+/* ---- checks ---- */
 
 /* Larger factors between spans are a mistake of units, and more than Q7.24 could follow. */
 #define SHARE_MOST   1000.0f

@@ -9,18 +9,19 @@
 
 struct inferential_config {
     uint8_t law, form; /* enum inferential_law, inferential_form */
-    float a[2]; /* EU/h per EU of the output; a[SECONDARY] is read where there is a secondary */
+    /* EU/h per EU of the output; a[SECONDARY] is read where there is a secondary */
+    float a[2];
     float kc, kc2, ko;     /* 1/h */
     float interval_h;      /* of the steps */
     float span[2], u_span; /* EU */
 };
 
-/* What the equations come to in steps and fractions of span. */
+/* Factors of the equations, for steps and fractions of span. */
 struct inferential_coefficients {
     struct coefficient p1, p2; /* u*: of y1, of e2 */
     struct coefficient q1, q2; /* u~ */
     struct coefficient o1, o2; /* the observers' share of T1 and T2 */
-    struct coefficient k;      /* how far x goes in a step, negative */
+    struct coefficient k;      /* part by which x goes in a step, negative */
     struct coefficient g2;     /* a2 over a step */
 };
 
@@ -28,11 +29,11 @@ struct inferential_coefficients {
 void inferential_coefficients_of(const struct inferential_config *c, bool pair,
                                  struct inferential_coefficients *out);
 
-/* Frequency, 1/h, and damping with which deviations go, Frau (4.42), (4.63) [law: what computes]. */
+/* Frequency, 1/h, and damping of deviations under the law that computes, Frau (4.42), (4.63). */
 void inferential_predicted(const struct inferential_config *c, uint8_t law, float *frequency,
                            float *damping);
 
-/* The words why these cannot be, with the name of the parameter; NULL: they can. */
+/* Returns why the settings are refused, in words, and the name of the parameter; NULL: they are accepted. */
 const char *inferential_wrong(const struct inferential_config *c, const char **field);
 
 #endif

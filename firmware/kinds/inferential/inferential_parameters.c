@@ -23,13 +23,13 @@
     }
 
 const struct block_parameter inferential_parameter_rows[INFERENTIAL_PARAMETER_ROWS] = {
-    WORDS(1, law, 2, "law", "hold|conventional|cascade|clf", "what computes", LAW_CONVENTIONAL),
-    WORDS(2, form, 1, "form", "euler|joint", "of its steps", FORM_EULER),
+    WORDS(1, law, 2, "law", "hold|conventional|cascade|clf", "control law", LAW_CONVENTIONAL),
+    WORDS(2, form, 1, "form", "euler|joint", "form of the steps", FORM_EULER),
     {3, BLOCK_U16, PLACE(second), 2, 1, "second", "-",
-     "which secondary temperature is its own; 0: the k-th", 0, INFERENTIAL_LOOPS, 0},
+     "number of its secondary temperature; 0: the k-th", 0, INFERENTIAL_LOOPS, 0},
     OF_BOTH(4, a, "a", "EU/h", "slopes, per unit of the MV; 0: from the next ones", -1e6f, 1e6f, 0),
-    WORDS(5, moves, 2, "moves", "none|reflux|heat", "what the MV is", MOVES_NONE),
-    OF_BOTH(6, gradient, "gradient", "EU", "from its stage to the next one up; 0: not told", -1000,
+    WORDS(5, moves, 2, "moves", "none|reflux|heat", "role of the MV", MOVES_NONE),
+    OF_BOTH(6, gradient, "gradient", "EU", "from its stage to the next one up; 0: not given", -1000,
             1000, 0),
     OF_BOTH(7, holdup, "holdup", "kmol", "of its stage", 0, 1e6f, 0),
     OF_BOTH(8, lv, "lv", "-", "liquid to vapour in its section", 0.01f, 100, 1),
@@ -38,7 +38,7 @@ const struct block_parameter inferential_parameter_rows[INFERENTIAL_PARAMETER_RO
           SCALING_CONSISTENT),
     {11, BLOCK_U16, PLACE(parts), 1, 1, "parts", "-", "components, for the printed scaling", 2, 10,
      2},
-    {12, BLOCK_U16, PLACE(stage), 2, 2, "stage", "-", "number of its stage; 0: not told", 0, 200,
+    {12, BLOCK_U16, PLACE(stage), 2, 2, "stage", "-", "number of its stage; 0: not given", 0, 200,
      0},
     OF_LOOP(13, w, "w", "1/h", "4 over the time after which it has settled within 2 %", 0, 1e5f, 0),
     NUMBER(14, kc_w, "kc_w", "-", "kc over w", 0.1f, 10, 2),
@@ -53,7 +53,7 @@ _Static_assert(INFERENTIAL_LOOPS == 2, "rows of the table");
 
 /* ---- what they come to ---- */
 
-/* Of the sign that the gradient asks for; 0 where it is not told. Frau (4.5), docs/inferential.md. */
+/* Returns a slope with the sign of the gradient; 0 where no gradient is given. Frau (4.5), docs/inferential.md. */
 static float slope_from_gradient(const struct inferential_settings *c, unsigned k, unsigned i)
 {
     float size = c->flow[k] * c->gradient[k][i];
@@ -73,7 +73,7 @@ static float slope_of(const struct inferential_settings *c, unsigned k, unsigned
 #define HOLDUPS_FASTER  100.0f
 #define OBSERVER_SLOWER 3.0f
 
-/* The fastest observer, 1/h; 0: nothing is known of it. */
+/* Returns the fastest observer, 1/h; 0: it is not known. */
 static float fastest_observer(const struct inferential_settings *c, unsigned k)
 {
     return (c->wh[k] > 0 ? c->wh[k] : HOLDUPS_FASTER * c->w[k]) / OBSERVER_SLOWER;
@@ -147,7 +147,7 @@ static enum err check_inputs(const struct block_setup *setup, struct block_fault
     return ERR_OK;
 }
 
-/* No stage twice, of all that are told. */
+/* Refuses a stage that is given twice. */
 static enum err check_stages(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct inferential_settings *c = setup->settings;
@@ -164,10 +164,10 @@ static enum err check_stages(const struct block_setup *setup, struct block_fault
 static enum err check_slope(const struct inferential_settings *c, unsigned k, unsigned i,
                             struct block_fault *fault)
 {
-    float told = c->moves[k] == MOVES_HEAT ? -c->gradient[k][i] : c->gradient[k][i];
+    float sign = c->moves[k] == MOVES_HEAT ? -c->gradient[k][i] : c->gradient[k][i];
     if (slope_of(c, k, i) == 0)
         return block_refuse(fault, k, "a", "needs a slope, or moves, gradient, holdup and flow");
-    if (c->moves[k] != MOVES_NONE && c->a[k][i] * told < 0)
+    if (c->moves[k] != MOVES_NONE && c->a[k][i] * sign < 0)
         return block_refuse(fault, k, "a",
                             "has the wrong sign for its gradient: positive feedback");
     return ERR_OK;

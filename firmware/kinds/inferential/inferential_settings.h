@@ -16,7 +16,7 @@ enum { PRIMARY, SECONDARY };
 
 struct inferential_settings {
     float a[INFERENTIAL_LOOPS][2];        /* EU/h per unit of the MV; 0: from the next ones */
-    float gradient[INFERENTIAL_LOOPS][2]; /* K, from its stage to the next one up; 0: not told */
+    float gradient[INFERENTIAL_LOOPS][2]; /* K, from its stage to the next one up; 0: not given */
     float holdup[INFERENTIAL_LOOPS][2];   /* kmol */
     float lv[INFERENTIAL_LOOPS][2];       /* liquid to vapour in its section */
     float flow[INFERENTIAL_LOOPS];        /* kmol per unit of the MV */
@@ -24,7 +24,7 @@ struct inferential_settings {
     float kc[INFERENTIAL_LOOPS], kc2[INFERENTIAL_LOOPS], ko[INFERENTIAL_LOOPS]; /* 1/h; 0: from w */
     float wh[INFERENTIAL_LOOPS];                                                /* 1/h; 0: 100 w */
     float kc_w, kc2_kc, ko_kc;                                                  /* of the rule */
-    uint16_t stage[INFERENTIAL_LOOPS][2];                                       /* 0: not told */
+    uint16_t stage[INFERENTIAL_LOOPS][2];                                       /* 0: not given */
     uint16_t second[INFERENTIAL_LOOPS]; /* 0: the k-th of the secondary temperatures */
     uint16_t parts;                     /* components */
     uint8_t law[INFERENTIAL_LOOPS];     /* enum inferential_law */

@@ -10,11 +10,11 @@
 #define RATIO_LOOPS 2
 
 struct ratio_settings {
-    float at;     /* unit of the input, above 0: the feed at which the ratio is 1 */
-    float zero;   /* fraction of the MV's span at which nothing flows */
-    float lag_s;  /* of the feed */
-    float lo, hi; /* of the ratio */
-    float hold_s; /* how long the last one is kept without a feed */
+    float nominal; /* unit of the input, above 0: the feed at which the ratio is 1 */
+    float zero;    /* fraction of the MV's span at which nothing flows */
+    float lag_s;   /* of the feed */
+    float lo, hi;  /* of the ratio */
+    float hold_s;  /* time that the last ratio is kept without a feed */
 };
 
 extern const struct block_kind ratio_kind;

@@ -17,11 +17,11 @@
 
 struct state_feedback {
     uint8_t loops, inputs;
-    const char *lacks; /* in a word, what it cannot act for; NULL: nothing */
+    const char *lacks; /* reason why it cannot act, in a word; NULL: it can */
     struct coefficient f[LOOPS][INPUTS], g[LOOPS][LOOPS];
     struct coefficient integral[LOOPS], derivative[LOOPS]; /* h/ti, td/h; negative */
     bool integrates[LOOPS];
-    float steering[LOOPS][LOOPS]; /* G, for what limited loops give way by */
+    float steering[LOOPS][LOOPS]; /* G, by which limited loops give way */
     struct accumulator constant[LOOPS];
     struct accumulator sum[LOOPS];                    /* I */
     struct accumulator added[LOOPS];                  /* to it in the last step */
@@ -192,7 +192,7 @@ static void take_rows(struct state_feedback *s, const struct state_rows *rows, f
     }
 }
 
-/* Of intervals that are one another's within a hundredth. */
+/* True: both intervals are equal within a hundredth. */
 static bool is_for(const struct state_rows *rows, float interval_s)
 {
     float off = rows->made_s - interval_s, most = 0.01f * interval_s;
@@ -217,17 +217,17 @@ static enum err state_feedback_configure(void *state, const struct block_setup *
     }
     s->lacks = is_for(&rows, setup->interval_s) ? NULL : "interval";
     take_rows(s, &rows, setup->interval_s);
-    for (unsigned i = 0; i < s->loops && retune; i++) { /* the same now, by the constant */
-        struct accumulator now = asked_of(s, i);
+    for (unsigned i = 0; i < s->loops && retune; i++) { /* the same output, by the constant */
+        struct accumulator present = asked_of(s, i);
         accumulator_add_sum(&s->constant[i], &before[i]);
-        accumulator_take_sum(&s->constant[i], &now);
+        accumulator_take_sum(&s->constant[i], &present);
     }
     return ERR_OK;
 }
 
 /* ---- steps ---- */
 
-/* What the present error adds to I. */
+/* Returns what the present error adds to I. */
 static struct accumulator added_now(const struct state_feedback *s, unsigned j)
 {
     struct accumulator sum;
@@ -311,10 +311,10 @@ static void state_feedback_follow(void *state, struct block_io *io)
         if (!(io->acting & (1u << i)))
             accumulator_set(&s->sum[i], num_zero());
     for (unsigned i = 0; i < s->loops; i++) {
-        struct accumulator now = asked_of(s, i);
+        struct accumulator present = asked_of(s, i);
         s->given[i] = io->out[i];
         accumulator_set(&s->constant[i], io->out[i]);
-        accumulator_take_sum(&s->constant[i], &now);
+        accumulator_take_sum(&s->constant[i], &present);
     }
     for (unsigned j = 0; j < s->loops; j++) { /* the next step adds it */
         struct accumulator next = added_now(s, j);

@@ -65,7 +65,7 @@ enum err state_law_linear_begin(struct state_law_linear *l, const struct column_
 
 /* ---- one point ---- */
 
-/* What a direction does to the column's inputs, and how far it goes. */
+/* Returns the input of the column that a direction moves, and the distance. */
 static real_t *nudged(const struct state_law_place *place, struct column_inputs *in,
                       real_t *distance)
 {
@@ -89,7 +89,7 @@ static real_t *nudged(const struct state_law_place *place, struct column_inputs 
     }
 }
 
-/* A number so far away; what is nearer to an end than twice that is looked at from as near. */
+/* Returns the distance, or less where twice that would pass an end. */
 static real_t room_around(real_t at, real_t hi, real_t distance)
 {
     real_t room = (at < hi - at ? at : hi - at) / TWO;
@@ -129,7 +129,7 @@ static real_t seen_at(const struct state_law_linear *l, const struct state_law_p
                : full[place->component];
 }
 
-/* rates and what is seen, `by` away in direction k, added with that weight. */
+/* Adds the rates and the measured states `by` away in direction k, with that weight. */
 static enum err add_point(struct state_law_linear *l, size_t k, real_t by, real_t weight,
                           real_t *slope, real_t *seen)
 {
@@ -176,7 +176,7 @@ static void take_state(struct state_law_linear *l, size_t k, const real_t *slope
     }
 }
 
-/* Which column of B or E it is: one of its own kind for each before it. */
+/* Puts an input's column of B or E, behind those of its own kind. */
 static void take_input(struct state_law_linear *l, unsigned k, const real_t *slope)
 {
     const struct state_law_place *place = &l->place[k];

@@ -22,7 +22,7 @@ static struct block_io io;
 
 void setUp(void)
 {
-    settings = (struct ratio_settings){.at = 80, .lo = 0.2f, .hi = 5, .hold_s = 60};
+    settings = (struct ratio_settings){.nominal = 80, .lo = 0.2f, .hi = 5, .hold_s = 60};
     memset(&setup, 0, sizeof setup);
     setup.settings = &settings;
     setup.interval_s = 10;
@@ -215,7 +215,7 @@ static void other_settings_are_taken_while_it_runs(void)
     begin();
     feed[0] = num_one();
     (void)stepped(0, 0.25f);
-    settings.at = 160;
+    settings.nominal = 160;
     TEST_ASSERT_EQUAL(ERR_OK, ratio_kind.configure(state, &setup, true));
     TEST_ASSERT_FLOAT_WITHIN(EXACT, 0.25f, stepped(0, 0.25f));
 }
@@ -230,9 +230,9 @@ static void refused(const char *field, const char *words)
 
 static void what_cannot_be_right_is_refused_in_words(void)
 {
-    settings.at = 0;
+    settings.nominal = 0;
     refused("at", "above 0");
-    settings.at = 1; /* of a span of 160 */
+    settings.nominal = 1; /* of a span of 160 */
     refused("at", "hundredth");
     setup.inputs = 0;
     refused("inputs", "the feed");
@@ -256,7 +256,7 @@ static void at_the_ends_of_every_range_it_stays_a_number(void)
         settings.lo = lo[k % 3];
         settings.hi = 20;
         settings.zero = zero[k / 3 % 3];
-        settings.at = at[k / 9];
+        settings.nominal = at[k / 9];
         if (ratio_kind.check(&setup, &fault) != ERR_OK)
             continue;
         ran++;
