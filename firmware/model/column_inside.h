@@ -9,17 +9,7 @@
 #define COLUMN_HOLDUP_LEAST REAL_C(1e-4)
 
 /* All mole fractions full[C] of a stage. */
-static inline void column_full_composition(const struct column *column, const real_t *x, size_t s,
-                                           real_t *full)
-{
-    size_t m = column->config->components - 1;
-
-    full[m] = REAL_C(1.0);
-    for (size_t j = 0; j < m; j++) {
-        full[j] = x[s * m + j];
-        full[m] -= full[j];
-    }
-}
+void column_full_composition(const struct column *column, const real_t *x, size_t s, real_t *full);
 
 static inline bool column_holdups_move(const struct column *column)
 {
@@ -58,16 +48,7 @@ static inline real_t column_downward(real_t flow)
 }
 
 /* The lesser of value and limit (both 0 or more), rounded off where they are within the relative width. */
-static inline real_t column_soft_limit(real_t value, real_t limit, real_t width)
-{
-    real_t w = width * limit;
-    if (value <= limit - w)
-        return value;
-    if (value >= limit + w)
-        return limit;
-    real_t over = value - limit + w;
-    return value - over * over / (REAL_C(4.0) * w);
-}
+real_t column_soft_limit(real_t value, real_t limit, real_t width);
 
 /* Moles in a unit of flow (mol, kg, m3) of composition x[C] at a temperature. */
 real_t column_moles_per_unit(const struct column_config *config, enum column_basis basis,

@@ -39,6 +39,8 @@
 #define column_take_reference       MODEL_SYMBOL(column_take_reference)
 #define column_holdup_state         MODEL_SYMBOL(column_holdup_state)
 #define column_relative_holdup      MODEL_SYMBOL(column_relative_holdup)
+#define column_full_composition     MODEL_SYMBOL(column_full_composition)
+#define column_soft_limit           MODEL_SYMBOL(column_soft_limit)
 #define column_moles_per_unit       MODEL_SYMBOL(column_moles_per_unit)
 #define column_wanted_flows         MODEL_SYMBOL(column_wanted_flows)
 #define column_limit_feed           MODEL_SYMBOL(column_limit_feed)
