@@ -1,5 +1,6 @@
 #include "kinds/composition/covariance_root.h"
 
+#include "kinds/composition/covariance_root_state.h"
 #include "num/ud.h"
 
 #define ZERO REAL_C(0.0)
@@ -18,6 +19,23 @@ _Static_assert(M_MAX == 3, "what is expanded, is so for one, two and three mole 
 
 /* Least diagonal element of S. */
 #define ROOT_LEAST REAL_C(1e-12) /* squared: COVARIANCE_LEAST */
+
+void covariance_root_begin(struct covariance_root *c, size_t stages, size_t m, real_t *ud,
+                           real_t *own, real_t *left)
+{
+    *c = (struct covariance_root){
+        .stages = stages, .m = m, .n = stages * m, .ud = ud, .own = own, .left = left};
+}
+
+void covariance_root_start(struct covariance_root *c)
+{
+    c->err = ERR_OK;
+}
+
+enum err covariance_root_err(const struct covariance_root *c)
+{
+    return c->err;
+}
 
 /* ---- reflections ---- */
 
@@ -90,8 +108,9 @@ static EXPANDED void turn_all(size_t m, real_t v[M_MAX][2 * M_MAX], real_t *row)
 }
 
 /* The first `rows` rows of the columns of stages s - 1 and s, a multiple of m; those of s get their scale. */
-static EXPANDED void turn_columns(size_t m, const struct covariance_ud *c, const struct turn *turn,
-                                  size_t s, size_t rows, const real_t *scale)
+static EXPANDED void turn_columns(size_t m, const struct covariance_root *c,
+                                  const struct turn *turn, size_t s, size_t rows,
+                                  const real_t *scale)
 {
     real_t *column[2 * M_MAX], v[M_MAX][2 * M_MAX], part[M_MAX];
 
@@ -135,7 +154,7 @@ static void turn_rows(size_t m, struct turn *turn, real_t *row)
 }
 
 /* A turn of stages s - 1 and s, for all rows above block s. */
-static void turn_above(size_t m, const struct covariance_ud *c, struct turn *turn, size_t s,
+static void turn_above(size_t m, const struct covariance_root *c, struct turn *turn, size_t s,
                        const real_t *scale)
 {
     real_t *own = c->own + (s - 1) * m * m, *right[M_MAX], row[2 * M_MAX];
@@ -165,7 +184,7 @@ static void turn_above(size_t m, const struct covariance_ud *c, struct turn *tur
 /* ---- extras ---- */
 
 /* Their columns: what pushes, Phi, keep, and back to ones on the diagonal. */
-void covariance_root_extra(struct covariance_ud *c, const struct covariance_step *step, size_t k)
+void covariance_root_extra(struct covariance_root *c, const struct covariance_step *step, size_t k)
 {
     real_t *column = c->ud + ud_count(c->n + k), root = real_sqrt(column[c->n + k]), all = ZERO;
 
@@ -196,7 +215,7 @@ void covariance_root_extra(struct covariance_ud *c, const struct covariance_step
 /* ---- up ---- */
 
 /* The two columns of a stage, rows above their diagonal block, two fractions: r of the stage itself and below, b what is carried. */
-static void sweep_pair(const struct covariance_ud *c, const struct column_transition *t, size_t s,
+static void sweep_pair(const struct covariance_root *c, const struct column_transition *t, size_t s,
                        const real_t *root, const real_t *r, real_t *w)
 {
     size_t stride = column_transition_stride(2);
@@ -299,7 +318,7 @@ static EXPANDED void sweep_one(size_t m, real_t *column, const struct column_tra
 
 /* Columns of stage s: scaled to those of S, through the sweep down to the reboiler and the one up again as far as row block s - 1.
  * own gets their diagonal block between the sweeps, w the vapour that comes from below. */
-static void sweep_columns(size_t m, const struct covariance_ud *c,
+static void sweep_columns(size_t m, const struct covariance_root *c,
                           const struct column_transition *t, size_t s, real_t *own, real_t *w)
 {
     const real_t *p = t->factors + s * column_transition_stride(m);
@@ -370,7 +389,7 @@ static void pass_stage(size_t m, const struct column_transition *t, size_t s, re
         w[i] = next[i];
 }
 
-void covariance_root_up(struct covariance_ud *c, const struct column_transition *t, size_t s)
+void covariance_root_up(struct covariance_root *c, const struct column_transition *t, size_t s)
 {
     size_t m = c->m;
     real_t *own = c->own + s * m * m, *left = c->left + s * m * m;
@@ -414,8 +433,8 @@ void covariance_root_up(struct covariance_ud *c, const struct column_transition 
 /* ---- back ---- */
 
 /* Columns of stage s are done but for their scale: their diagonal block is upper triangular. */
-static void finish_block(size_t m, struct covariance_ud *c, size_t s, real_t rows[M_MAX][2 * M_MAX],
-                         real_t *scale)
+static void finish_block(size_t m, struct covariance_root *c, size_t s,
+                         real_t rows[M_MAX][2 * M_MAX], real_t *scale)
 {
     for (size_t j = 0; j < m; j++) {
         real_t *column = c->ud + ud_count(s * m + j) + s * m, diagonal = rows[j][m + j];
@@ -430,7 +449,7 @@ static void finish_block(size_t m, struct covariance_ud *c, size_t s, real_t row
     }
 }
 
-void covariance_root_back(struct covariance_ud *c, size_t s)
+void covariance_root_back(struct covariance_root *c, size_t s)
 {
     size_t m = c->m;
     const real_t *own = c->own + s * m * m, *left = c->left + s * m * m;

@@ -1,5 +1,6 @@
 #include "kinds/composition/covariance_ud.h"
 
+#include "kinds/composition/covariance_root.h"
 #include "num/ud.h"
 
 #define ZERO REAL_C(0.0)
@@ -35,9 +36,9 @@ enum err covariance_ud_begin(struct covariance_ud *c, size_t stages, size_t m, s
             return ERR_RANGE;
     }
     *c = (struct covariance_ud){.stages = stages, .m = m, .n = n, .extras = extras, .ud = memory};
-    c->own = c->ud + ud_count(all);
-    c->left = c->own + n * m;
-    c->spare = c->left + n * m;
+    real_t *own = c->ud + ud_count(all), *left = own + n * m;
+    c->spare = left + n * m;
+    covariance_root_begin(&c->root, stages, m, c->ud, own, left);
     for (size_t i = 0; i < all; i++)
         c->spare[i] = variance[i] > COVARIANCE_LEAST ? variance[i] : COVARIANCE_LEAST;
     ud_set_diagonal(c->ud, all, c->spare);
@@ -117,13 +118,13 @@ static size_t do_next(struct covariance_ud *c, const struct covariance_step *ste
 {
     switch ((enum phase)c->phase) {
     case PHASE_EXTRAS:
-        covariance_root_extra(c, step, c->next);
+        covariance_root_extra(&c->root, step, c->next);
         return 1;
     case PHASE_UP:
-        covariance_root_up(c, step->transition, c->next);
+        covariance_root_up(&c->root, step->transition, c->next);
         return 1;
     case PHASE_BACK:
-        covariance_root_back(c, c->stages - 1 - c->next);
+        covariance_root_back(&c->root, c->stages - 1 - c->next);
         return 1;
     case PHASE_GROWN:
         return add_from(c, c->n + c->next, step->grown + c->next, c->extras - c->next);
@@ -141,7 +142,7 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
     size_t done = 0;
 
     if (c->phase == PHASE_NOISE && c->next == 0)
-        c->err = ERR_OK;
+        covariance_root_start(&c->root);
     while (c->phase < PHASE_DONE) {
         if (c->next == length_of(c, step)) {
             c->phase++;
@@ -230,5 +231,5 @@ void covariance_ud_extremes(struct covariance_ud *c, real_t *least, real_t *most
 
 enum err covariance_ud_err(const struct covariance_ud *c)
 {
-    return c->err;
+    return covariance_root_err(&c->root);
 }

@@ -10,7 +10,16 @@
 #ifndef REFLUX_COMPOSITION_COVARIANCE_UD_H
 #define REFLUX_COMPOSITION_COVARIANCE_UD_H
 
-#include "kinds/composition/covariance_root.h"
+#include "kinds/composition/covariance_root_state.h"
+
+struct covariance_ud {
+    size_t stages, m, n, extras; /* n: stages m fractions */
+    real_t *ud;                  /* packed, n + extras: P between two steps */
+    real_t *spare;               /* [2 (n + extras)] */
+    /* within a step */
+    size_t phase, next;
+    struct covariance_root root;
+};
 
 /* Bytes of memory, aligned as real_t. */
 size_t covariance_ud_bytes(size_t stages, size_t m, size_t extras);

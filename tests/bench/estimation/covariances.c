@@ -125,7 +125,7 @@ static void cost_of(size_t stages)
     enum err err = column_transition_make(&estimator.model.column, estimator.model.x, BENCH_STEP_S,
                                           &transition);
     uint32_t to = cost_now();
-    if (err || ud.err)
+    if (err || covariance_ud_err(&ud))
         return;
     cost_add(&factors, from, to);
     cost_say("ud-carry", (unsigned)stages, carry.sum / carry.count, carry.most,

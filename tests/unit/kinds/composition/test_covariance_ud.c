@@ -102,7 +102,7 @@ static void a_step_agrees(void)
     take_over();
     bounds_of_a_step(a);
     carry(COVARIANCE_UD_EFFORT);
-    TEST_ASSERT_EQUAL(ERR_OK, ud.err);
+    TEST_ASSERT_EQUAL(ERR_OK, covariance_ud_err(&ud));
     case_carry(&kase);
     double k = 2 * stages * (m + 2) + 2 * stages * m * (2 * m + 4) + 20;
     for (size_t i = 0; i < case_all(&kase); i++)
@@ -281,7 +281,7 @@ static void run_blind(unsigned steps, double sensor_sd)
                                                .variance = (real_t)(sensor_sd * sensor_sd)};
             TEST_ASSERT_TRUE(covariance_ud_take(&ud, &z, gain) > 0);
         }
-        TEST_ASSERT_EQUAL(ERR_OK, ud.err);
+        TEST_ASSERT_EQUAL(ERR_OK, covariance_ud_err(&ud));
         TEST_ASSERT_TRUE(least_d() > 0);
     }
     covariance_ud_extremes(&ud, &least, &most);
@@ -368,15 +368,15 @@ static void a_step_that_leaves_no_number_says_so_once(void)
     real_t kept = kase.numbers[30];
     kase.numbers[30] = NAN;
     carry(COVARIANCE_UD_EFFORT);
-    TEST_ASSERT_EQUAL(ERR_NOT_FINITE, ud.err);
+    TEST_ASSERT_EQUAL(ERR_NOT_FINITE, covariance_ud_err(&ud));
     kase.numbers[30] = kept;
     begin(6, 3, 0.8, 2, H_S);
     kase.push[kase.n + 3] = INFINITY;
     carry(COVARIANCE_UD_EFFORT);
-    TEST_ASSERT_EQUAL(ERR_NOT_FINITE, ud.err);
+    TEST_ASSERT_EQUAL(ERR_NOT_FINITE, covariance_ud_err(&ud));
     begin(6, 3, 0.8, 2, H_S);
     carry(COVARIANCE_UD_EFFORT);
-    TEST_ASSERT_EQUAL(ERR_OK, ud.err);
+    TEST_ASSERT_EQUAL(ERR_OK, covariance_ud_err(&ud));
 }
 
 static void a_measurement_that_is_none_changes_nothing(void)
