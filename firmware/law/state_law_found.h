@@ -16,7 +16,7 @@ struct state_law_found {
     float condition;
     /* largest magnitude of the modes that are hidden */
     float zero;
-    /* of the loop with all states, and with what the inputs tell of them */
+    /* of the loop with all states, and with the inputs alone */
     float radius, inputs_radius;
     /* %, of F */
     float left;

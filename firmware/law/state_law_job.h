@@ -1,4 +1,4 @@
-/* The job that finds the law of state feedback for a plant of fractions of span, in pieces, in the workspace of whoever leased it: the kind
+/* The job that finds the law of state feedback for a plant of fractions of span, in pieces, in a leased workspace: the kind
  * `state_law` for a column's table, the kind `experiment` for its model. */
 #ifndef REFLUX_LAW_STATE_LAW_JOB_H
 #define REFLUX_LAW_STATE_LAW_JOB_H
@@ -51,7 +51,7 @@ void state_law_job_of_model(struct state_law_job *job, const struct state_law_se
 /* Ends with a refusal. */
 void state_law_job_refuse(struct state_law_job *job, const char *field, const char *wanted,
                           unsigned loop);
-/* Does a piece; false: it is over, and found tells. */
+/* Does a piece; false: it is over, see `found`. */
 bool state_law_job_piece(struct state_law_job *job);
 bool state_law_job_is_over(const struct state_law_job *job);
 const struct state_law_found *state_law_job_found(const struct state_law_job *job);

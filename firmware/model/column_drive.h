@@ -14,7 +14,7 @@ enum column_drive {
     DRIVE_PRESSURE
 };
 
-/* A factor of 0 is one that nobody gave: 1. */
+/* Returns the factor; 1 where none is given, which is 0. */
 static inline float column_drive_factor(float factor)
 {
     return factor < 0 || factor > 0 ? factor : 1.0f;

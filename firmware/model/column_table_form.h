@@ -1,5 +1,5 @@
-/* Places in the compact table of a column (docs/column-table.md). Nothing but numbers of places: whoever makes
- * a table and whoever reads one may have different real_t. */
+/* Places in the compact table of a column (docs/column-table.md). Nothing but numbers of places, because maker
+ * and reader of a table may have different real_t. */
 #ifndef REFLUX_MODEL_COLUMN_TABLE_FORM_H
 #define REFLUX_MODEL_COLUMN_TABLE_FORM_H
 
@@ -69,7 +69,7 @@ enum column_table_component {
     (COLUMN_TABLE_FIXED + (components)*COLUMN_TABLE_C_VALUES +                                     \
      COLUMN_TABLE_ACTIVITY_VALUES(model, components) + (stages) * ((components)-1u))
 
-/* In lines of so many. */
+/* Values of a line. */
 #define COLUMN_TABLE_COLS 8u
 #define COLUMN_TABLE_ROWS                                                                          \
     ((COLUMN_TABLE_VALUES(COLUMN_TABLE_STAGES, COLUMN_TABLE_COMPONENTS, 2u) + COLUMN_TABLE_COLS -  \

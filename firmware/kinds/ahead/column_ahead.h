@@ -5,11 +5,11 @@
  *
  * is what the linear law of design/state_decoupler.h asks for with one pole a loop (T. O. Folami, 1989, chapter 6). That law takes y(k + 1)
  * from matrices that belong to one point, which is where it failed on his column. Here the column of a compact table (docs/column-table.md) is
- * carried one interval on from where it is now, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
+ * carried one interval on from its present state, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
  *
- * Where the column is now: its model, corrected at the places that inputs tell of, measured or estimated. What the last prediction missed is
- * added to the next, a part of it in each step; that is the integral. Where an MV is limited its loop gives way alone, and the others
- * come to their setpoints all the same. docs/state-decoupling.md */
+ * The present state is that of the model, corrected at the places of the inputs, measured or estimated. The error of the last prediction is
+ * added to the next, a part of it in each step; that is the integral. Where an MV is limited only its own loop leaves its setpoint; the
+ * others reach theirs. docs/state-decoupling.md */
 #ifndef REFLUX_AHEAD_COLUMN_AHEAD_H
 #define REFLUX_AHEAD_COLUMN_AHEAD_H
 
@@ -55,7 +55,7 @@ struct ahead_settings {
     float miss_s;
     /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
     float doubt;
-    /* part of what an input says more than the model that it takes in a step */
+    /* part of the difference between an input and the model that a step corrects */
     float trust;
     float si[BLOCK_INPUTS_MAX][AHEAD_UNIT];
     float pv_si[AHEAD_LOOPS][AHEAD_UNIT];

@@ -176,7 +176,7 @@ static enum err hold_outputs(struct ahead *b, const real_t *asked)
     return err;
 }
 
-/* Moves law.u from where y[] is predicted; said[] is what is then predicted. False: no MV does anything. */
+/* Moves the MVs from where y[] is predicted, and predicts anew. False: no MV does anything. */
 static bool take_turn(struct ahead *b, const real_t *asked, const real_t *y)
 {
     real_t e[AHEAD_LOOPS] = {ZERO}, before[AHEAD_LOOPS] = {ZERO};
@@ -220,7 +220,7 @@ static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
     io->gives_up = !err ? "no_effect" : err == ERR_NOT_FINITE ? "no_number" : "no_solution";
 }
 
-/* An input that is said to be the loop's MV is another one. */
+/* True: an input that should be the loop's MV is another one. */
 static bool has_other_mv(const struct ahead *b, const struct block_io *io)
 {
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++)

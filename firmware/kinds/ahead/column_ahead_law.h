@@ -1,4 +1,4 @@
-/* Finds the inputs that take n outputs to where they are asked to be. Where an input is at a limit its loop gives way alone: the others come to where they
+/* Finds the inputs that take n outputs to where they are asked to be. Where an input is at a limit only its own output misses: the others come to where they
  * are asked to be all the same. All numbers are fractions of span. For this folder alone. */
 #ifndef REFLUX_AHEAD_COLUMN_AHEAD_LAW_H
 #define REFLUX_AHEAD_COLUMN_AHEAD_LAW_H

@@ -25,7 +25,7 @@ static inline real_t ahead_between(real_t x, real_t lo, real_t hi)
 
 struct ahead_model;
 
-/* Returns how many numbers the model of a column of so many stages and components needs besides. */
+/* Returns the number of numbers that the model of a column needs besides. */
 size_t ahead_model_numbers(size_t stages, size_t components);
 
 /* Begins with the profile of the table, which has no truncated stages. The record must stay. numbers: ahead_model_numbers(). Errors as
@@ -39,7 +39,7 @@ void ahead_model_rest(struct ahead_model *m);
 /* Sets pointers anew, since the model or its numbers may have been moved since the last call. */
 void ahead_model_relocate(struct ahead_model *m, real_t *numbers);
 
-/* An interval is carried on in so many parts. */
+/* Sets the interval, and the number of parts in which it is carried on. */
 void ahead_model_set(struct ahead_model *m, uint16_t parts, real_t interval_s);
 
 /* States [mole fractions]: present ones, and those of the last prediction. */

@@ -24,7 +24,7 @@ real_t ahead_places_target(const struct ahead_places *p, const struct ahead_mode
 /* Returns the column's inputs with the MVs of the loops where u[loops] has them, fractions of span. */
 void ahead_places_drive(const struct ahead_places *p, struct ahead_model *m, const real_t *u,
                         struct column_inputs *inputs);
-/* Finds the state of the column an interval after the last time. trust: part of what readings say more that is taken. */
+/* Finds the state of the column an interval after the last time. trust: part of the difference to the readings that is corrected. */
 MUST_CHECK enum err ahead_places_observe(const struct ahead_places *p, struct ahead_model *m,
                                          const struct block_io *io, real_t trust);
 /* The same, from wherever the model was. */

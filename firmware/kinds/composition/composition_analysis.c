@@ -4,7 +4,7 @@
 
 #include "kinds/composition/composition_analysis_state.h"
 
-/* Share of what an analysis says more, where none is given. */
+/* Share g, where none is given. */
 #define SHARE_INITIAL REAL_C(0.7)
 
 /* ---- one analysis ---- */
@@ -35,7 +35,7 @@ static void remember(struct composition_analysis *a, real_t x)
         a->filled++;
 }
 
-/* The estimate so many seconds ago, by the nearest that is kept; false: none is. */
+/* Recalls the estimate of age_s ago, by the nearest that is kept; false: none is. */
 static bool recall(const struct composition_analysis *a, real_t h, real_t age_s, real_t *x)
 {
     real_t steps = age_s / h - (real_t)a->counted, slots = steps / (real_t)a->every;

@@ -10,10 +10,10 @@
 #define HOLDER "composition"
 #define FREES  "block N free"
 
-/* A block that was here before, with other settings, may have had it for so many ticks. */
+/* Ticks for which this block, before its settings changed, may still have the workspace. */
 #define REFUSALS_MOST (WORKSPACE_TICKS + 1u)
 
-/* A steady state is computed within so many seconds. */
+/* Time for the computation of a steady state, s. */
 #define STEADY_S REAL_C(20.0)
 
 /* ---- beginning and end ---- */

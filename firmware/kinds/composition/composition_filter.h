@@ -12,7 +12,7 @@
 
 /* The state may have been moved: sets the gains' place anew. */
 void composition_filter_relocate(struct composition_filter *f, const real_t *gains);
-/* The next order begins with what is known before any reading; what was ordered says nothing of the estimate any more. */
+/* The next order begins with what is known before any reading; the result of the last order is dropped. */
 void composition_filter_begin(struct composition_filter *f);
 /* Gains of a steady state are computed again. */
 void composition_filter_forget_steady(struct composition_filter *f);

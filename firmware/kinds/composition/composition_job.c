@@ -14,7 +14,7 @@
 #define NOISE_SMALL 36u
 /* The noise of a mole fraction is proportional to x (1 - x), at least as much as at this one. */
 #define NOISE_PURE REAL_C(0.01)
-/* An offset of the model changes in so many seconds. */
+/* Correlation time of the model's offset, s. */
 #define OFFSET_S REAL_C(86400.0)
 /* A steady state is there when no gain moved by more than this part of the largest in a cycle. */
 #define STEADY_PART   REAL_C(1e-5)

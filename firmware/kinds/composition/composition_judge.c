@@ -5,12 +5,12 @@
 
 #define ZERO REAL_C(0.0)
 
-/* The estimate counts as settled after so many times 1/lambda. */
+/* Time until the estimate counts as settled, in 1/lambda. */
 #define SETTLED    REAL_C(3.0)
 #define STEPS_MOST (1u << 31)
 /* Vapour to the condenser that counts as none, part of its holdup in an hour. */
 #define LITTLE REAL_C(0.1)
-/* Vapour counts after so many seconds of it. */
+/* Time for which vapour must flow until it counts, s. */
 #define VAPOUR_S     REAL_C(300.0)
 #define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
 #define HOUR         REAL_C(3600.0)

@@ -41,7 +41,7 @@ void composition_judge_put_analysis(const struct composition_parts *p, struct bl
 
 /* True: nothing in the section of point k moves the model or is compared by an analysis. */
 bool composition_judge_is_unseen(const struct composition_parts *p, unsigned k);
-/* Complete innovation: returns the standard deviation of point k, with what innovations say of the covariances and with the model's
+/* Complete innovation: returns the standard deviation of point k, corrected by the innovations and with the model's
  * lasting error. */
 real_t composition_judge_sd(const struct composition_parts *p, unsigned k);
 /* True: it is too large. */

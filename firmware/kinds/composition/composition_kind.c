@@ -307,7 +307,7 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     take_inputs(b, io, t);
-    if (!b->begun) { /* nobody knows yet what was applied before this tick */
+    if (!b->begun) { /* the inputs before this tick are unknown */
         b->begun = true;
         enum err none = begin_after(&p, composition_model_evaluate(&b->model));
         give_estimates(b, &p, io,
@@ -362,7 +362,7 @@ static const char *run_settle(void *state, const float *number)
     b->settle = true;
     b->settling = 0;
     composition_judge_restart(&b->judge);
-    composition_filter_begin(&b->filter); /* nobody knows how well the steady state fits */
+    composition_filter_begin(&b->filter); /* the fit of the steady state is unknown */
     composition_watch_restart(&b->watch); /* temperatures may be far from it */
     return NULL;
 }

@@ -21,7 +21,7 @@
 #define ONE  REAL_C(1.0)
 #define HOUR REAL_C(3600.0)
 
-/* Ki z moves a temperature no faster than so many kelvin in 1/lambda. */
+/* Most that Ki z moves a temperature in 1/lambda, K. */
 #define PULL_MOST_K REAL_C(100.0)
 /* The least noise that is found of a reading, K2. */
 #define NOISE_LEAST2 REAL_C(0.0025)

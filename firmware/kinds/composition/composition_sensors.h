@@ -8,7 +8,7 @@
 
 struct composition_sensors;
 
-/* Takes the settings; what temperatures have said stays. */
+/* Takes the settings; integrals and variances stay. */
 void composition_sensors_set(struct composition_sensors *all, const struct block_setup *setup);
 void composition_sensors_begin(struct composition_sensors *all);
 /* present: sensor k has a good reading. */

@@ -79,7 +79,7 @@ struct composition_settings {
     float alone_s;
     /* s, between two gains; 0: a tick */
     float cycle_s;
-    /* Standard deviations of what nobody measures of the feed: mole fraction, 0: none; part of the flow. */
+    /* Standard deviations of the unmeasured feed: mole fraction, 0: none; part of the flow. */
     float feed_z;
     float feed_f;
     /* s, correlation time of both */
@@ -133,7 +133,7 @@ bool composition_is_complete(const struct composition_settings *s);
 bool composition_is_sensor(const struct composition_settings *s, unsigned k);
 /* Returns the standard deviation of the feed's flow, part of it; 0: the flow is taken as exact. */
 real_t composition_feed_f(const struct composition_settings *s, unsigned inputs);
-/* Returns the number of extra states (kinds/composition/covariance.h) for so many inputs and m mole fractions of a stage. */
+/* Returns the number of extra states (kinds/composition/covariance.h) for a number of inputs and m mole fractions of a stage. */
 size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m);
 
 static inline bool composition_is_banded(const struct composition_settings *s)

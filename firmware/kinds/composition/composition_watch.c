@@ -5,7 +5,7 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-/* The readings' own noise is faster than the column: it is what innovations swing by about their mean of so many steps. */
+/* Steps of the mean about which innovations swing by the readings' noise, since noise is faster than the column. */
 #define SLOW_STEPS REAL_C(20.0)
 /* Innovations that are off to one side for long, as far as docs/consistency.md has it: a model that is trusted has none. */
 #define MEAN_MOST REAL_C(0.3)

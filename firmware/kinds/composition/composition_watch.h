@@ -35,7 +35,7 @@ unsigned composition_watch_odd(const struct composition_watch *w,
                                const struct composition_sensors *all, size_t feed_stage,
                                real_t most);
 
-/* Returns by how much innovations are larger than the covariances say, at least 1. */
+/* Returns the ratio of innovations to those that the covariances predict, at least 1. */
 real_t composition_watch_factor(const struct composition_watch *w,
                                 const struct composition_sensors *all);
 

@@ -32,7 +32,7 @@ struct covariance_step {
     const real_t *grown; /* [extras]: variance that an extra gathers in the step, 0 or more */
     const real_t *noise; /* [n]: variance that a fraction gathers in the step, 0 or more */
     /* Only the fractions noise_first .. noise_first + noise_count - 1 (mod n) get theirs in this step, since noise costs as much as all
-     * the rest where all of them do: whoever goes round makes noise[] as much larger. noise_count: at most n. */
+     * the rest where all of them do: a caller that goes round makes noise[] as much larger. noise_count: at most n. */
     size_t noise_first, noise_count;
 };
 

@@ -12,9 +12,8 @@
  *
  * so S is the most random one with the blocks that are kept, and its inverse is block-banded. Measurements leave S so: nothing is lost
  * there. A step does not; it is carried exactly through each sweep of the transition, and after each the blocks beyond the
- * neighbours are forgotten. Each matrix is a covariance whatever is forgotten: no variance becomes negative, no taper is needed. What an
- * extra has not told yet stays in M, so that a feed nobody measures binds stages far from each other. What it costs:
- * docs/kalman.md.
+ * neighbours are forgotten. Each matrix is a covariance whatever is forgotten: no variance becomes negative, no taper is needed. The
+ * uncertainty of an extra stays in M, so that an unmeasured feed binds stages far from each other. Cost: docs/kalman.md.
  *
  * Sources: A. Asif, J. M. F. Moura, Block matrices with L-block-banded inverse: inversion algorithms, IEEE Trans. Signal Processing 53
  * (2005) 630 (the completion). M and the way through the transition are ours. */
@@ -58,7 +57,7 @@ MUST_CHECK enum err covariance_band_begin(struct covariance_band *c, size_t stag
 
 /* Does a part of a step: stages of one of its two sweeps with some `effort` numbers of what is kept, or one stage. True while there is
  * more; until then nothing but this may be called. How it is cut does not change the result. An effort of COVARIANCE_BAND_EFFORT is at
- * most 100,000 instructions on a Cortex-M4F. c->err tells of the end. Of an extra COVARIANCE_BAND_KEEP is kept at least. */
+ * most 100,000 instructions on a Cortex-M4F. Of an extra COVARIANCE_BAND_KEEP is kept at least. */
 #define COVARIANCE_BAND_EFFORT 420
 #define COVARIANCE_BAND_KEEP   REAL_C(0.015625)
 bool covariance_band_carry_piece(struct covariance_band *c, const struct covariance_step *step,

@@ -33,7 +33,7 @@ static inline real_t band_at_least(real_t variance)
     return variance > COVARIANCE_LEAST ? variance : COVARIANCE_LEAST;
 }
 
-/* `count` stages more of the sweep that c->phase says; c->next goes along. */
+/* Does `count` stages more of the sweep of c->phase, from c->next on. */
 void covariance_band_sweep_two(struct covariance_band *c, const struct covariance_step *step,
                                size_t count);
 void covariance_band_sweep_any(struct covariance_band *c, const struct covariance_step *step,

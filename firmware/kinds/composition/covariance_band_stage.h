@@ -128,7 +128,7 @@ static BAND_STAGE void carry_down(size_t m, struct covariance_band *c,
     }
 }
 
-/* The same for what extras say, and of the vapour. */
+/* The same for the dependence on the extras, and for the vapour. */
 static BAND_STAGE void carry_extras_up(size_t m, size_t extras, const real_t *t, const real_t *g,
                                        real_t keep, real_t *restrict said, real_t *restrict vapour)
 {

@@ -31,7 +31,7 @@ MUST_CHECK enum err covariance_ud_begin(struct covariance_ud *c, size_t stages, 
 
 /* Does a part of a step: about `effort` elements of the triangle at most, or the least that can be done at once, which is noise of one or
  * two fractions. True while there is more; until then nothing but this may be called, with the same step. How it is cut does not change
- * the result. COVARIANCE_UD_EFFORT is at most 100,000 instructions on a Cortex-M4F. c->err tells of the end. */
+ * the result. COVARIANCE_UD_EFFORT is at most 100,000 instructions on a Cortex-M4F. */
 #define COVARIANCE_UD_EFFORT 2000
 bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_step *step,
                                size_t effort);

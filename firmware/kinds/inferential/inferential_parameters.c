@@ -51,7 +51,7 @@ const struct block_parameter inferential_parameter_rows[INFERENTIAL_PARAMETER_RO
 };
 _Static_assert(INFERENTIAL_LOOPS == 2, "rows of the table");
 
-/* ---- what they come to ---- */
+/* ---- slopes and gains ---- */
 
 /* Returns a slope with the sign of the gradient; 0 where no gradient is given. Frau (4.5), docs/inferential.md. */
 static float slope_from_gradient(const struct inferential_settings *c, unsigned k, unsigned i)

@@ -1,4 +1,4 @@
-/* Parameters of the kind `inferential`, what they come to, and the check of settings. For this folder alone. */
+/* Parameters of the kind `inferential`, the settings of its loops, and their check. For this folder alone. */
 #ifndef REFLUX_INFERENTIAL_INFERENTIAL_PARAMETERS_H
 #define REFLUX_INFERENTIAL_INFERENTIAL_PARAMETERS_H
 
