@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "law/state_law_job_state.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
@@ -40,6 +41,11 @@ struct state_model *state_law_job_plant(struct state_law_job *job)
 struct matrix *state_law_job_seen(struct state_law_job *job)
 {
     return &job->seen;
+}
+
+struct state_model *state_law_job_sampled(struct state_law_job *job)
+{
+    return &job->sampled;
 }
 
 void state_law_job_of_model(struct state_law_job *job, const struct state_law_settings *s,

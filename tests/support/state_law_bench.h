@@ -17,6 +17,7 @@
 #include "kinds/state_law/state_law_block.h"
 #include "kinds/state_law/state_law_column.h"
 #include "kinds/state_law/state_law_column_state.h"
+#include "law/state_law_job.h"
 #include "unity.h"
 
 #define PERIOD_S      30.0f

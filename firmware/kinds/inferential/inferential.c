@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "kinds/inferential/inferential_state.h"
+
 /* An output that is cut by less, fraction of span, has not been cut: rounding behind a compensator. */
 #define CUT 1e-4f
 

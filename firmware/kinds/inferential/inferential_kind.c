@@ -4,6 +4,7 @@
 #include "base/channel.h"
 #include "kinds/inferential/inferential.h"
 #include "kinds/inferential/inferential_parameters.h"
+#include "kinds/inferential/inferential_state.h"
 #include "num/real.h"
 
 /* So many equal readings in a row of two temperatures are one thermometer; equal: within this part of the span. */

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "kinds/state_law/state_law_column_state.h"
+#include "law/state_law_job.h"
 
 unsigned state_law_loops(const struct block_signal *input, unsigned inputs)
 {

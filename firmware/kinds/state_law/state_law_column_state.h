@@ -4,7 +4,7 @@
 #define REFLUX_STATE_LAW_STATE_LAW_COLUMN_STATE_H
 
 #include "kinds/state_law/state_law_linear.h"
-#include "law/state_law_job.h"
+#include "law/state_law_job_state.h"
 
 #if CONFIG_BLOCKS
 

@@ -3,6 +3,7 @@
 #define REFLUX_STATE_LAW_STATE_LAW_JOB_H
 
 #include "law/state_law_job.h"
+#include "law/state_law_job_state.h"
 #include "law/state_law_proposal.h"
 
 #endif

@@ -6,6 +6,7 @@
 #include "cost.h"
 #include "kinds/state_law/state_law_column.h"
 #include "kinds/state_law/state_law_column_state.h"
+#include "law/state_law_job.h"
 
 static struct state_law_column column;
 static struct state_law_job *const job = &column.job;
