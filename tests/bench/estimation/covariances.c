@@ -36,7 +36,7 @@ static bool begin(size_t stages)
     static const real_t keep[EXTRAS] = {1, 1, 1};
     static const real_t grown[EXTRAS] = {1e-7f, 1e-7f, 1e-7f};
     struct composition_block *c = &estimator;
-    transition.of = numbers;
+    transition.factors = numbers;
     size_t n = 2 * stages;
     real_t variance[STATES], t[BENCH_SENSORS];
     if (!bench_begin(&estimator, stages, METHOD_REKF, ALL_STAGES))
@@ -82,7 +82,7 @@ static struct covariance_measurement temperature_at(size_t stages, unsigned k)
 {
     static const uint8_t at[SENSORS] = {5, 30, 31, 33};
     static const real_t slope[2] = {-40, -15};
-    return (struct covariance_measurement){.at = 2 * ((at[k] - 1u) * (stages - 1) / 36),
+    return (struct covariance_measurement){.first = 2 * ((at[k] - 1u) * (stages - 1) / 36),
                                            .count = 2,
                                            .slope = slope,
                                            .extra = EXTRAS,
