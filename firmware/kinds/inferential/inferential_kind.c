@@ -5,6 +5,7 @@
 #include "kinds/inferential/inferential.h"
 #include "kinds/inferential/inferential_parameters.h"
 #include "kinds/inferential/inferential_state.h"
+#include "kinds/inferential/inferential_values.h"
 #include "num/real.h"
 
 /* So many equal readings in a row of two temperatures are one thermometer; equal: within this part of the span. */
@@ -12,8 +13,6 @@
 #define EQUAL       1e-5f
 /* So many consecutive steps without the secondary raise the event; a single missing reading does not. */
 #define ALONE_STEPS 10u
-
-#define INNER_VALUES 15
 
 struct inferential_block {
     uint8_t loops, seconds;            /* secondary temperatures among the inputs, the first ones */
@@ -182,36 +181,8 @@ static void inferential_block_back_calculate(void *state, struct block_io *io)
 static const char *inferential_describe(const void *state, size_t i, float *value)
 {
     const struct inferential_block *s = state;
-    size_t k = i / INNER_VALUES;
-    if (k >= s->loops)
-        return NULL;
-    const struct inferential *l = &s->loop[k];
-    float frequency = 0, damping = 0;
-    const struct inferential_config *c = inferential_config(l);
-    const struct inferential_inner last = inferential_inner(l);
-    inferential_predicted(c, inferential_acts(l), &frequency, &damping);
-    const struct {
-        const char *name[INFERENTIAL_LOOPS];
-        float value;
-    } inner[INNER_VALUES] = {
-        {{"law_1", "law_2"}, inferential_acts(l)},
-        {{"y1_1", "y1_2"}, num_to_float(last.y1) * c->span[PRIMARY]},
-        {{"y2_1", "y2_2"}, num_to_float(inferential_away(l)) * c->span[SECONDARY]},
-        {{"b1_1", "b1_2"}, inferential_load(l, PRIMARY)},
-        {{"b2_1", "b2_2"}, inferential_load(l, SECONDARY)},
-        {{"prim_1", "prim_2"}, num_to_float(last.primary)},
-        {{"sec_1", "sec_2"}, num_to_float(last.secondary)},
-        {{"sat_1", "sat_2"}, last.cut},
-        {{"a1_1", "a1_2"}, c->a[PRIMARY]},
-        {{"a2_1", "a2_2"}, c->a[SECONDARY]},
-        {{"kc_1", "kc_2"}, c->kc},
-        {{"kc2_1", "kc2_2"}, c->kc2},
-        {{"ko_1", "ko_2"}, c->ko},
-        {{"freq_1", "freq_2"}, frequency},
-        {{"damp_1", "damp_2"}, damping},
-    };
-    *value = inner[i % INNER_VALUES].value;
-    return inner[i % INNER_VALUES].name[k];
+    unsigned k = (unsigned)(i / INFERENTIAL_VALUES);
+    return k < s->loops ? inferential_value(&s->loop[k], k, i % INFERENTIAL_VALUES, value) : NULL;
 }
 
 const struct block_kind inferential_kind = {
