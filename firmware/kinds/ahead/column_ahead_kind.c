@@ -48,7 +48,7 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
     const struct ahead_settings *s = setup->settings;
     const struct column_record *record = setup->named;
     bool same = retune && b->record == record && b->checksum == column_record_checksum(record);
-    if (!(ahead_places_set(&b->places, setup) && same)) {
+    if (!(same && ahead_places_set(&b->places, setup))) {
         memset(b, 0, sizeof *b);
         (void)ahead_places_set(&b->places, setup);
         enum err err = ahead_model_begin(&b->m, record, numbers_of(b));
@@ -169,7 +169,7 @@ static void take_applied(struct ahead *b, const struct block_io *io)
 /* Predictions are such that what is in effect is what is asked for. */
 static enum err hold_outputs(struct ahead *b, const real_t *asked)
 {
-    real_t y[AHEAD_LOOPS];
+    real_t y[AHEAD_LOOPS] = {ZERO};
     enum err err = predict_pvs(b, ahead_law_u(&b->law), y);
     for (unsigned i = 0; !err && i < ahead_places_loops(&b->places); i++)
         b->missed[i] = asked[i] - y[i];
