@@ -20,19 +20,7 @@
 #ifndef REFLUX_COMPOSITION_COVARIANCE_BAND_H
 #define REFLUX_COMPOSITION_COVARIANCE_BAND_H
 
-#include "kinds/composition/covariance.h"
-
-#define COVARIANCE_BAND_M_MAX (COLUMN_COMPONENTS_MAX - 1)
-/* Each variance of S becomes so much larger in a step, by 2^-19 of it: more than rounding can take from what it has to be, beside
- * covariances, to be that of a covariance matrix. */
-#define COVARIANCE_BAND_GROWTH (REAL_C(1.0) + REAL_C(1.9073486328125e-6))
-#define COVARIANCE_BAND_BLOCK  ((size_t)COVARIANCE_BAND_M_MAX * COVARIANCE_BAND_M_MAX)
-
-/* The change of an extra over the step, for the fractions that depend on it. */
-struct covariance_band_fresh {
-    real_t unknown;                    /* variance of the old extra, given the new ones */
-    real_t mix[COVARIANCE_EXTRAS_MAX]; /* the old one by them, less the new one */
-};
+#include "kinds/composition/covariance_band_inside.h"
 
 struct covariance_band {
     size_t stages, m, extras;
@@ -76,10 +64,5 @@ enum err covariance_band_err(const struct covariance_band *c);
 
 /* Smallest and largest variance of a state. */
 void covariance_band_extremes(const struct covariance_band *c, real_t *least, real_t *most);
-
-static inline size_t covariance_band_stride(size_t m, size_t extras)
-{
-    return (2 * m + extras) * m;
-}
 
 #endif

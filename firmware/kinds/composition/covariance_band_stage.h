@@ -24,15 +24,13 @@ struct band_along {
     real_t block[4][BLOCK_SIZE];
 };
 
-static BAND_STAGE void fetch_along(size_t m, const struct covariance_band *c,
-                                   struct band_along *along)
+static BAND_STAGE void fetch_along(size_t m, const struct band_view *c, struct band_along *along)
 {
     for (size_t k = 0; k < 4; k++)
         block_copy(m * m, c->block[k], along->block[k]);
 }
 
-static BAND_STAGE void keep_along(size_t m, const struct band_along *along,
-                                  struct covariance_band *c)
+static BAND_STAGE void keep_along(size_t m, const struct band_along *along, struct band_view *c)
 {
     for (size_t k = 0; k < 4; k++)
         block_copy(m * m, along->block[k], c->block[k]);
@@ -40,7 +38,7 @@ static BAND_STAGE void keep_along(size_t m, const struct band_along *along,
 
 /* Expresses a stage by the new extras in place of the old ones; the rest goes to the stage's covariances. row: numbers that each extra adds to
  * its own, of the stage above, and afterwards of this stage. */
-static BAND_STAGE void renew_stage(size_t m, struct covariance_band *c,
+static BAND_STAGE void renew_stage(size_t m, struct band_view *c,
                                    const struct covariance_step *step, size_t s, real_t *own,
                                    real_t *up, real_t *restrict said)
 {
@@ -73,9 +71,8 @@ static BAND_STAGE void renew_stage(size_t m, struct covariance_band *c,
 }
 
 /* r_s = P_s (b_s + l_s r_(s+1)) */
-static BAND_STAGE void carry_down(size_t m, struct covariance_band *c,
-                                  const struct covariance_step *step, size_t s,
-                                  struct band_along *along)
+static BAND_STAGE void carry_down(size_t m, struct band_view *c, const struct covariance_step *step,
+                                  size_t s, struct band_along *along)
 {
     size_t stride = covariance_band_stride(m, c->extras);
     const real_t *p_stage = &step->transition->factors[s * column_transition_stride(m)];
@@ -152,9 +149,8 @@ static BAND_STAGE void carry_extras_up(size_t m, size_t extras, const real_t *t,
 }
 
 /* d_s = r_s + T_s w_(s-1), w_s = keep_s w_(s-1) + G_s d_s */
-static BAND_STAGE void carry_up(size_t m, struct covariance_band *c,
-                                const struct covariance_step *step, size_t s,
-                                struct band_along *along)
+static BAND_STAGE void carry_up(size_t m, struct band_view *c, const struct covariance_step *step,
+                                size_t s, struct band_along *along)
 {
     size_t stride = covariance_band_stride(m, c->extras);
     const real_t *p = &step->transition->factors[s * column_transition_stride(m)];
@@ -197,13 +193,13 @@ static BAND_STAGE void carry_up(size_t m, struct covariance_band *c,
     carry_extras_up(m, c->extras, t, g, keep, stage + 2 * m * m, c->row);
 }
 
-static BAND_STAGE void sweep_stages(size_t m, struct covariance_band *c,
+static BAND_STAGE void sweep_stages(size_t m, struct band_view *c,
                                     const struct covariance_step *step, size_t count)
 {
     struct band_along along;
 
     fetch_along(m, c, &along);
-    if (c->phase == BAND_SWEEPS_DOWN)
+    if (c->down)
         for (; count > 0; count--)
             carry_down(m, c, step, --c->next, &along);
     else
@@ -254,9 +250,8 @@ static BAND_STAGE void take_stage(size_t m, size_t extras, const struct band_see
 }
 
 /* From the stage of the measurement on, upwards or down, in steps of `stride` numbers. */
-static BAND_STAGE void spread_on(size_t m, const struct covariance_band *c,
-                                 const struct band_seen *seen, bool upwards, const real_t *first,
-                                 real_t *gain)
+static BAND_STAGE void spread_on(size_t m, const struct band_view *c, const struct band_seen *seen,
+                                 bool upwards, const real_t *first, real_t *gain)
 {
     size_t stride = covariance_band_stride(m, c->extras), extras = c->extras;
     size_t count = upwards ? c->stages - 1 - seen->stage : seen->stage;
@@ -292,7 +287,7 @@ static BAND_STAGE void spread_on(size_t m, const struct covariance_band *c,
     }
 }
 
-static BAND_STAGE void spread_stages(size_t m, const struct covariance_band *c,
+static BAND_STAGE void spread_stages(size_t m, const struct band_view *c,
                                      const struct band_seen *seen, real_t *gain)
 {
     real_t *own = &c->blocks[seen->stage * covariance_band_stride(m, c->extras)];
