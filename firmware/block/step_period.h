@@ -23,14 +23,7 @@ static inline bool step_period_is_whole(float ticks)
     return away <= 1e-3f * ticks && away >= -1e-3f * ticks;
 }
 
-/* Of the parameter `period` of a kind that takes a step at least every 10000 base ticks. ERR_RANGE: *fault says what it must be. */
-MUST_CHECK static inline enum err step_period_check(float ticks, struct block_fault *fault)
-{
-    if (!(ticks >= 0.999f && ticks <= 10000.0f))
-        return block_refuse(fault, 0, "period", "must be 1 to 10000 base ticks");
-    if (!step_period_is_whole(ticks))
-        return block_refuse(fault, 0, "period", "must be a whole number of base ticks");
-    return ERR_OK;
-}
+/* Checks the parameter `period` of a kind that takes a step at least every 10000 base ticks. ERR_RANGE: *fault says what it must be. */
+MUST_CHECK enum err step_period_check(float ticks, struct block_fault *fault);
 
 #endif
