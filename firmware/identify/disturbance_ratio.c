@@ -28,15 +28,15 @@ void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real
 static void divide(const struct high_order_point *a, const struct high_order_point *b,
                    struct high_order_point *c)
 {
-    real_t size = cplx_abs(b->is);
-    c->is = cplx_div(a->is, b->is);
-    real_t of_b = b->sd * cplx_abs(c->is);
+    real_t size = cplx_abs(b->value);
+    c->value = cplx_div(a->value, b->value);
+    real_t of_b = b->sd * cplx_abs(c->value);
     c->sd = real_sqrt(a->sd * a->sd + of_b * of_b) / size;
 }
 
 static void times(struct high_order_point *p, struct cplx factor)
 {
-    p->is = cplx_mul(p->is, factor);
+    p->value = cplx_mul(p->value, factor);
     p->sd *= cplx_abs(factor);
 }
 
@@ -44,15 +44,15 @@ enum err ratio_from_process(const struct high_order_point *process,
                             const struct high_order_point *sensitivity,
                             const struct loop_response *loop, struct high_order_point *ratio)
 {
-    if (is_zero(process->is))
+    if (is_zero(process->value))
         return ERR_SINGULAR;
     /* Sd (1/Gp + C): of Gp only the first part depends. */
     struct high_order_point open;
     divide(sensitivity, process, &open);
-    struct cplx whole = cplx_add(cplx_div(cplx(ONE, ZERO), process->is), loop->controller);
-    real_t of_process = cplx_abs(open.is) * process->sd / cplx_abs(process->is);
+    struct cplx whole = cplx_add(cplx_div(cplx(ONE, ZERO), process->value), loop->controller);
+    real_t of_process = cplx_abs(open.value) * process->sd / cplx_abs(process->value);
     real_t of_sensitivity = sensitivity->sd * cplx_abs(whole);
-    ratio->is = cplx_sub(cplx_mul(sensitivity->is, whole), loop->feedforward);
+    ratio->value = cplx_sub(cplx_mul(sensitivity->value, whole), loop->feedforward);
     ratio->sd = real_sqrt(of_process * of_process + of_sensitivity * of_sensitivity);
     return ERR_OK;
 }
@@ -61,11 +61,11 @@ enum err ratio_from_tracking(const struct high_order_point *tracking,
                              const struct high_order_point *sensitivity,
                              const struct loop_response *loop, struct high_order_point *ratio)
 {
-    if (is_zero(tracking->is))
+    if (is_zero(tracking->value))
         return ERR_SINGULAR;
     divide(sensitivity, tracking, ratio);
     times(ratio, loop->reference);
-    ratio->is = cplx_sub(ratio->is, loop->feedforward);
+    ratio->value = cplx_sub(ratio->value, loop->feedforward);
     return ERR_OK;
 }
 
@@ -73,21 +73,21 @@ enum err ratio_from_input(const struct high_order_point *tracking,
                           const struct high_order_point *input_by_disturbance,
                           const struct loop_response *loop, struct high_order_point *ratio)
 {
-    if (is_zero(tracking->is) || is_zero(loop->controller))
+    if (is_zero(tracking->value) || is_zero(loop->controller))
         return ERR_SINGULAR;
     divide(input_by_disturbance, tracking, ratio);
     times(ratio, cplx_scale(cplx_div(loop->reference, loop->controller), -ONE));
-    ratio->is = cplx_sub(ratio->is, loop->feedforward);
+    ratio->value = cplx_sub(ratio->value, loop->feedforward);
     return ERR_OK;
 }
 
 enum err process_from_tracking(const struct high_order_point *tracking,
                                const struct loop_response *loop, struct high_order_point *process)
 {
-    struct cplx rest = cplx_sub(loop->reference, cplx_mul(tracking->is, loop->controller));
+    struct cplx rest = cplx_sub(loop->reference, cplx_mul(tracking->value, loop->controller));
     if (is_zero(rest))
         return ERR_SINGULAR;
-    process->is = cplx_div(tracking->is, rest);
+    process->value = cplx_div(tracking->value, rest);
     /* dGp/dT = Cr/(Cr - T C)^2 */
     process->sd = tracking->sd * cplx_abs(loop->reference) / cplx_square(rest);
     return ERR_OK;
@@ -98,15 +98,15 @@ enum err sensitivity_from_ratio(const struct high_order_point *process,
                                 const struct loop_response *loop,
                                 struct high_order_point *sensitivity)
 {
-    struct cplx open = cplx_mul(process->is, loop->controller);
+    struct cplx open = cplx_mul(process->value, loop->controller);
     open.re += ONE;
     if (is_zero(open))
         return ERR_SINGULAR;
-    struct cplx closed = cplx_div(process->is, open);
+    struct cplx closed = cplx_div(process->value, open);
     /* d(Gp/(1 + Gp C))/dGp = 1/(1 + Gp C)^2 */
-    real_t of_process = process->sd / cplx_square(open) * cplx_abs(ratio->is);
+    real_t of_process = process->sd / cplx_square(open) * cplx_abs(ratio->value);
     real_t of_ratio = ratio->sd * cplx_abs(closed);
-    sensitivity->is = cplx_mul(closed, ratio->is);
+    sensitivity->value = cplx_mul(closed, ratio->value);
     sensitivity->sd = real_sqrt(of_process * of_process + of_ratio * of_ratio);
     return ERR_OK;
 }

@@ -286,10 +286,10 @@ enum err high_order_response(const struct high_order *h, unsigned j, real_t omeg
     if (is_root(a, size + ONE))
         return ERR_SINGULAR;
     struct cplx factor = cplx_div(phase_of_delay(omega_h, s->delay[j]), a);
-    p->is = cplx_mul(sum_of_theta(h, from, s->nb[j], back, &size), factor);
+    p->value = cplx_mul(sum_of_theta(h, from, s->nb[j], back, &size), factor);
     /* dG/db_i = back^(delay + i)/A, dG/da_i = -G back^i/A */
     put_derivatives(re, im, from, s->nb[j], factor, back);
-    struct cplx by_a = cplx_mul(cplx_div(cplx_scale(p->is, -ONE), a), back);
+    struct cplx by_a = cplx_mul(cplx_div(cplx_scale(p->value, -ONE), a), back);
     put_derivatives(re, im, 0, s->na, by_a, back);
     p->sd = deviation_of(h, re, im);
     return ERR_OK;
@@ -309,10 +309,10 @@ enum err high_order_ratio(const struct high_order *h, real_t omega_h, struct hig
         return ERR_SINGULAR;
     below = cplx_mul(below, phase_of_delay(omega_h, s->delay[0]));
     struct cplx factor = cplx_div(phase_of_delay(omega_h, s->delay[1]), below);
-    p->is = cplx_mul(sum_of_theta(h, (unsigned)s->na + s->nb[0], s->nb[1], back, &size), factor);
+    p->value = cplx_mul(sum_of_theta(h, (unsigned)s->na + s->nb[0], s->nb[1], back, &size), factor);
     put_derivatives(re, im, (unsigned)s->na + s->nb[0], s->nb[1], factor, back);
     struct cplx by_b =
-        cplx_mul(cplx_div(cplx_scale(p->is, -ONE), below), phase_of_delay(omega_h, s->delay[0]));
+        cplx_mul(cplx_div(cplx_scale(p->value, -ONE), below), phase_of_delay(omega_h, s->delay[0]));
     put_derivatives(re, im, s->na, s->nb[0], by_b, back);
     p->sd = deviation_of(h, re, im);
     return ERR_OK;

@@ -73,10 +73,11 @@ void high_order_interrupt(struct high_order *h);
 uint32_t high_order_samples(const struct high_order *h);
 const struct rls *high_order_rls(const struct high_order *h);
 
-/* At a frequency: of a response, or of a ratio of two. */
+/* A response at a frequency, or a ratio of two. */
 struct high_order_point {
-    struct cplx is;
-    real_t sd; /* root of the mean square of the distance to the true one, as P has it */
+    struct cplx value;
+    /* Root of the mean square of the distance to the true value, as P has it. */
+    real_t sd;
 };
 
 /* omega_h: rad per sample, (0, pi]. Of input j; ERR_SINGULAR: A has a root there, nothing is written. Takes no more than 4 n^2 + 100 n

@@ -20,7 +20,7 @@ static struct high_order_point point(double complex z, double sd)
 
 static double distance(const struct high_order_point *p, double complex z)
 {
-    return cabs((double)p->is.re + I * (double)p->is.im - z);
+    return cabs((double)p->value.re + I * (double)p->value.im - z);
 }
 
 /* Ratios that can be identified with the loop closed. */
@@ -109,7 +109,7 @@ static void the_sensitivity_is_that_of_the_digest(void)
             struct loop_response loop = {.controller = {(real_t)creal(pi), (real_t)cimag(pi)}};
             struct high_order_point process = point(gp, 0), ratio = point(gd / gp, 0), sd;
             TEST_ASSERT_EQUAL(ERR_OK, sensitivity_from_ratio(&process, &ratio, &loop, &sd));
-            TEST_ASSERT_TRUE(fabs(20 * log10((double)cplx_abs(sd.is)) - db[c][i]) < 0.06);
+            TEST_ASSERT_TRUE(fabs(20 * log10((double)cplx_abs(sd.value)) - db[c][i]) < 0.06);
         }
 }
 
@@ -125,20 +125,20 @@ static void standard_deviations_follow_from_those_of_the_parts(void)
     struct high_order_point other = point(s.gp * s.cr * s.s + small * cexp(0.7 * I), 0);
     TEST_ASSERT_EQUAL(ERR_OK, ratio_from_tracking(&other, &sd, &s.loop, &moved));
     TEST_ASSERT_FLOAT_WITHIN(0.05 * out.sd, out.sd,
-                             distance(&moved, (double)out.is.re + I * (double)out.is.im));
+                             distance(&moved, (double)out.value.re + I * (double)out.value.im));
     process.sd = (real_t)small;
     TEST_ASSERT_EQUAL(ERR_OK, ratio_from_process(&process, &sd, &s.loop, &out));
     other = point(s.gp + small * cexp(0.7 * I), 0);
     TEST_ASSERT_EQUAL(ERR_OK, ratio_from_process(&other, &sd, &s.loop, &moved));
     TEST_ASSERT_FLOAT_WITHIN(0.05 * out.sd, out.sd,
-                             distance(&moved, (double)out.is.re + I * (double)out.is.im));
+                             distance(&moved, (double)out.value.re + I * (double)out.value.im));
     process.sd = 0;
     sd.sd = (real_t)small;
     TEST_ASSERT_EQUAL(ERR_OK, ratio_from_process(&process, &sd, &s.loop, &out));
     other = point(s.gd * s.s + small * cexp(0.7 * I), 0);
     TEST_ASSERT_EQUAL(ERR_OK, ratio_from_process(&process, &other, &s.loop, &moved));
     TEST_ASSERT_FLOAT_WITHIN(0.05 * out.sd, out.sd,
-                             distance(&moved, (double)out.is.re + I * (double)out.is.im));
+                             distance(&moved, (double)out.value.re + I * (double)out.value.im));
 }
 
 /* Moved in many directions: the root of the mean square, as sd is defined. */
@@ -157,7 +157,7 @@ static double moved_by(enum err (*of)(const struct high_order_point *,
             first = point(a + sd_a * cexp(I * 0.3927 * k), 0);
             second = point(b + sd_b * cexp(I * 0.3927 * l), 0);
             TEST_ASSERT_EQUAL(ERR_OK, of(&first, &second, loop, &moved));
-            double d = distance(&moved, (double)out.is.re + I * (double)out.is.im);
+            double d = distance(&moved, (double)out.value.re + I * (double)out.value.im);
             sum += d * d;
         }
     return sqrt(sum / 256);

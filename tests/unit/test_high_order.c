@@ -148,13 +148,13 @@ static void compare_on_long_record(const struct high_order_shape *s, bool joint)
             double w = frequency(i);
             double complex is = dense_response(s, joint, w);
             TEST_ASSERT_EQUAL(ERR_OK, high_order_response(h, joint, (real_t)(w * SIDDHA_TS), &p));
-            worst = fmax(worst, cabs(p.is.re + I * p.is.im - is));
+            worst = fmax(worst, cabs(p.value.re + I * p.value.im - is));
             largest = fmax(largest, cabs(is));
             if (!joint)
                 continue;
             is = is / dense_response(s, 0, w);
             TEST_ASSERT_EQUAL(ERR_OK, high_order_ratio(h, (real_t)(w * SIDDHA_TS), &p));
-            worst_ratio = fmax(worst_ratio, cabs(p.is.re + I * p.is.im - is));
+            worst_ratio = fmax(worst_ratio, cabs(p.value.re + I * p.value.im - is));
             largest_ratio = fmax(largest_ratio, cabs(is));
         }
     }
@@ -207,9 +207,9 @@ static void without_noise_the_ratio_is_the_plants(void)
             struct high_order_point p;
             double w = frequency(i);
             TEST_ASSERT_EQUAL(ERR_OK, high_order_ratio(h, (real_t)(w * SIDDHA_TS), &p));
-            TEST_ASSERT_TRUE(cabs(p.is.re + I * p.is.im - siddha_ratio(c, w)) < 2e-3);
+            TEST_ASSERT_TRUE(cabs(p.value.re + I * p.value.im - siddha_ratio(c, w)) < 2e-3);
             TEST_ASSERT_EQUAL(ERR_OK, high_order_response(h, 0, (real_t)(w * SIDDHA_TS), &p));
-            TEST_ASSERT_TRUE(cabs(p.is.re + I * p.is.im - siddha_process(w)) < 4e-3);
+            TEST_ASSERT_TRUE(cabs(p.value.re + I * p.value.im - siddha_process(w)) < 4e-3);
         }
     }
 }
@@ -245,7 +245,7 @@ static void standard_deviations_are_right_where_the_noise_is_white(void)
         TEST_ASSERT_EQUAL(ERR_OK, high_order_ratio(h, REAL_C(0.3), &p[1]));
         const double complex is[2] = {of_u / a, of_d / of_u};
         for (unsigned i = 0; i < 2; i++) {
-            double off = cabs(p[i].is.re + I * p[i].is.im - is[i]);
+            double off = cabs(p[i].value.re + I * p[i].value.im - is[i]);
             squares[i] += off * off / RUNS;
             said[i] += p[i].sd * p[i].sd / RUNS;
         }
@@ -290,7 +290,7 @@ static double off_after_change(bool reset)
         (void)high_order_step(h, num_from_float((float)(SCALE * loop.y)), u, true);
     }
     TEST_ASSERT_EQUAL(ERR_OK, high_order_ratio(h, REAL_C(0.1), &p));
-    return cabs(p.is.re + I * p.is.im - siddha_ratio(8, 2));
+    return cabs(p.value.re + I * p.value.im - siddha_ratio(8, 2));
 }
 
 static void a_reset_of_the_covariance_follows_a_change_sooner(void)

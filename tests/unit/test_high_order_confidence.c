@@ -135,7 +135,7 @@ static void look_at_way(char method, bool lags, double *rms)
                 run_staged(&loop, method);
             for (unsigned i = 0; i < GRID; i++) {
                 struct high_order_point p = ratio_found(method, omega(i));
-                off[s][i] = (double)p.is.re + I * (double)p.is.im - siddha_ratio(c, omega(i));
+                off[s][i] = (double)p.value.re + I * (double)p.value.im - siddha_ratio(c, omega(i));
                 mean[i] += off[s][i] / seeds;
                 said[band_of_frequency(i)] += (double)(p.sd * p.sd);
             }

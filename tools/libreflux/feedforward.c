@@ -98,8 +98,8 @@ int32_t reflux_high_order(const int32_t *shape, const double *settings, int32_t 
         err = what < 0 ? high_order_ratio(h, (real_t)omega_h[i], &p)
                        : high_order_response(h, (unsigned)what, (real_t)omega_h[i], &p);
         double *at = out + 3 * (ptrdiff_t)i;
-        at[0] = p.is.re;
-        at[1] = p.is.im;
+        at[0] = p.value.re;
+        at[1] = p.value.im;
         at[2] = p.sd;
     }
     return err;

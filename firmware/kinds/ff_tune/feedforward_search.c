@@ -5,12 +5,16 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-#define LAGS      15u /* of the grid: 0, then geometric to the largest */
-#define DEADS     9u  /* of the grid, equally apart */
-#define ROUNDS    4u  /* of golden sections, each of lag and of dead time */
+/* Lags of the grid: 0, then geometric to the largest. */
+#define LAGS 15u
+/* Dead times of the grid, equally apart. */
+#define DEADS 9u
+/* Rounds of golden sections, each of lag and of dead time. */
+#define ROUNDS    4u
 #define CUTS      12u
 #define REWEIGHTS 25u
-#define K_MOST    REAL_C(100.0) /* of the element */
+/* Largest gain of the element. */
+#define K_MOST REAL_C(100.0)
 
 enum search_phase { SEARCH_GRID, SEARCH_LAG, SEARCH_DEAD, SEARCH_OVER };
 
@@ -34,8 +38,8 @@ static struct cplx without_lead(real_t lag, real_t dead, struct cplx s, real_t o
 struct cplx feedforward_response(const struct feedforward_shape *f, real_t h_s, real_t omega)
 {
     struct cplx s = backward_difference(h_s, omega);
-    struct cplx of = without_lead(f->lag, f->dead, s, omega);
-    return cplx_scale(cplx_mul(of, cplx(ONE + f->lead * s.re, f->lead * s.im)), f->k);
+    struct cplx lag = without_lead(f->lag, f->dead, s, omega);
+    return cplx_scale(cplx_mul(lag, cplx(ONE + f->lead * s.re, f->lead * s.im)), f->k);
 }
 
 real_t feedforward_objective(const struct feedforward_wanted *w, const struct feedforward_shape *f)
@@ -50,11 +54,12 @@ real_t feedforward_objective(const struct feedforward_wanted *w, const struct fe
 
 /* ---- K and K lead, for a lag and a dead time ---- */
 
-/* The error R + p a + q b at each frequency; without q where `tied`: then lead is given and a is all of F/K. */
+/* The error is R + p a + q b at each frequency. It lacks q where `tied`: then lead is given and a is all of F/K. */
 struct linear {
     const struct feedforward_wanted *w;
     struct cplx a[FEEDFORWARD_POINTS], b[FEEDFORWARD_POINTS];
-    real_t p, q, least; /* least: below it an error counts as that small */
+    /* A smaller error counts as `least`. */
+    real_t p, q, least;
     bool tied;
 };
 
@@ -118,7 +123,7 @@ static real_t size_of_ratio(const struct feedforward_wanted *w)
     return largest;
 }
 
-/* J of the best K and lead for this lag and dead time; kept where it is the least so far. */
+/* Finds the best K and lead for this lag and dead time, keeps them where J is the least so far, and returns J. */
 static real_t try_pair(struct feedforward_search *s, const struct feedforward_wanted *w, real_t lag,
                        real_t dead)
 {
@@ -151,6 +156,13 @@ void feedforward_search_begin(struct feedforward_search *s, const struct feedfor
 {
     *s = (struct feedforward_search){0};
     s->j0 = s->j = feedforward_objective(wanted, &s->best);
+}
+
+void feedforward_search_skip(struct feedforward_search *s, const struct feedforward_wanted *wanted,
+                             real_t j)
+{
+    s->j0 = feedforward_objective(wanted, &(const struct feedforward_shape){0});
+    s->j = j;
 }
 
 static real_t no_more_than(real_t x, real_t most)
@@ -190,7 +202,7 @@ static real_t tried_at(struct feedforward_search *s, const struct feedforward_wa
                                   : try_pair(s, w, s->best.lag, x);
 }
 
-/* About the best so far: half to twice the lag; a step of the grid of dead times to either side, a quarter of it in each round. */
+/* Searches about the best so far: half to twice the lag; a step of the grid of dead times to either side, half of that in each round. */
 static void begin_section(struct feedforward_search *s, const struct feedforward_wanted *w)
 {
     real_t width = w->dead_most / (real_t)(DEADS - 1u);
@@ -204,7 +216,7 @@ static void begin_section(struct feedforward_search *s, const struct feedforward
                      no_more_than(s->best.dead + width, w->dead_most));
 }
 
-/* A trial of a golden section; false: it is narrow enough. */
+/* Makes a trial of a golden section; false: the section is narrow enough. */
 static bool section_piece(struct feedforward_search *s, const struct feedforward_wanted *w)
 {
     golden_take(&s->section, tried_at(s, w, golden_next(&s->section)));

@@ -19,22 +19,32 @@
 #define FEEDFORWARD_POINTS 16
 
 struct feedforward_wanted {
-    uint8_t points;                        /* 1 to FEEDFORWARD_POINTS */
-    real_t omega[FEEDFORWARD_POINTS];      /* rad/s, above 0, to pi/h */
-    struct cplx ratio[FEEDFORWARD_POINTS]; /* Gd/Gp, output span per disturbance span */
-    real_t weight[FEEDFORWARD_POINTS];     /* 0 and above; 0: left out */
-    real_t h_s;                            /* of the element's steps */
-    real_t kick;                           /* 1 and above */
-    real_t lag_most, dead_most;            /* s, 0 and above */
+    /* 1 to FEEDFORWARD_POINTS */
+    uint8_t points;
+    /* rad/s, above 0, to pi/h */
+    real_t omega[FEEDFORWARD_POINTS];
+    /* Gd/Gp, output span per disturbance span */
+    struct cplx ratio[FEEDFORWARD_POINTS];
+    /* 0 and above; 0: left out */
+    real_t weight[FEEDFORWARD_POINTS];
+    /* Interval of the element's steps. */
+    real_t h_s;
+    /* 1 and above */
+    real_t kick;
+    /* s, 0 and above */
+    real_t lag_most, dead_most;
 };
 
 struct feedforward_shape {
-    real_t k, lead, lag, dead; /* output span per disturbance span; s */
+    /* output span per disturbance span; s */
+    real_t k, lead, lag, dead;
 };
 
 struct feedforward_search {
+    /* The result so far. */
     struct feedforward_shape best;
-    real_t j, j0; /* the least so far; J of K = 0 */
+    /* Its J; J of K = 0. */
+    real_t j, j0;
     /* inner state */
     uint8_t phase, lag_at, dead_at, round;
     struct golden section;
@@ -42,12 +52,16 @@ struct feedforward_search {
 
 void feedforward_search_begin(struct feedforward_search *s,
                               const struct feedforward_wanted *wanted);
-/* Lag and dead time of *near are tried beside the grid, which may be coarse where they have a long range. */
+/* Tries lag and dead time of *near beside the grid, which may be coarse where they have a long range. */
 void feedforward_search_near(struct feedforward_search *s, const struct feedforward_wanted *wanted,
                              const struct feedforward_shape *near);
-/* The same *wanted all the time. A lag with a dead time: up to 20,000 instructions. True while there is more. */
+/* A piece, a lag with a dead time: up to 20,000 instructions. *wanted is the same all the time. True while there is more. */
 bool feedforward_search_piece(struct feedforward_search *s,
                               const struct feedforward_wanted *wanted);
+
+/* Instead of a search: sets J of K = 0, and that of an element from elsewhere. */
+void feedforward_search_skip(struct feedforward_search *s, const struct feedforward_wanted *wanted,
+                             real_t j);
 
 /* F at a frequency, and J. */
 struct cplx feedforward_response(const struct feedforward_shape *f, real_t h_s, real_t omega);

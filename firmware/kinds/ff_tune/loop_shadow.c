@@ -5,14 +5,15 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-#define LOST REAL_C(8.0) /* spans */
+/* A shadow beyond so many spans is lost. */
+#define LOST REAL_C(8.0)
 
 void shadow_begin(struct loop_shadow *s, const struct fopdt *m, real_t gain, real_t ti_s,
                   real_t h_s)
 {
     memset(s, 0, sizeof *s);
     s->decay = m->time_constant_s > ZERO ? real_exp(-h_s / m->time_constant_s) : ZERO;
-    s->into = m->gain * (ONE - s->decay);
+    s->share = m->gain * (ONE - s->decay);
     s->gain = gain;
     s->integral_share = ti_s > ZERO ? gain * h_s / ti_s : ZERO;
     /* A held input is late by half a sample, which the fit has counted as dead time. */
@@ -32,7 +33,12 @@ real_t shadow_step(struct loop_shadow *s, real_t v)
     s->u[0] = v - s->gain * y + s->integral;
     s->integral -= s->integral_share * y;
     s->x = s->decay * s->x +
-           s->into * (s->u[s->dead] + s->fraction * (s->u[s->dead + 1u] - s->u[s->dead]));
+           s->share * (s->u[s->dead] + s->fraction * (s->u[s->dead + 1u] - s->u[s->dead]));
     s->lost = !real_within(s->x, -LOST, LOST);
     return y;
+}
+
+bool shadow_is_lost(const struct loop_shadow *s)
+{
+    return s->lost;
 }

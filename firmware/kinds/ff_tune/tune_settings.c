@@ -1,4 +1,6 @@
-#include "kinds/ff_tune/feedforward_tune_block.h"
+#include "kinds/ff_tune/tune_settings.h"
+
+#include <string.h>
 
 #include "block/refuse.h"
 #include "block/step_period.h"
@@ -83,7 +85,7 @@ static float tune_period_ticks(const struct block_setup *setup)
     return step_period_ticks(s->period_s, setup->interval_s);
 }
 
-uint32_t tune_ticks(const struct block_setup *setup)
+static uint32_t tune_ticks(const struct block_setup *setup)
 {
     return step_period_rounded(tune_period_ticks(setup));
 }
@@ -132,6 +134,23 @@ struct high_order_settings tune_rules(const struct tune_settings *s)
                                         .p0 = s->p0};
 }
 
+/* Pieces of work for each second of a step, as the experiment has them. */
+#define PIECES_A_SECOND 100.0f
+#define PIECES_MOST     1000.0f
+
+void tune_context_take(struct tune_context *c, const struct block_setup *setup)
+{
+    float pieces = PIECES_A_SECOND * setup->interval_s;
+    memcpy(&c->s, setup->settings, sizeof c->s);
+    c->ticks = (uint16_t)tune_ticks(setup);
+    c->tick_s = setup->interval_s;
+    c->h_s = setup->interval_s * (real_t)c->ticks;
+    c->pieces = (uint16_t)(pieces < 1 ? 1 : pieces < PIECES_MOST ? pieces : PIECES_MOST);
+    c->y_signal = setup->input[0];
+    c->d_signal = setup->input[1];
+    tune_shapes(&c->s, c->shape);
+}
+
 uint32_t tune_model_bytes(const struct tune_settings *s)
 {
     struct high_order_shape shape[2];
@@ -139,6 +158,22 @@ uint32_t tune_model_bytes(const struct tune_settings *s)
     uint32_t one = shape[0].inputs ? high_order_bytes(&shape[0]) : 0;
     uint32_t two = high_order_bytes(&shape[1]);
     return one > two ? one : two;
+}
+
+uint32_t tune_samples_in(const struct tune_context *c, float seconds)
+{
+    float n = seconds / (float)c->h_s;
+    return n < 1 ? 1u : n > 1e8f ? 100000000u : (uint32_t)n;
+}
+
+bool tune_is_known(const struct tune_context *c, const struct high_order_point *p)
+{
+    return c->s.doubt * p->sd < cplx_abs(p->value);
+}
+
+real_t tune_dead_reach(const struct tune_context *c)
+{
+    return c->h_s * (real_t)(SHADOW_REACH - 2u);
 }
 
 /* ---- check ---- */

@@ -1,72 +1,85 @@
-/* The inner values of a block of the kind `ff_tune`. */
-#include "kinds/ff_tune/feedforward_tune_block.h"
+#include "kinds/ff_tune/tune_values.h"
 
-static float percent_done(const struct tune *t)
+#include "kinds/ff_tune/tune_disturbance.h"
+#include "kinds/ff_tune/tune_learner.h"
+#include "kinds/ff_tune/tune_search.h"
+#include "kinds/ff_tune/tune_test.h"
+
+static float percent_done(const struct tune_parts *p)
 {
-    float wanted = (float)tune_samples(t, t->s.learn_s);
-    if (t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE)
-        return 100 * (float)t->stage_samples / wanted;
-    return t->stage == TUNE_TESTS ? 100 * (float)t->parts / TUNE_PARTS : 0;
+    float wanted = (float)tune_samples_in(p->context, p->context->s.learn_s);
+    enum tune_stage stage = tune_stages_stage(p->stages);
+    if (stage == TUNE_LOOP || stage == TUNE_DISTURBANCE)
+        return 100 * (float)tune_stages_samples(p->stages) / wanted;
+    return stage == TUNE_TESTS ? 100 * (float)tune_test_parts(p->test) / TUNE_PARTS : 0;
 }
 
-static float band_edge(const struct tune *t, bool upper)
+static float band_edge(const struct tune_band *b, bool upper)
 {
-    if (!t->band_to)
+    if (!b->to)
         return 0;
-    return (float)t->omega[upper ? t->band_to - 1u : t->band_from];
+    return (float)b->omega[upper ? b->to - 1u : b->from];
 }
 
-/* |Gd/Gp| where the band begins, and its standard deviation: the gain that matters most. */
-static const struct high_order_point *low_point(const struct tune *t)
-{
-    return &t->ratio.at[t->band_from];
-}
+static const char names[][11] = {
+    "stage",     "verdict",  "percent",   "learns",     "change",    "move",       "noise_d",
+    "band_lo",   "band_hi",  "ratio",     "ratio_sd",   "doubted",   "gain_u",     "lag_u",
+    "dead_u",    "off",      "found_k",   "found_lead", "found_lag", "found_dead", "J",
+    "J0",        "by_rule",  "case",      "gain_d",     "lag_d",     "dead_d",     "rule_k",
+    "rule_lead", "rule_lag", "rule_dead", "rule_J",     "promised",  "does",       "tried",
+};
 
-const char *tune_describe(const void *state, size_t i, float *value)
+const char *tune_value(const struct tune_parts *p, size_t i, float *value)
 {
-    const struct tune *t = state;
-    const struct {
-        const char *name;
-        float value;
-    } inner[] = {
-        {"stage", t->stage},
-        {"verdict", t->verdict},
-        {"percent", percent_done(t)},
-        {"learns", t->learns},
-        {"change", 100 * (float)t->change},
-        {"move", 100 * (float)real_sqrt(t->move_square)},
-        {"noise_d", (t->d_signal.hi - t->d_signal.lo) * (float)real_sqrt(t->d_noise)},
-        {"band_lo", band_edge(t, false)},
-        {"band_hi", band_edge(t, true)},
-        {"ratio", (float)cplx_abs(low_point(t)->is)},
-        {"ratio_sd", (float)low_point(t)->sd},
-        {"doubted", 100 * (float)t->spread},
-        {"gain_u", (float)t->model.is.gain},
-        {"lag_u", (float)t->model.is.time_constant_s},
-        {"dead_u", (float)t->model.is.dead_time_s},
-        {"off", 100 * (float)t->model.off},
-        {"found_k", (float)t->candidate.k},
-        {"found_lead", (float)t->candidate.lead},
-        {"found_lag", (float)t->candidate.lag},
-        {"found_dead", (float)t->candidate.dead},
-        {"J", (float)t->search.j},
-        {"J0", (float)t->search.j0},
-        {"by_rule", t->by_rule},
-        {"case", t->rule.which},
-        {"gain_d", (float)t->rule.path.is.gain},
-        {"lag_d", (float)t->rule.path.is.time_constant_s},
-        {"dead_d", (float)t->rule.path.is.dead_time_s},
-        {"rule_k", (float)t->rule.shape.k},
-        {"rule_lead", (float)t->rule.shape.lead},
-        {"rule_lag", (float)t->rule.shape.lag},
-        {"rule_dead", (float)t->rule.shape.dead},
-        {"rule_J", (float)t->rule.j},
-        {"promised", 100 * (float)t->promised},
-        {"does", tune_improvement(t)},
-        {"tried", t->tried},
+    const struct block_signal *d = &p->context->d_signal;
+    const struct tune_band *band = tune_responses_band(p->responses);
+    /* |Gd/Gp| where the band begins, and its standard deviation: the gain that matters most. */
+    const struct high_order_point *low = &band->ratio[band->from];
+    const struct tune_model *model = tune_shadows_model(p->shadows);
+    const struct feedforward_shape *found = tune_candidate(p->search);
+    const struct feedforward_search *search = tune_search_result(p->search);
+    const struct tune_rule *rule = tune_paths_rule(p->paths);
+    const float values[] = {
+        (float)tune_stages_stage(p->stages),
+        (float)tune_stages_verdict(p->stages),
+        percent_done(p),
+        tune_learner_learns(p->learner),
+        100 * (float)tune_responses_change(p->responses),
+        100 * (float)real_sqrt(tune_learner_move_square(p->learner)),
+        (d->hi - d->lo) * (float)real_sqrt(tune_disturbance_noise(p->disturbance)),
+        band_edge(band, false),
+        band_edge(band, true),
+        (float)cplx_abs(low->value),
+        (float)low->sd,
+        100 * (float)tune_search_spread(p->search),
+        (float)model->element.gain,
+        (float)model->element.time_constant_s,
+        (float)model->element.dead_time_s,
+        100 * (float)model->misfit,
+        (float)found->k,
+        (float)found->lead,
+        (float)found->lag,
+        (float)found->dead,
+        (float)search->j,
+        (float)search->j0,
+        tune_candidate_is_rule(p->search),
+        rule->number,
+        (float)rule->path.element.gain,
+        (float)rule->path.element.time_constant_s,
+        (float)rule->path.element.dead_time_s,
+        (float)rule->shape.k,
+        (float)rule->shape.lead,
+        (float)rule->shape.lag,
+        (float)rule->shape.dead,
+        (float)rule->j,
+        100 * (float)tune_test_promised(p->test),
+        tune_does(p),
+        (float)tune_stages_times_off(p->stages),
     };
-    if (i >= sizeof inner / sizeof inner[0])
+    _Static_assert(sizeof values / sizeof values[0] == sizeof names / sizeof names[0],
+                   "a name each");
+    if (i >= sizeof names / sizeof names[0])
         return NULL;
-    *value = inner[i].value;
-    return inner[i].name;
+    *value = values[i];
+    return names[i];
 }

@@ -6,7 +6,8 @@
 
 #include "base/channel.h"
 #include "cost.h"
-#include "kinds/ff_tune/feedforward_tune_block.h"
+#include "kinds/ff_tune/feedforward_tune.h"
+#include "kinds/ff_tune/tune_state.h"
 
 #define DEPTH 20u
 
@@ -93,7 +94,7 @@ static void count_tick(struct counted *c, const struct tune *t, uint8_t stage, u
         cost_add(&c->learn, from, to);
     else if (stage == TUNE_TESTS)
         cost_add(&c->test, from, to);
-    else if (stage == TUNE_RUNS && t->running)
+    else if (stage == TUNE_RUNS && t->stages.acts)
         cost_add(&c->run, from, to);
     cost_stack(&c->run);
 }
@@ -129,7 +130,7 @@ static void cost_of_method(uint8_t method)
     for (unsigned k = 0; k < 20000 && c.run.count < 400; k++) {
         float signal = excite[0].what ? num_to_float(excite[0].value) : 0;
         bool asked = excite[0].what != EXCITE_NOTHING;
-        uint8_t stage = t->stage;
+        uint8_t stage = t->stages.stage;
         in = num_from_float(move_plant(signal, stage != TUNE_LOOP, &input[0], &input[1]));
         setpoint = num_from_float(signal);
         memset(excite, 0, sizeof excite);
@@ -146,7 +147,7 @@ static void cost_of_method(uint8_t method)
         io.work_done = io.ask_work > 0;
         /* The look at the responses alone, while a stage lasts, is not counted with the work. */
         for (bool more = io.ask_work > 0; more;) {
-            bool whole = t->stage == TUNE_COMPUTES && !t->running;
+            bool whole = t->stages.stage == TUNE_COMPUTES && !t->stages.acts;
             cost_paint_stack();
             from = cost_now();
             more = kind->work(state);
@@ -157,14 +158,14 @@ static void cost_of_method(uint8_t method)
         }
         applied_history_append((struct applied_history *)(void *)history, in);
         if (room.n == 8) { /* as if it had been accepted */
-            settings.k = (float)t->candidate.k;
-            settings.lead_s = (float)t->candidate.lead;
-            settings.lag_s = (float)t->candidate.lag;
-            settings.dead_s = (float)t->candidate.dead;
+            settings.k = (float)t->search.candidate.k;
+            settings.lead_s = (float)t->search.candidate.lead;
+            settings.lag_s = (float)t->search.candidate.lag;
+            settings.dead_s = (float)t->search.candidate.dead;
             (void)kind->configure(state, &setup, true);
         }
     }
-    unsigned n = high_order_parameters(&t->shape[1]);
+    unsigned n = high_order_parameters(&t->context.shape[1]);
     if (!c.learn.count || !c.test.count || !c.run.count || !c.work.count)
         return;
     cost_say("learn", n, c.learn.sum / c.learn.count, c.learn.most, kind->bytes(&setup));

@@ -44,9 +44,9 @@ static void move_disturbance(struct loop *l)
 
 /* ---- the block ---- */
 
-const struct tune *loop_block(const struct loop *l)
+struct tune_parts loop_block(struct loop *l)
 {
-    return (const struct tune *)(const void *)l->state;
+    return tune_parts_of((struct tune *)(void *)l->state);
 }
 
 /* The PI that SIMC gives: with a closed loop as fast as the dead time, three ticks at least. */

@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "kinds/ff_tune/feedforward_tune_block.h"
+#include "kinds/ff_tune/feedforward_tune.h"
+#include "kinds/ff_tune/tune_state.h"
 #include "random_source.h"
 
 #define PATH_DEAD_MOST 128u /* ticks */
@@ -74,6 +75,6 @@ struct loop {
 bool loop_begin(struct loop *l, const struct loop_case *of, uint64_t seed);
 void loop_tick(struct loop *l);
 void loop_verb(struct loop *l, const char *name);
-const struct tune *loop_block(const struct loop *l);
+struct tune_parts loop_block(struct loop *l);
 
 #endif

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kinds/ff_tune/tune_responses.h"
+#include "kinds/ff_tune/tune_search.h"
 #include "loop.h"
 
 #define HOUR    3600u
@@ -231,14 +233,15 @@ static void sized(const struct loop_case *c, uint64_t seed)
     if (!begins(c, seed))
         return;
     bool adopted = false;
-    while (loop.t < 24u * HOUR && !adopted && loop_block(&loop)->stage != TUNE_IDLE) {
+    struct tune_parts parts = loop_block(&loop);
+    while (loop.t < 24u * HOUR && !adopted && tune_stages_stage(parts.stages) != TUNE_IDLE) {
         loop_tick(&loop);
         adopted = acts();
     }
-    const struct tune *t = loop_block(&loop);
     printf("%s,%u,%llu,%.4f,%d,%u,%.0f,%.1f,%.1f,%.4f\n", c->name, c->method,
-           (unsigned long long)seed, c->step, adopted, t->verdict, (double)loop.t,
-           100 * (double)t->spread, 100 * (double)t->change, (double)tune_step_wanted(t));
+           (unsigned long long)seed, c->step, adopted, (unsigned)tune_stages_verdict(parts.stages),
+           (double)loop.t, 100 * (double)tune_search_spread(parts.search),
+           100 * (double)tune_responses_change(parts.responses), (double)tune_step_wanted(&parts));
 }
 
 /* ---- what was asked for ---- */
@@ -257,9 +260,9 @@ static void one_plant(const char *what, unsigned k, unsigned m, uint64_t seed)
         c.step = step;
         sized(&c, seed);
         /* And as it says itself. */
-        for (unsigned more = 0; more < 3 && !acts() && tune_step_wanted(loop_block(&loop)) > 0;
-             more++) {
-            c.step = fmin(0.5, (double)tune_step_wanted(loop_block(&loop)));
+        const struct tune_parts parts = loop_block(&loop);
+        for (unsigned more = 0; more < 3 && !acts() && tune_step_wanted(&parts) > 0; more++) {
+            c.step = fmin(0.5, (double)tune_step_wanted(&parts));
             sized(&c, seed);
         }
     }

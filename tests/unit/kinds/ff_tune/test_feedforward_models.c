@@ -5,7 +5,10 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "kinds/ff_tune/feedforward_tune_block.h"
+#include "kinds/ff_tune/feedforward_tune.h"
+#include "kinds/ff_tune/tune_search.h"
+#include "kinds/ff_tune/tune_state.h"
+#include "kinds/ff_tune/tune_test.h"
 #include "unity.h"
 
 static alignas(8) char memory[sizeof(struct tune)];
@@ -14,23 +17,23 @@ static struct tune *const t = (struct tune *)(void *)memory;
 void setUp(void)
 {
     memset(memory, 0, sizeof memory);
-    t->s = (struct tune_settings){.gain = 0.65f,
-                                  .ti_s = 13.2f,
-                                  .b = 1,
-                                  .band_lo = 0.02f,
-                                  .band_hi = 0.4f,
-                                  .doubt = 3,
-                                  .confident = 50,
-                                  .kick = 10,
-                                  .lag_most_s = 100,
-                                  .dead_most_s = 100,
-                                  .learn_s = 1000,
-                                  .check_s = 80,
-                                  .better = 10,
-                                  .method = TUNE_JOINT,
-                                  .rules = 1};
-    t->h_s = t->tick_s = REAL_C(1.0);
-    tune_make_grid(t);
+    t->context.s = (struct tune_settings){.gain = 0.65f,
+                                          .ti_s = 13.2f,
+                                          .b = 1,
+                                          .band_lo = 0.02f,
+                                          .band_hi = 0.4f,
+                                          .doubt = 3,
+                                          .confident = 50,
+                                          .kick = 10,
+                                          .lag_most_s = 100,
+                                          .dead_most_s = 100,
+                                          .learn_s = 1000,
+                                          .check_s = 80,
+                                          .better = 10,
+                                          .method = TUNE_JOINT,
+                                          .rules = 1};
+    t->context.h_s = t->context.tick_s = REAL_C(1.0);
+    tune_responses_grid(&t->responses, &t->context);
 }
 void tearDown(void) {}
 
@@ -48,25 +51,36 @@ static double complex first_order(double gain, double lag, double dead, double w
 static void see(double gain, double lag, double dead, double gain_d, double lag_d, double dead_d,
                 double sd)
 {
-    for (unsigned i = 0; i < t->points; i++) {
-        double w = (double)t->omega[i];
+    for (unsigned i = 0; i < t->responses.band.points; i++) {
+        double w = (double)t->responses.band.omega[i];
         double complex gp = first_order(gain, lag, dead, w),
                        ratio = first_order(gain_d, lag_d, dead_d, w) / gp;
-        t->loop.at[i] = point(gp, 0);
-        t->ratio.at[i] = point(ratio, sd * cabs(ratio));
+        t->responses.loop[i] = point(gp, 0);
+        t->responses.band.ratio[i] = point(ratio, sd * cabs(ratio));
     }
+}
+
+static bool work(void)
+{
+    return tune_search_piece(&t->search, &t->context, &t->responses, &t->paths, NULL, false);
+}
+
+static void sample(void)
+{
+    const struct tune_parts parts = tune_parts_of(t);
+    tune_stages_sample(&parts);
 }
 
 static enum tune_verdict worked(void)
 {
-    t->work = WORK_RATIO;
-    t->work_at = 0;
-    for (unsigned k = 0; k < 2000 && t->work != WORK_NONE; k++) {
-        t->pieces = 1;
-        (void)tune_work(t);
+    t->search.work = WORK_RATIO;
+    t->search.point = 0;
+    for (unsigned k = 0; k < 2000 && t->search.work != WORK_NONE; k++) {
+        t->search.pieces = 1;
+        (void)work();
     }
-    TEST_ASSERT_EQUAL(WORK_NONE, t->work);
-    return (enum tune_verdict)t->outcome;
+    TEST_ASSERT_EQUAL(WORK_NONE, t->search.work);
+    return (enum tune_verdict)t->search.outcome;
 }
 
 /* ---- models ---- */
@@ -75,37 +89,37 @@ static void both_paths_are_found_again(void)
 {
     see(1, 8, 12.5, 0.5, 5, 8, 0);
     TEST_ASSERT_EQUAL(TUNE_NONE, worked());
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1, (double)t->found.is.gain);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->found.is.time_constant_s);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 12.5, (double)t->found.is.dead_time_s);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.5, (double)t->rule.path.is.gain);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 5, (double)t->rule.path.is.time_constant_s);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->rule.path.is.dead_time_s);
-    TEST_ASSERT_EQUAL(33, t->rule.which);
-    TEST_ASSERT_FALSE(t->by_rule);
-    TEST_ASSERT_TRUE(t->search.j <= t->rule.j);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1, (double)t->paths.process.element.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->paths.process.element.time_constant_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 12.5, (double)t->paths.process.element.dead_time_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.5, (double)t->paths.rule.path.element.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 5, (double)t->paths.rule.path.element.time_constant_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->paths.rule.path.element.dead_time_s);
+    TEST_ASSERT_EQUAL(33, t->paths.rule.number);
+    TEST_ASSERT_FALSE(t->search.by_rule);
+    TEST_ASSERT_TRUE(t->search.search.j <= t->paths.rule.j);
 }
 
 static void a_process_is_late_by_half_a_sample_whatever_its_response_says(void)
 {
     see(1, 8, 0, 0.5, 5, 8, 0);
     TEST_ASSERT_EQUAL(TUNE_NONE, worked());
-    TEST_ASSERT_TRUE(t->found.is.dead_time_s >= REAL_C(0.5));
+    TEST_ASSERT_TRUE(t->paths.process.element.dead_time_s >= REAL_C(0.5));
 }
 
 static void a_gain_of_the_other_sign_is_no_model(void)
 {
     see(-1, 8, 12.5, 0.5, 5, 8, 0);
     TEST_ASSERT_EQUAL(TUNE_NO_MODEL, worked());
-    TEST_ASSERT_FALSE(t->rule.there);
+    TEST_ASSERT_FALSE(t->paths.rule.valid);
 }
 
 /* Every other frequency the other way round. */
 static void see_no_first_order_process(void)
 {
     see(1, 8, 12.5, 0.5, 5, 8, 0);
-    for (unsigned i = 0; i < t->points; i += 2)
-        t->loop.at[i].is = cplx_scale(t->loop.at[i].is, -1);
+    for (unsigned i = 0; i < t->responses.band.points; i += 2)
+        t->responses.loop[i].value = cplx_scale(t->responses.loop[i].value, -1);
 }
 
 static void what_is_not_of_first_order_is_no_model(void)
@@ -118,11 +132,11 @@ static void a_path_that_is_not_of_first_order_has_no_rule_and_not_that_of_before
 {
     see(1, 8, 12.5, 0.5, 5, 8, 0);
     (void)worked();
-    TEST_ASSERT_TRUE(t->rule.there);
-    for (unsigned i = 0; i < t->points; i += 2)
-        t->ratio.at[i].is = cplx_scale(t->ratio.at[i].is, -1);
+    TEST_ASSERT_TRUE(t->paths.rule.valid);
+    for (unsigned i = 0; i < t->responses.band.points; i += 2)
+        t->responses.band.ratio[i].value = cplx_scale(t->responses.band.ratio[i].value, -1);
     TEST_ASSERT_EQUAL(TUNE_NONE, worked());
-    TEST_ASSERT_FALSE(t->rule.there);
+    TEST_ASSERT_FALSE(t->paths.rule.valid);
 }
 
 /* ---- the rule ---- */
@@ -133,25 +147,25 @@ static void a_rule_is_what_the_element_may_be(void)
     static const float kicks[] = {1, 1.5f, 3, 10};
     for (unsigned k = 0; k < sizeof kicks / sizeof kicks[0]; k++)
         for (unsigned most = 0; most < 3; most++) {
-            t->s.kick = kicks[k];
-            t->s.lag_most_s = most == 0 ? 0 : most == 1 ? 2 : 100;
+            t->context.s.kick = kicks[k];
+            t->context.s.lag_most_s = most == 0 ? 0 : most == 1 ? 2 : 100;
             see(1, 8, 20, 0.5, 8, 4, 0);
             TEST_ASSERT_EQUAL(TUNE_NONE, worked());
-            const struct feedforward_shape *f = &t->rule.shape;
-            TEST_ASSERT_EQUAL(32, t->rule.which);
-            TEST_ASSERT_TRUE(f->lag >= 0 && f->lag <= t->s.lag_most_s);
+            const struct feedforward_shape *f = &t->paths.rule.shape;
+            TEST_ASSERT_EQUAL(32, t->paths.rule.number);
+            TEST_ASSERT_TRUE(f->lag >= 0 && f->lag <= t->context.s.lag_most_s);
             TEST_ASSERT_TRUE(f->lead >= 0);
-            TEST_ASSERT_TRUE((f->lead + 1) <= REAL_C(1.0001) * t->s.kick * (f->lag + 1));
+            TEST_ASSERT_TRUE((f->lead + 1) <= REAL_C(1.0001) * t->context.s.kick * (f->lag + 1));
         }
 }
 
 static void a_lag_is_made_longer_before_a_lead_is_cut(void)
 {
-    t->s.kick = 3;
+    t->context.s.kick = 3;
     see(1, 8, 20, 0.5, 8, 4, 0);
     (void)worked();
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, 1.1 * 16, (double)t->rule.shape.lead);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, (1.1 * 16 + 1) / 3 - 1, (double)t->rule.shape.lag);
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 1.1 * 16, (double)t->paths.rule.shape.lead);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, (1.1 * 16 + 1) / 3 - 1, (double)t->paths.rule.shape.lag);
 }
 
 /* II b. */
@@ -159,14 +173,15 @@ static void a_disturbance_that_comes_late_is_waited_for_where_that_is_allowed(vo
 {
     see(1, 8, 12, 0.5, 8, 20, 0);
     (void)worked();
-    TEST_ASSERT_EQUAL(22, t->rule.which);
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, 8, (double)t->rule.shape.dead);
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, 8, (double)t->rule.shape.lead);
-    t->s.dead_most_s = 0;
+    TEST_ASSERT_EQUAL(22, t->paths.rule.number);
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 8, (double)t->paths.rule.shape.dead);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, 8, (double)t->paths.rule.shape.lead);
+    t->context.s.dead_most_s = 0;
     (void)worked();
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->rule.shape.dead);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->rule.shape.lead); /* Shinskey's is below 0 */
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, 4, (double)t->rule.shape.lag);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->paths.rule.shape.dead);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0,
+                              (double)t->paths.rule.shape.lead); /* Shinskey's is below 0 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, 4, (double)t->paths.rule.shape.lag);
 }
 
 /* ---- in place of the search ---- */
@@ -175,55 +190,57 @@ static void where_the_ratio_is_in_doubt_the_rule_is_the_candidate(void)
 {
     see(1, 8, 12.5, 0.5, 5, 8, 0.25); /* 3 times that is more than confident, less than all of it */
     TEST_ASSERT_EQUAL(TUNE_NONE, worked());
-    TEST_ASSERT_TRUE(t->by_rule);
-    TEST_ASSERT_EQUAL_MEMORY(&t->rule.shape, &t->candidate, sizeof t->candidate);
+    TEST_ASSERT_TRUE(t->search.by_rule);
+    TEST_ASSERT_EQUAL_MEMORY(&t->paths.rule.shape, &t->search.candidate,
+                             sizeof t->search.candidate);
 }
 
 static void where_rules_only_compare_it_is_unsure_and_tells_both(void)
 {
-    t->s.rules = 0;
+    t->context.s.rules = 0;
     see(1, 8, 12.5, 0.5, 5, 8, 0.25);
     TEST_ASSERT_EQUAL(TUNE_UNSURE, worked());
-    TEST_ASSERT_FALSE(t->by_rule);
-    TEST_ASSERT_TRUE(t->search.j0 > 0 && t->search.j < t->search.j0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)t->rule.j, (double)t->search.j);
+    TEST_ASSERT_FALSE(t->search.by_rule);
+    TEST_ASSERT_TRUE(t->search.search.j0 > 0 && t->search.search.j < t->search.search.j0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)t->paths.rule.j, (double)t->search.search.j);
 }
 
 static void a_rule_that_is_worse_than_nothing_is_not_taken(void)
 {
-    t->rule.there = true;
-    t->rule.j = 2;
-    t->search.j0 = 3;
-    TEST_ASSERT_TRUE(tune_falls_back(t));
-    t->search.j0 = 2;
-    TEST_ASSERT_FALSE(tune_falls_back(t));
+    t->paths.rule.valid = true;
+    t->paths.rule.j = 2;
+    t->search.search.j0 = 3;
+    TEST_ASSERT_TRUE(tune_search_falls_back(&t->search, &t->context, &t->paths.rule));
+    t->search.search.j0 = 2;
+    TEST_ASSERT_FALSE(tune_search_falls_back(&t->search, &t->context, &t->paths.rule));
 }
 
 /* A test that is over, and lost, with a rule at hand. */
 static void lost_test(void)
 {
-    t->stage = TUNE_TESTS;
-    t->rule.there = true;
-    t->rule.shape = (struct feedforward_shape){.k = REAL_C(-0.5), .lead = 3, .lag = 2};
-    t->search.j0 = 1;
-    tune_test_begin(t);
-    t->parts = TUNE_PARTS;
-    t->all_now = t->all_then = t->all_without = 1;
+    t->stages.stage = TUNE_TESTS;
+    t->paths.rule.valid = true;
+    t->paths.rule.shape = (struct feedforward_shape){.k = REAL_C(-0.5), .lead = 3, .lag = 2};
+    t->search.search.j0 = 1;
+    tune_candidate_begin(&t->shadows, &t->context, 0);
+    tune_test_begin(&t->test, &t->context);
+    t->test.parts = TUNE_PARTS;
+    t->test.all.actual = t->test.all.with_candidate = t->test.all.no_feedforward = 1;
 }
 
 static void where_the_candidate_is_no_better_the_rule_is_tested_from_the_beginning(void)
 {
     lost_test();
-    tune_on_sample(t);
-    TEST_ASSERT_EQUAL(TUNE_TESTS, t->stage);
-    TEST_ASSERT_TRUE(t->by_rule);
-    TEST_ASSERT_EQUAL(0, t->parts);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->all_now);
-    t->parts = TUNE_PARTS; /* no better either */
-    t->all_now = t->all_then = t->all_without = 1;
-    tune_on_sample(t);
-    TEST_ASSERT_EQUAL(TUNE_IDLE, t->stage);
-    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, t->verdict);
+    sample();
+    TEST_ASSERT_EQUAL(TUNE_TESTS, t->stages.stage);
+    TEST_ASSERT_TRUE(t->search.by_rule);
+    TEST_ASSERT_EQUAL(0, t->test.parts);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->test.all.actual);
+    t->test.parts = TUNE_PARTS; /* no better either */
+    t->test.all.actual = t->test.all.with_candidate = t->test.all.no_feedforward = 1;
+    sample();
+    TEST_ASSERT_EQUAL(TUNE_IDLE, t->stages.stage);
+    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, t->stages.verdict);
 }
 
 /* ---- pieces ---- */
@@ -233,12 +250,12 @@ static void between_two_steps_it_works_as_many_pieces_as_the_step_has_given(void
     see(1, 8, 12.5, 0.5, 5, 8, 0);
     for (unsigned given = 1; given <= 5; given++) {
         unsigned pieces = 1;
-        t->work = WORK_RATIO;
-        t->pieces = (uint16_t)given;
-        while (tune_work(t))
+        t->search.work = WORK_RATIO;
+        t->search.pieces = (uint16_t)given;
+        while (work())
             TEST_ASSERT_TRUE(++pieces <= given);
         TEST_ASSERT_EQUAL_UINT(given, pieces);
-        TEST_ASSERT_NOT_EQUAL(WORK_NONE, t->work);
+        TEST_ASSERT_NOT_EQUAL(WORK_NONE, t->search.work);
     }
 }
 
