@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "block/feedforward.h"
 #include "fopdt_plant.h"
-#include "kinds/feedforward/feedforward.h"
 #include "kinds/pid/pid.h"
 
 #define CURVES_MAX 3

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/crc32.h"
+#include "block/feedforward.h"
 #include "kept_transcript.h"
 #include "kinds/decoupler/decoupler.h"
-#include "kinds/feedforward/feedforward.h"
 #include "kinds/pid/pid.h"
 #include "kinds/two_position/two_position.h"
 #include "random_source.h"

@@ -1,7 +1,7 @@
-/* The feedforward element as a kind of block. Its state is followed by the ring of its dead time. */
+/* The feedforward element as a kind of block. The ring of its dead time stands behind its state. */
 #include "kinds/feedforward/feedforward.h"
 
-#include <string.h>
+#include "block/feedforward.h"
 
 static uint32_t feedforward_kind_bytes(const struct block_setup *setup)
 {
@@ -15,27 +15,10 @@ static num_t *feedforward_ring(void *state)
     return (num_t *)(ff + 1);
 }
 
-static const char *feedforward_parameter(const char *field)
-{
-    static const struct {
-        const char *field, *parameter;
-    } names[] = {
-        {"lead_s", "lead"}, {"lag_s", "lag"}, {"dead_time_s", "dead"},
-        {"out_lo", "lo"},   {"out_hi", "hi"}, {"h_s", ""},
-    };
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (strcmp(field, names[i].field) == 0)
-            return names[i].parameter;
-    return field;
-}
-
 static enum err feedforward_check(const struct block_setup *setup, struct block_fault *fault)
 {
-    enum err err =
-        feedforward_validate(setup->settings, setup->interval_s, &fault->field, &fault->wanted);
     fault->member = 0;
-    fault->field = feedforward_parameter(fault->field);
-    return err;
+    return feedforward_validate(setup->settings, setup->interval_s, &fault->field, &fault->wanted);
 }
 
 static enum err feedforward_configure(void *state, const struct block_setup *setup, bool retune)
@@ -45,18 +28,21 @@ static enum err feedforward_configure(void *state, const struct block_setup *set
                             feedforward_bytes(setup->settings, setup->interval_s));
 }
 
+/* The state may have been moved, and the ring with it. */
+static struct feedforward *element_of_state(void *state)
+{
+    (void)feedforward_place_ring(state, feedforward_ring(state));
+    return state;
+}
+
 static void feedforward_kind_step(void *state, struct block_io *io)
 {
-    struct feedforward *ff = state;
-    ff->delay.ring = feedforward_ring(ff); /* the state may have been moved */
-    io->out[0] = feedforward_step(ff, io->in[0]);
+    io->out[0] = feedforward_step(element_of_state(state), io->in[0]);
 }
 
 static void feedforward_kind_follow(void *state, struct block_io *io)
 {
-    struct feedforward *ff = state;
-    ff->delay.ring = feedforward_ring(ff);
-    feedforward_reset(ff, io->in[0]);
+    feedforward_reset(element_of_state(state), io->in[0]);
 }
 
 const struct block_kind feedforward_kind = {

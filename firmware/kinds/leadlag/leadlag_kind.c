@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "block/feedforward.h"
 #include "block/refuse.h"
-#include "kinds/feedforward/feedforward.h"
 #include "signal/washout.h"
 
 struct leadlag_term {
@@ -180,17 +180,9 @@ static bool has_same_terms(const struct leadlag *s, const struct block_setup *se
 static enum err retune_term(const struct block_setup *setup, unsigned k, struct leadlag_term *t)
 {
     const struct leadlag_settings *c = setup->settings;
-    struct lead_lag shape;
-    enum err err = lead_lag_init(&shape, c->lead_s[k], c->lag_s[k], setup->interval_s);
-    if (!err)
-        err = washout_retune(&t->washout, 1, c->washout_s, c->washout_s, setup->interval_s);
-    if (err)
-        return err;
-    shape.y = t->element.shape.y;
-    shape.last_x = t->element.shape.last_x;
-    t->element.shape = shape;
-    t->element.gain = coefficient_from_float(c->gain[k]);
-    return ERR_OK;
+    const struct element_settings element = element_of(setup, k);
+    enum err err = washout_retune(&t->washout, 1, c->washout_s, c->washout_s, setup->interval_s);
+    return err ? err : feedforward_retune(&t->element, &element, setup->interval_s);
 }
 
 static enum err make_term(const struct block_setup *setup, unsigned k, struct leadlag_term *t,
@@ -237,13 +229,12 @@ static enum err leadlag_configure(void *state, const struct block_setup *setup, 
         if (!is_term(c, k))
             continue;
         struct leadlag_term *t = &s->term[n++];
-        t->element.delay.ring = ring;
         t->number = (uint8_t)k;
         t->dead_band = num_from_float(dead_band_of(setup, k));
         enum err err = goes_on ? retune_term(setup, k, t) : make_term(setup, k, t, ring);
         if (err)
             return err;
-        ring += t->element.delay.length;
+        ring = feedforward_place_ring(&t->element, ring);
     }
     s->terms = n;
     return ERR_OK;
@@ -255,10 +246,8 @@ static enum err leadlag_configure(void *state, const struct block_setup *setup, 
 static void stand_rings(struct leadlag *s)
 {
     num_t *ring = (num_t *)(void *)(s + 1);
-    for (unsigned k = 0; k < s->terms; k++) {
-        s->term[k].element.delay.ring = ring;
-        ring += s->term[k].element.delay.length;
-    }
+    for (unsigned k = 0; k < s->terms; k++)
+        ring = feedforward_place_ring(&s->term[k].element, ring);
 }
 
 /* Inputs as they count: a bad one stays what it was. Returns whether one has been bad for too long. */
@@ -287,7 +276,7 @@ static void begin_at_rest(struct leadlag *s)
         struct leadlag_term *t = &s->term[k];
         t->d = s->d[t->from];
         feedforward_reset(&t->element, t->d);
-        washout_reset(&t->washout, t->element.output);
+        washout_reset(&t->washout, feedforward_output(&t->element));
     }
     s->begun = true;
 }
@@ -369,7 +358,7 @@ static const char *leadlag_describe(const void *state, size_t i, float *value)
     i -= s->mvs;
     if (i >= s->terms)
         return NULL;
-    *value = num_to_float(s->term[i].element.output);
+    *value = num_to_float(feedforward_output(&s->term[i].element));
     return of_term[i];
 }
 

@@ -1,4 +1,4 @@
-/* kinds/feedforward/feedforward.[ch].
+/* block/feedforward.[ch].
  *
  * Contract                                              float32       Q7.24
  *   gain at rest                                        2e-7          2e-7
@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "block/feedforward.h"
 #include "fopdt_plant.h"
 #include "formats.h"
-#include "kinds/feedforward/feedforward.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -143,29 +143,28 @@ static void bad_settings_are_refused_by_name(void)
     } bad[] = {
         {nanf(""), 0, 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "gain", "-100 to 100"},
         {101, 0, 0, 0, 0, -1, 1, 1, ERR_RANGE, "gain", "-100 to 100"},
-        {1, nanf(""), 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "lead_s", "0 to 1e6 s"},
-        {1, 101, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s",
-         "at most 100 times (lag_s + step interval)"},
-        {1, 0, -1, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s", "0 to 1e6 s"},
+        {1, nanf(""), 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "lead", "0 to 1e6 s"},
+        {1, 101, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead", "at most 100 times (lag_s + step interval)"},
+        {1, 0, -1, 0, 0, -1, 1, 1, ERR_RANGE, "lag", "0 to 1e6 s"},
         {-100.5f, 0, 0, 0, 0, -1, 1, 1, ERR_RANGE, "gain", "-100 to 100"},
-        {1, 1.01e6f, 1e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s", "0 to 1e6 s"},
-        {1, -0.5f, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s", "0 to 1e6 s"},
-        {1, 0, 1.01e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s", "0 to 1e6 s"},
-        {1, 0, 0, 1.01e6f, 0, -1, 1, 1e5f, ERR_RANGE, "dead_time_s", "0 to 1e6 s"},
-        {1, 0, 0, -0.5f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s", "0 to 1e6 s"},
+        {1, 1.01e6f, 1e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lead", "0 to 1e6 s"},
+        {1, -0.5f, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead", "0 to 1e6 s"},
+        {1, 0, 1.01e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lag", "0 to 1e6 s"},
+        {1, 0, 0, 1.01e6f, 0, -1, 1, 1e5f, ERR_RANGE, "dead", "0 to 1e6 s"},
+        {1, 0, 0, -0.5f, 0, -1, 1, 1, ERR_RANGE, "dead", "0 to 1e6 s"},
         {1, 0, 0, 0, -1.01f, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
         {1, 0, 0, 0, 2.01f, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
-        {1, 0, 0, 0, 0, -2.01f, 1, 1, ERR_RANGE, "out_lo", "-2 to 2"},
-        {1, 0, 0, 0, 0, 2.01f, 3, 1, ERR_RANGE, "out_lo", "-2 to 2"},
-        {1, 0, 0, 0, 0, -1, 2.01f, 1, ERR_RANGE, "out_hi", "-2 to 2"},
-        {1, 0, 0, 0, 0, -1, -2.01f, 1, ERR_RANGE, "out_hi", "-2 to 2"},
-        {1, 0, 0, nanf(""), 0, -1, 1, 1, ERR_NOT_FINITE, "dead_time_s", "0 to 1e6 s"},
-        {1, 0, 0, 1e6f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s", "at most 100000 step intervals"},
+        {1, 0, 0, 0, 0, -2.01f, 1, 1, ERR_RANGE, "lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, 2.01f, 3, 1, ERR_RANGE, "lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, 2.01f, 1, ERR_RANGE, "hi", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, -2.01f, 1, ERR_RANGE, "hi", "-2 to 2"},
+        {1, 0, 0, nanf(""), 0, -1, 1, 1, ERR_NOT_FINITE, "dead", "0 to 1e6 s"},
+        {1, 0, 0, 1e6f, 0, -1, 1, 1, ERR_RANGE, "dead", "at most 100000 step intervals"},
         {1, 0, 0, 0, 3, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
-        {1, 0, 0, 0, 0, -3, 1, 1, ERR_RANGE, "out_lo", "-2 to 2"},
-        {1, 0, 0, 0, 0, 1, 1, 1, ERR_RANGE, "out_hi", "above out_lo, to 2"},
-        {1, 0, 0, 0, 0, -1, nanf(""), 1, ERR_NOT_FINITE, "out_hi", "-2 to 2"},
-        {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "h_s", "0.001 to 1e5 s"},
+        {1, 0, 0, 0, 0, -3, 1, 1, ERR_RANGE, "lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, 1, 1, 1, ERR_RANGE, "hi", "above out_lo, to 2"},
+        {1, 0, 0, 0, 0, -1, nanf(""), 1, ERR_NOT_FINITE, "hi", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "", "0.001 to 1e5 s"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct element_settings c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,

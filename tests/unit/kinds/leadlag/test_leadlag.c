@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "block/feedforward.h"
 #include "formats.h"
-#include "kinds/feedforward/feedforward.h"
 #include "kinds/leadlag/leadlag.h"
 #include "unity.h"
 

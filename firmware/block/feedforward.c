@@ -1,4 +1,4 @@
-#include "kinds/feedforward/feedforward.h"
+#include "block/feedforward.h"
 
 #include <string.h>
 
@@ -14,15 +14,16 @@ struct element_settings feedforward_default_config(void)
 static const struct {
     const char *field, *wanted;
     float lo, hi;
-    uint8_t offset; /* of a float in struct element_settings */
+    /* Place of a float in struct element_settings. */
+    uint8_t offset;
 } ranges[] = {
     {"gain", "-100 to 100", -100.0f, 100.0f, AT(gain)},
-    {"lead_s", "0 to 1e6 s", 0.0f, 1e6f, AT(lead_s)},
-    {"lag_s", "0 to 1e6 s", 0.0f, 1e6f, AT(lag_s)},
-    {"dead_time_s", "0 to 1e6 s", 0.0f, 1e6f, AT(dead_time_s)},
+    {"lead", "0 to 1e6 s", 0.0f, 1e6f, AT(lead_s)},
+    {"lag", "0 to 1e6 s", 0.0f, 1e6f, AT(lag_s)},
+    {"dead", "0 to 1e6 s", 0.0f, 1e6f, AT(dead_time_s)},
     {"reference", "-1 to 2", -1.0f, 2.0f, AT(reference)},
-    {"out_lo", "-2 to 2", -2.0f, 2.0f, AT(out_lo)},
-    {"out_hi", "-2 to 2", -2.0f, 2.0f, AT(out_hi)},
+    {"lo", "-2 to 2", -2.0f, 2.0f, AT(out_lo)},
+    {"hi", "-2 to 2", -2.0f, 2.0f, AT(out_hi)},
 };
 
 enum err feedforward_validate(const struct element_settings *config, float h_s, const char **field,
@@ -31,7 +32,7 @@ enum err feedforward_validate(const struct element_settings *config, float h_s, 
     const char *unused;
     field = field ? field : &unused;
     wanted = wanted ? wanted : &unused;
-    *field = "h_s";
+    *field = "";
     *wanted = "0.001 to 1e5 s";
     enum err of_interval = check_interval(h_s);
     if (of_interval)
@@ -45,15 +46,15 @@ enum err feedforward_validate(const struct element_settings *config, float h_s, 
         if (err)
             return err;
     }
-    *field = "lead_s";
+    *field = "lead";
     *wanted = "at most 100 times (lag_s + step interval)";
     if (config->lead_s / (config->lag_s + h_s) > LEAD_LAG_MAX_RATIO)
         return ERR_RANGE;
-    *field = "dead_time_s";
+    *field = "dead";
     *wanted = "at most 100000 step intervals";
     if (dead_time_bytes(config->dead_time_s, h_s) == 0)
         return ERR_RANGE;
-    *field = "out_hi";
+    *field = "hi";
     *wanted = "above out_lo, to 2";
     return num_lt(num_from_float(config->out_lo), num_from_float(config->out_hi)) ? ERR_OK
                                                                                   : ERR_RANGE;
@@ -87,6 +88,31 @@ enum err feedforward_init(struct feedforward *ff, const struct element_settings 
     *ff = made;
     feedforward_reset(ff, ff->reference);
     return ERR_OK;
+}
+
+enum err feedforward_retune(struct feedforward *ff, const struct element_settings *config,
+                            float h_s)
+{
+    struct lead_lag shape;
+    enum err err = lead_lag_init(&shape, config->lead_s, config->lag_s, h_s);
+    if (err)
+        return err;
+    shape.y = ff->shape.y;
+    shape.last_x = ff->shape.last_x;
+    ff->shape = shape;
+    ff->gain = coefficient_from_float(config->gain);
+    return ERR_OK;
+}
+
+num_t *feedforward_place_ring(struct feedforward *ff, num_t *ring)
+{
+    ff->delay.ring = ring;
+    return ring + ff->delay.length;
+}
+
+num_t feedforward_output(const struct feedforward *ff)
+{
+    return ff->output;
 }
 
 /* Gain last: shaping the disturbance, not the product, keeps its resolution when the gain is small. */
