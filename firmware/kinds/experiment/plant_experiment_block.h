@@ -6,12 +6,12 @@
 
 #if CONFIG_EXPERIMENT
 
+#include "block/polynomial_settings.h"
+#include "block/rst_settings.h"
 #include "identify/decimate.h"
 #include "identify/prbs.h"
 #include "identify/rls.h"
 #include "kinds/experiment/plant_model.h"
-#include "kinds/polynomial/polynomial.h"
-#include "kinds/rst/rst.h"
 #include "kinds/state_law/state_law_job.h"
 
 /* In the order in which they come; the value of `stage`. */

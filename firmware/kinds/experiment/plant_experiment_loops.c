@@ -136,10 +136,6 @@ void experiment_loops_take(struct experiment *e)
 
 /* ---- proposals: of the decoupler the values that change, then each controller whole, whose settings are not seen from here ---- */
 
-/* Ids of parameters. */
-enum { POLYNOMIAL_PERIOD = 1, POLYNOMIAL_G, POLYNOMIAL_LIMITS };
-enum { RST_PERIOD = 1, RST_P, RST_Q, RST_R };
-
 static void put_coefficient(struct block_proposal *room, uint16_t number, uint8_t id, unsigned at,
                             float value)
 {
@@ -160,24 +156,24 @@ static unsigned put_decoupler(const struct experiment *e, struct block_proposal 
         float wanted = to->g[k / POLYNOMIAL_TAPS][k % POLYNOMIAL_TAPS];
         if (is->g[k / POLYNOMIAL_TAPS][k % POLYNOMIAL_TAPS] != wanted &&
             ++left <= PROPOSAL_MAX - 2u)
-            put_coefficient(room, e->s.law, POLYNOMIAL_G, k, wanted);
+            put_coefficient(room, e->s.law, POLYNOMIAL_ID_G, k, wanted);
     }
     uint8_t limits = left > PROPOSAL_MAX - 2u ? (uint8_t)POLYNOMIAL_INCOMPLETE : to->limits;
     if (is->period_s != to->period_s)
-        put_coefficient(room, e->s.law, POLYNOMIAL_PERIOD, 0, to->period_s);
+        put_coefficient(room, e->s.law, POLYNOMIAL_ID_PERIOD, 0, to->period_s);
     if (is->limits != limits)
-        put_coefficient(room, e->s.law, POLYNOMIAL_LIMITS, 0, limits);
+        put_coefficient(room, e->s.law, POLYNOMIAL_ID_LIMITS, 0, limits);
     return left > room->n ? left : room->n;
 }
 
 /* All that the design can have: R is shorter than its row. */
 static void put_controller(const struct experiment *e, unsigned i, struct block_proposal *room)
 {
-    put_coefficient(room, e->s.place[i], RST_PERIOD, 0, e->law.loops.period_s);
-    for (unsigned id = RST_P; id <= RST_R; id++)
+    put_coefficient(room, e->s.place[i], RST_ID_PERIOD, 0, e->law.loops.period_s);
+    for (unsigned id = RST_ID_P; id <= RST_ID_R; id++)
         for (unsigned k = 0; k < RST_COEFFICIENTS && room->n < PROPOSAL_MAX; k++)
             put_coefficient(room, e->s.place[i], (uint8_t)id, k,
-                            e->law.loops.rst[i][id - RST_P][k]);
+                            e->law.loops.rst[i][id - RST_ID_P][k]);
 }
 _Static_assert(1 + 3 * RST_COEFFICIENTS - 1 == PROPOSAL_MAX &&
                    DIFFERENCE_A_MOST + 1 < RST_COEFFICIENTS,

@@ -1,4 +1,4 @@
-/* What the kind `polynomial` looks at in its settings: inverses, and whether a past dies away. */
+/* Checks of the settings of the kind `polynomial`: inverses, and the past that has to die away. */
 #include "kinds/polynomial/polynomial.h"
 
 #include <string.h>
@@ -24,7 +24,7 @@ bool polynomial_solve(unsigned n, float a[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS], c
     return true;
 }
 
-/* One more sample of the recursion: past[0] is the newest. */
+/* Adds a sample of the recursion: past[0] is the newest. */
 static bool recurse_once(const struct polynomial_settings *c, unsigned loops, unsigned taps,
                          unsigned n, const uint8_t *member,
                          float past[POLYNOMIAL_TAPS][POLYNOMIAL_LOOPS])

@@ -3,22 +3,29 @@
 
 #include <string.h>
 
+#include "block/refuse.h"
 #include "block/step_period.h"
 
 #define LOOPS POLYNOMIAL_LOOPS
 
 struct polynomials {
     uint8_t loops, taps, limits;
-    uint8_t mask;    /* loops that took part when it last followed */
-    uint8_t alone;   /* of those that are scaled: they give way alone where their MV is limited */
-    bool incomplete; /* the loops act without G */
-    bool begun;      /* `at` and the past are those of the next step already */
-    uint16_t ticks, at;    /* of a period, and which of them this is, from 0 on */
-    uint16_t unchanged;    /* ticks since an input has moved, ticks at most */
-    num_t v[LOOPS];        /* in effect, in this tick or the last one */
-    num_t before[LOOPS];   /* in the tick before that */
-    num_t u[LOOPS];        /* given by the last step, then what took effect of it */
-    num_t u_before[LOOPS]; /* what took effect a tick before */
+    /* Loops that took part when it last followed. */
+    uint8_t mask;
+    /* Loops that give way alone where their MV is limited, with POLYNOMIAL_SCALE. */
+    uint8_t alone;
+    /* The loops act without G. */
+    bool incomplete;
+    /* `tick` and the past are those of the next step already. */
+    bool begun;
+    /* Ticks of a period, and the number of this one, from 0 on. */
+    uint16_t ticks, tick;
+    /* Ticks since an input has moved, `ticks` at most. */
+    uint16_t unchanged;
+    /* v in effect, in this tick or the last one, and in the tick before that. */
+    num_t v[LOOPS], v_before[LOOPS];
+    /* u that the last step gave, then what took effect of it; what took effect a tick before. */
+    num_t u[LOOPS], u_before[LOOPS];
     /* G, by loops, loops and coefficients; then taps - 1 samples of v, the newest first. */
     num_t data[];
 };
@@ -26,11 +33,11 @@ struct polynomials {
 #define FIELD(field) offsetof(struct polynomial_settings, field)
 
 static const struct block_parameter polynomial_parameters[] = {
-    {1, BLOCK_FLOAT, FIELD(period_s), 1, 1, "period", "s", "of a step of z; 0: a base tick", 0,
-     1e5f, 0},
-    {2, BLOCK_FLOAT, FIELD(g), LOOPS *LOOPS, POLYNOMIAL_TAPS, "g", "-",
+    {POLYNOMIAL_ID_PERIOD, BLOCK_FLOAT, FIELD(period_s), 1, 1, "period", "s",
+     "of a step of z; 0: a base tick", 0, 1e5f, 0},
+    {POLYNOMIAL_ID_G, BLOCK_FLOAT, FIELD(g), LOOPS *LOOPS, POLYNOMIAL_TAPS, "g", "-",
      "row i n + j + 1: of MV i to the output of loop j, from z^0 on", -100, 100, 0},
-    {3, BLOCK_WORD, FIELD(limits), 1, 1, "limits", "recurse|scale|incomplete",
+    {POLYNOMIAL_ID_LIMITS, BLOCK_WORD, FIELD(limits), 1, 1, "limits", "recurse|scale|incomplete",
      "where an MV is limited: into the past, or the whole move is shortened; or G is not whole", 0,
      2, POLYNOMIAL_RECURSE},
 };
@@ -78,14 +85,14 @@ static float period_ticks(const struct block_setup *setup)
     return step_period_ticks(c->period_s, setup->interval_s);
 }
 
-static enum err refuse_polynomial(struct block_fault *fault, enum err code, unsigned member,
-                                  const char *field, const char *wanted)
+static enum err refuse_singular(struct block_fault *fault, unsigned member, const char *field,
+                                const char *wanted)
 {
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return code;
+    (void)block_refuse(fault, member, field, wanted);
+    return ERR_SINGULAR;
 }
 
-/* What G is for loops whose past goes on, its first coefficients, and for others, at rest. */
+/* Puts G into a: its first coefficients for loops whose past goes on, their sums for others, which are at rest. */
 static void matrix_of(const struct polynomial_settings *c, unsigned loops, unsigned members,
                       unsigned going_on, float a[LOOPS][LOOPS])
 {
@@ -107,7 +114,7 @@ static void matrix_of(const struct polynomial_settings *c, unsigned loops, unsig
     }
 }
 
-/* Its inverse, with elements that num_t holds; *reach is how far v can be when the outputs are where they may be. */
+/* The matrix has an inverse, with elements that num_t holds. *reach: how far v can be when the outputs are where they may be. */
 static bool has_inverse(const struct block_setup *setup, unsigned members, unsigned going_on,
                         float *reach)
 {
@@ -146,19 +153,19 @@ static enum err check_part(const struct block_setup *setup, unsigned members,
     while (!(members & (1u << first)))
         first++;
     if (!has_inverse(setup, members, 0, &reach) || !(reach <= NUM_MAX_MAGNITUDE))
-        return refuse_polynomial(
-            fault, ERR_SINGULAR, first, "g",
+        return refuse_singular(
+            fault, first, "g",
             "needs sums of coefficients whose every part (with other loops in manual) has an "
             "inverse with rows that add up to 127 at most, signs and feedforward left aside");
     if (c->limits != POLYNOMIAL_RECURSE)
         return ERR_OK;
     for (unsigned going_on = 1; going_on <= members; going_on++)
         if ((going_on & members) == going_on && !has_inverse(setup, members, going_on, &reach))
-            return refuse_polynomial(fault, ERR_SINGULAR, first, "limits",
-                                     "must be scale: the first coefficients have no inverse");
+            return refuse_singular(fault, first, "limits",
+                                   "must be scale: the first coefficients have no inverse");
     if (!polynomial_forgets(c, setup->members, used_taps(c, setup->members), members))
-        return refuse_polynomial(fault, ERR_RANGE, first, "limits",
-                                 "must be scale: what G is run backwards would not die away");
+        return block_refuse(fault, first, "limits",
+                            "must be scale: what G is run backwards would not die away");
     return ERR_OK;
 }
 
@@ -168,14 +175,13 @@ static enum err polynomial_check_settings(const struct block_setup *setup,
     const struct polynomial_settings *c = setup->settings;
     float ticks = period_ticks(setup);
     if (setup->members < 1 || setup->members > LOOPS)
-        return refuse_polynomial(fault, ERR_RANGE, 0, "loops", "needs one to four");
+        return block_refuse(fault, 0, "loops", "needs one to four");
     if (!(ticks >= 0.999f && ticks <= 65000.0f))
-        return refuse_polynomial(fault, ERR_RANGE, 0, "period", "must be 1 to 65000 base ticks");
+        return block_refuse(fault, 0, "period", "must be 1 to 65000 base ticks");
     if (!step_period_is_whole(ticks))
-        return refuse_polynomial(fault, ERR_RANGE, 0, "period",
-                                 "must be a whole number of base ticks");
+        return block_refuse(fault, 0, "period", "must be a whole number of base ticks");
     if (c->limits == POLYNOMIAL_INCOMPLETE)
-        return ERR_OK; /* nothing is computed with G */
+        return ERR_OK; /* nothing computes with G */
     for (unsigned part = 1; part < (1u << setup->members); part++) {
         enum err err = part & ~(unsigned)setup->there ? ERR_OK : check_part(setup, part, fault);
         if (err)
@@ -194,7 +200,7 @@ static void take_coefficients(struct polynomials *s, const struct polynomial_set
                                                         : num_from_float(c->g[i * s->loops + j][k]);
 }
 
-/* What follows bumps nothing: that is follow's affair. */
+/* Other settings bump nothing: follow sees to that. */
 static enum err polynomial_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct polynomials *s = state;
@@ -220,12 +226,12 @@ static enum err polynomial_configure(void *state, const struct block_setup *setu
 
 /* ---- the past ---- */
 
-/* A period ends: what was in effect in it is past. */
+/* A period ends: the v in effect in it is past. */
 static void shift_past(struct polynomials *s)
 {
     for (unsigned k = s->taps - 1u; k-- > 0;)
         memcpy(past_of(s, k), k ? past_of(s, k - 1) : s->v, s->loops * sizeof(num_t));
-    s->at = 0;
+    s->tick = 0;
 }
 
 static void rest_past(struct polynomials *s, unsigned j, num_t v)
@@ -234,7 +240,7 @@ static void rest_past(struct polynomials *s, unsigned j, num_t v)
         past_of(s, k)[j] = v;
 }
 
-/* What the loops in `from` have under way for MV i. */
+/* Adds what the loops in `from` have under way for MV i. */
 static num_wide_t from_past(struct polynomials *s, unsigned i, unsigned from, num_wide_t sum)
 {
     for (unsigned j = 0; j < s->loops; j++)
@@ -251,17 +257,17 @@ static bool inputs_moved(const struct polynomials *s, const struct block_io *io)
     return false;
 }
 
-/* Periods end by count. But controllers with a period of their own move together after a period of rest: then that is where one ends,
- * else what they ask for would come up to a period late. */
+/* Periods end by count. But controllers with a period of their own move together after a period of rest: then a period ends there,
+ * because their moves would come up to a period late otherwise. */
 static void pass_time(struct polynomials *s, const struct block_io *io)
 {
     bool moved = inputs_moved(s, io), rested = s->unchanged + 1u >= s->ticks;
     if (s->begun)
         s->begun = false;
-    else if (s->at + 1u >= s->ticks || (moved && rested))
+    else if (s->tick + 1u >= s->ticks || (moved && rested))
         shift_past(s);
     else
-        s->at++;
+        s->tick++;
     s->unchanged = moved ? 0 : (uint16_t)(rested ? s->ticks : s->unchanged + 1u);
 }
 
@@ -273,7 +279,7 @@ static void polynomial_step(void *state, struct block_io *io)
     io->raised = s->incomplete ? 1u : 0u;
     pass_time(s, io);
     for (unsigned j = 0; j < s->loops; j++) {
-        s->before[j] = s->v[j];
+        s->v_before[j] = s->v[j];
         s->u_before[j] = s->u[j];
         if (io->acting & (1u << j))
             s->v[j] = io->in[j];
@@ -305,7 +311,7 @@ static num_t part_made(const struct polynomials *s, const struct block_io *io)
     return least;
 }
 
-/* Of the loops that act, G as it is at first or at rest. */
+/* Puts G of the loops that act into a, as it is at first or at rest. */
 static unsigned matrix_in_force(struct polynomials *s, unsigned members, unsigned going_on,
                                 uint8_t member[LOOPS], float a[LOOPS][LOOPS])
 {
@@ -340,12 +346,12 @@ static void give_way(struct polynomials *s, const struct block_io *io, unsigned 
         dv[member[i]] = num_from_float(x[i]);
 }
 
-/* Moves of all, shortened to the part that could be made. */
+/* Shortens the moves of all loops to the part that could be made. */
 static void shorten(struct polynomials *s, const struct block_io *io, num_t dv[LOOPS])
 {
     num_t left = num_sub(part_made(s, io), num_one());
     for (unsigned j = 0; j < s->loops; j++)
-        dv[j] = num_mul(left, num_sub(s->v[j], s->before[j]));
+        dv[j] = num_mul(left, num_sub(s->v[j], s->v_before[j]));
 }
 
 static unsigned limited_loops(const struct polynomials *s, const struct block_io *io)
@@ -393,11 +399,11 @@ static void polynomial_follow(void *state, struct block_io *io)
     float a[LOOPS][LOOPS], wanted[LOOPS], v[LOOPS] = {0};
     unsigned n = matrix_in_force(s, io->acting, going_on, member, a);
     if (!going_on)
-        s->at = 0;
-    else if (!s->begun && s->at + 1u >= s->ticks)
+        s->tick = 0;
+    else if (!s->begun && s->tick + 1u >= s->ticks)
         shift_past(s);
     else if (!s->begun)
-        s->at++;
+        s->tick++;
     s->begun = true;
     s->unchanged = 0;
     for (unsigned i = 0; i < n; i++) {
@@ -425,7 +431,7 @@ static const char *polynomial_describe(const void *state, size_t i, float *value
     const struct polynomials *s = state;
     if (i > s->loops)
         return NULL;
-    *value = i < s->loops ? num_to_float(s->v[i]) : (float)s->at;
+    *value = i < s->loops ? num_to_float(s->v[i]) : (float)s->tick;
     return i < s->loops ? name[i] : "ticks";
 }
 

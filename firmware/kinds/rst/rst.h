@@ -1,4 +1,4 @@
-/* Kind `rst`: a controller of one loop by three polynomials in z^-1, with integral action and two degrees of freedom:
+/* The kind `rst` is a controller of one loop by three polynomials in z^-1, with integral action and two degrees of freedom:
  *
  *     K P u = R w - Q y,   K = 1 - z^-1,   P = 1 + p[0] z^-1 + ...,   Q = q[0] + q[1] z^-1 + ...
  *
@@ -12,16 +12,9 @@
 #define REFLUX_RST_RST_H
 
 #include "block/block.h"
+#include "block/rst_settings.h"
 
 #if CONFIG_BLOCKS
-
-#define RST_COEFFICIENTS 8
-
-struct rst_settings {
-    float period_s;            /* of z^-1: has to be that of the loop's steps */
-    float p[RST_COEFFICIENTS]; /* of z^-1 on */
-    float q[RST_COEFFICIENTS], r[RST_COEFFICIENTS]; /* of z^0 on; R(1) = Q(1) */
-};
 
 extern const struct block_kind rst_kind;
 

@@ -7,36 +7,46 @@
 
 #define MOST RST_COEFFICIENTS
 
-/* What the polynomials come to, of differences of one sample. */
+/* The polynomials as coefficients of differences of one sample. */
 struct rst_coefficients {
-    struct coefficient error;            /* Q(1) */
-    struct coefficient p[MOST];          /* of u, one step ago and before, negative */
-    struct coefficient q[MOST], r[MOST]; /* of y and w, now and before; q negative */
-    unsigned used;                       /* of each; what is behind them is 0 */
+    /* Q(1) */
+    struct coefficient error;
+    /* Of u one step ago and before, negative. */
+    struct coefficient p[MOST];
+    /* Of y and w in this step and before; q negative. */
+    struct coefficient q[MOST], r[MOST];
+    /* Number of each; those behind them are 0. */
+    unsigned used;
 };
 
 struct rst {
     struct rst_coefficients c;
     float period_s;
-    bool rises;               /* Q(1) is above 0 */
-    struct accumulator base;  /* u of the step before, but for a bumpless beginning */
-    struct accumulator added; /* Q(1) (w - y) of the last step, alone */
-    num_t error, y, w;        /* of the last step */
-    num_t given, told;        /* u of the last step; what took effect */
-    num_t du[MOST], dy[MOST],
-        dw[MOST]; /* differences, the newest first; of y and w without the present one */
+    /* Q(1) is above 0. */
+    bool rises;
+    /* u of the step before, but for a bumpless beginning. */
+    struct accumulator base;
+    /* Q(1) (w - y) of the last step, alone. */
+    struct accumulator added;
+    /* The last step. */
+    num_t error, y, w;
+    /* u of the last step; what took effect. */
+    num_t given, applied;
+    /* Differences, the newest first; those of y and w without the present one. */
+    num_t du[MOST], dy[MOST], dw[MOST];
 };
 
 #define PLACE_OF(field) offsetof(struct rst_settings, field)
 
 static const struct block_parameter rst_parameters[] = {
-    {1, BLOCK_FLOAT, PLACE_OF(period_s), 1, 1, "period", "s", "of a step of z; that of the loop",
-     0.001f, 1e5f, 1},
-    {2, BLOCK_FLOAT, PLACE_OF(p), 1, MOST, "p", "-", "P behind its 1, from z^-1 on", -100, 100, 0},
-    {3, BLOCK_FLOAT, PLACE_OF(q), 1, MOST, "q", "-", "Q, of the measurement, from z^0 on", -1000,
-     1000, 0},
-    {4, BLOCK_FLOAT, PLACE_OF(r), 1, MOST, "r", "-", "R, of the setpoint, from z^0 on", -1000, 1000,
-     0},
+    {RST_ID_PERIOD, BLOCK_FLOAT, PLACE_OF(period_s), 1, 1, "period", "s",
+     "of a step of z; that of the loop", 0.001f, 1e5f, 1},
+    {RST_ID_P, BLOCK_FLOAT, PLACE_OF(p), 1, MOST, "p", "-", "P behind its 1, from z^-1 on", -100,
+     100, 0},
+    {RST_ID_Q, BLOCK_FLOAT, PLACE_OF(q), 1, MOST, "q", "-", "Q, of the measurement, from z^0 on",
+     -1000, 1000, 0},
+    {RST_ID_R, BLOCK_FLOAT, PLACE_OF(r), 1, MOST, "r", "-", "R, of the setpoint, from z^0 on",
+     -1000, 1000, 0},
 };
 
 /* ---- settings ---- */
@@ -47,7 +57,7 @@ static uint32_t rst_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct rst) + 7u) & ~(size_t)7u);
 }
 
-/* Their sum, and that of their magnitudes. */
+/* Returns the sum of a row. *size: sum of the magnitudes. */
 static float sum_of(const float *x, float *size)
 {
     float sum = 0;
@@ -94,7 +104,7 @@ static void set_coefficients(struct rst_coefficients *to, const struct rst_setti
         to->used--;
 }
 
-/* To sum: what the past and these moves of w and y add to u, without the error's share. */
+/* Adds what the past and these moves of w and y add to u, without the error's share. */
 static void add_moves(const struct rst *s, num_t dw, num_t dy, struct accumulator *sum)
 {
     const struct rst_coefficients *c = &s->c;
@@ -108,7 +118,7 @@ static void add_moves(const struct rst *s, num_t dw, num_t dy, struct accumulato
     }
 }
 
-/* What the next step adds to base when nothing moves. */
+/* Returns what the next step adds to base when nothing moves. */
 static struct accumulator at_rest(const struct rst *s)
 {
     struct accumulator sum;
@@ -134,20 +144,20 @@ static enum err rst_configure(void *state, const struct block_setup *setup, bool
         forget_moves(s, 0);
     }
     struct accumulator before = at_rest(s);
-    /* Those of other samples, and what was not kept. */
+    /* Moves of another sampling interval, and those that were not kept. */
     forget_moves(s, s->period_s == setup->interval_s ? s->c.used : 0);
     set_coefficients(&s->c, c);
     s->period_s = setup->interval_s;
     s->rises = sum_of(c->q, &size) > 0;
-    struct accumulator now = at_rest(s);
+    struct accumulator after = at_rest(s);
     accumulator_add_sum(&s->base, &before);
-    accumulator_take_sum(&s->base, &now);
+    accumulator_take_sum(&s->base, &after);
     return ERR_OK;
 }
 
 /* ---- steps ---- */
 
-/* As many as are looked at. */
+/* Keeps as many as a step looks at. */
 static void keep_newest(const struct rst *s, num_t past[MOST], num_t newest)
 {
     memmove(past + 1, past, (s->c.used - 1u) * sizeof *past);
@@ -174,15 +184,15 @@ static void rst_back_calculate(void *state, struct block_io *io)
 {
     struct rst *s = state;
     bool up = s->rises == num_lt(num_zero(), s->error);
-    keep_newest(s, s->du, num_sub(io->out[0], s->told));
-    s->told = io->out[0];
+    keep_newest(s, s->du, num_sub(io->out[0], s->applied));
+    s->applied = io->out[0];
     if (!num_eq(io->out[0], s->given))
         accumulator_set(&s->base, io->out[0]);
     else if (io->clamp[0] & (up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN))
         accumulator_take_sum(&s->base, &s->added);
 }
 
-/* At rest where the output is: the next step with these inputs adds nothing to it. */
+/* Begins at rest where the output is: the next step with these inputs adds nothing to it. */
 static void rst_follow(void *state, struct block_io *io)
 {
     struct rst *s = state;
@@ -190,7 +200,7 @@ static void rst_follow(void *state, struct block_io *io)
     s->w = io->setpoint[0];
     s->y = io->in[0];
     s->error = num_sub(s->w, s->y);
-    s->told = s->given = io->out[0];
+    s->applied = s->given = io->out[0];
     accumulator_set(&s->base, io->out[0]);
     struct accumulator next = at_rest(s);
     accumulator_take_sum(&s->base, &next);
@@ -204,7 +214,7 @@ static const char *rst_describe(const void *state, size_t i, float *value)
         float value;
     } inner[] = {{"error", num_to_float(s->error)},
                  {"given", num_to_float(s->given)},
-                 {"applied", num_to_float(s->told)}};
+                 {"applied", num_to_float(s->applied)}};
     if (i >= sizeof inner / sizeof inner[0])
         return NULL;
     *value = inner[i].value;
