@@ -1,6 +1,7 @@
 #include "identify/excitation.h"
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 
 void excitation_clear(struct excitation *u)
 {

@@ -1,6 +1,7 @@
 #include "identify/guard.h"
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 
 #define EXCESS_SDS                                                                                 \
     REAL_C(3.0) /* of noise beyond its share, that a prediction must be over the limit by */

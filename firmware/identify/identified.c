@@ -1,6 +1,7 @@
 #include "identify/identified.h"
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 
 enum err baseline_validate(const struct baseline *b)
 {

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 
 /* Times below are in samples, moments in units of 1/alpha (tau = alpha k h), unless a name ends in _s. */
 

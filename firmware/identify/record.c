@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 
 #define SAMPLES_MAX (1u << 31)
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "identify/common.h"
+#include "lti/fopdt.h" /* real_is_finite */
 #include "num/real_trig.h"
 
 #define PI          REAL_C(3.14159265358979)

@@ -2,7 +2,6 @@
 #ifndef REFLUX_SIGNAL_CHECK_H
 #define REFLUX_SIGNAL_CHECK_H
 
-#include "base/channel.h" /* float_is_finite */
 #include "base/error.h"
 
 /* Step intervals any block accepts, in seconds. */
@@ -10,16 +9,7 @@
 #define STEP_INTERVAL_MAX_S 1e5f
 
 /* ERR_OK when lo <= x <= hi; NaN and infinity are ERR_NOT_FINITE. */
-MUST_CHECK static inline enum err check_range(float x, float lo, float hi)
-{
-    if (!float_is_finite(x))
-        return ERR_NOT_FINITE;
-    return x < lo || x > hi ? ERR_RANGE : ERR_OK;
-}
-
-MUST_CHECK static inline enum err check_interval(float h_s)
-{
-    return check_range(h_s, STEP_INTERVAL_MIN_S, STEP_INTERVAL_MAX_S);
-}
+MUST_CHECK enum err check_range(float x, float lo, float hi);
+MUST_CHECK enum err check_interval(float h_s);
 
 #endif
