@@ -1,225 +1,255 @@
-/* `design`: from the model that is kept to what other blocks compute with: a decoupler and controllers for its loops
- * (plant_experiment_loops.c), or the law of state feedback that a block of the kind `state_law` keeps. For that law, of a model of first order
- * without dead time, A y(k) = B u(k), the outputs are all there is to its state:
- *
- *     y(k + 1) = -diag(a) y(k) + B u(k)
- *
- * so F and G are for the measurements themselves. Of higher orders states would be samples of the past, which no measurement is: refused. */
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_law.h"
 
 #include <string.h>
 
-#include "base/workspace.h"
+#include "kinds/experiment/experiment_law_state.h"
+#include "kinds/experiment/experiment_lease.h"
+#include "kinds/experiment/experiment_loops.h"
 
-#define HOLDER "experiment"
-#define FREES  "block N stop"
-#define STEPS  2u /* for the job: two states are a millisecond */
+/* Steps that the job gets: two states are a millisecond. */
+#define STEPS 2u
 
 /* A plant of one loop needs no decoupler. */
-static bool is_of_loops(const struct experiment *e)
+static bool is_of_loops(const struct experiment_context *c)
 {
-    return e->law.decoupler || (e->n == 1 && !e->s.law && e->s.place[0]);
+    return c->decoupler || (c->n == 1 && !c->s.law && c->s.place[0]);
 }
 
-bool experiment_law_runs(const struct experiment *e)
+bool experiment_law_runs(const struct experiment_law *l)
 {
-    return e->law.stage == EXPERIMENT_LAW_ASKED || e->law.stage == EXPERIMENT_LAW_WORKS;
+    return l->stage == EXPERIMENT_LAW_ASKED || l->stage == EXPERIMENT_LAW_WORKS;
 }
 
-static void end_lease_of_law(struct experiment *e)
+/* Ends it with what was found, which refuses a setting. */
+static void end_refused_design(struct experiment_law *l)
 {
-    if (e->law.job)
-        workspace_end(workspace_shared(), e->law.lease);
-    e->law.job = NULL;
+    state_law_words(&l->found, l->words, sizeof l->words);
+    experiment_lease_end(&l->lease);
+    l->stage = EXPERIMENT_LAW_REFUSED;
 }
 
-static void law_ends(struct experiment *e, const char *field, const char *wanted, unsigned loop)
+static void refuse_design(struct experiment_law *l, const char *field, const char *wanted,
+                          unsigned loop)
 {
-    if (field)
-        e->law.found = (struct state_law_found){
-            .field = field, .wanted = wanted, .loop = (uint8_t)loop, .radius = 0};
-    state_law_words(&e->law.found, e->law.words, sizeof e->law.words);
-    end_lease_of_law(e);
-    e->law.stage = EXPERIMENT_LAW_REFUSED;
-    e->tells = EVENT_NO_LAW + 1;
+    l->found = (struct state_law_found){
+        .field = field, .wanted = wanted, .loop = (uint8_t)loop, .radius = 0};
+    end_refused_design(l);
 }
 
-void experiment_law_stop(struct experiment *e, const char *field, const char *wanted)
+bool experiment_law_stop(struct experiment_law *l, const char *field, const char *wanted)
 {
-    if (experiment_law_runs(e))
-        law_ends(e, field, wanted, 0);
+    if (!experiment_law_runs(l))
+        return false;
+    refuse_design(l, field, wanted, 0);
+    return true;
 }
 
-const char *experiment_law_begin(struct experiment *e)
+const char *experiment_law_begin(struct experiment_law *l, const struct experiment_context *c)
 {
-    if (experiment_law_runs(e))
+    if (experiment_law_runs(l))
         return "designs";
-    if (!e->law.to && !is_of_loops(e))
+    if (!c->law && !is_of_loops(c))
         return "law"; /* it names nobody */
-    if (!e->s.known || e->n > EXPERIMENT_KEPT)
+    if (!c->s.known || c->n > EXPERIMENT_KEPT)
         return "no_model";
-    e->law.words[0] = '\0';
-    e->law.proposes = false;
-    e->law.stage = EXPERIMENT_LAW_ASKED;
+    l->words[0] = '\0';
+    l->proposes = false;
+    l->stage = EXPERIMENT_LAW_ASKED;
     return NULL;
+}
+
+/* ---- values ---- */
+
+bool experiment_law_proposes(const struct experiment_law *l)
+{
+    return l->proposes;
+}
+
+void experiment_law_withdraw(struct experiment_law *l)
+{
+    l->proposes = false;
+}
+
+float experiment_law_radius(const struct experiment_law *l)
+{
+    return l->found.radius;
+}
+
+float experiment_law_loop(const struct experiment_law *l)
+{
+    return l->found.loop;
+}
+
+const char *experiment_law_words(const struct experiment_law *l)
+{
+    return l->stage == EXPERIMENT_LAW_REFUSED ? l->words : NULL;
 }
 
 /* ---- the model ---- */
 
-static bool is_first_order(const struct experiment *e, unsigned i)
+static bool is_first_order(const struct experiment_context *c, unsigned i)
 {
     bool more = false;
     for (unsigned k = 1; k < DIFFERENCE_A_MOST; k++)
-        more = more || e->s.a[i][k] < 0 || e->s.a[i][k] > 0;
-    for (unsigned j = 0; j < e->n; j++)
+        more = more || c->s.a[i][k] < 0 || c->s.a[i][k] > 0;
+    for (unsigned j = 0; j < c->n; j++)
         for (unsigned k = 1; k < DIFFERENCE_B_MOST; k++)
-            more = more || e->s.b[i][j][k] < 0 || e->s.b[i][j][k] > 0;
+            more = more || c->s.b[i][j][k] < 0 || c->s.b[i][j][k] > 0;
     return !more;
 }
 
-static bool is_period_of(const struct experiment *e, float period_s)
+static bool is_period_of(const struct experiment_context *c, float period_s)
 {
-    float own = (float)e->ticks * e->step_s, off = period_s - own;
+    float own = (float)c->ticks * c->step_s, off = period_s - own;
     return off <= 1e-3f * own && off >= -1e-3f * own;
 }
 
-/* Of fractions of span. */
-static void put_plant(const struct experiment *e, struct state_model *plant)
+/* Puts the model, of fractions of span. */
+static void put_plant(const struct experiment_context *c, struct state_model *plant)
 {
     memset(plant, 0, sizeof *plant);
-    plant->period_s = e->law.to->period_s;
-    plant->a.rows = plant->a.cols = plant->b.rows = plant->b.cols = e->n;
-    plant->c.rows = plant->c.cols = plant->e.rows = e->n;
-    for (unsigned i = 0; i < e->n; i++) {
-        const struct block_signal *y = &e->input[i];
-        plant->a.at[i][i] = -(real_t)e->s.a[i][0];
+    plant->period_s = c->law->period_s;
+    plant->a.rows = plant->a.cols = plant->b.rows = plant->b.cols = c->n;
+    plant->c.rows = plant->c.cols = plant->e.rows = c->n;
+    for (unsigned i = 0; i < c->n; i++) {
+        plant->a.at[i][i] = -(real_t)c->s.a[i][0];
         plant->c.at[i][i] = REAL_C(1.0);
-        for (unsigned j = 0; j < e->n; j++) {
-            const struct block_signal *u = &e->input[e->n + j];
-            plant->b.at[i][j] = (real_t)(e->s.b[i][j][0] * (u->hi - u->lo) / (y->hi - y->lo));
+        for (unsigned j = 0; j < c->n; j++) {
+            float u = experiment_span(c, c->n + j), y = experiment_span(c, i);
+            plant->b.at[i][j] = (real_t)(c->s.b[i][j][0] * u / y);
         }
     }
 }
 
-static void put_order_of_law(struct experiment *e)
+static void put_order_of_law(struct experiment_law *l, const struct experiment_context *c)
 {
-    if (!is_period_of(e, e->law.to->period_s)) {
-        law_ends(e, "period", "that of the experiment in the block with the law", 0);
+    struct state_law_job *job = experiment_leased(&l->lease);
+    if (!is_period_of(c, c->law->period_s)) {
+        refuse_design(l, "period", "that of the experiment in the block with the law", 0);
         return;
     }
-    for (unsigned i = 0; i < e->n; i++)
-        if (!is_first_order(e, i)) {
-            law_ends(
-                e, "the model",
+    for (unsigned i = 0; i < c->n; i++)
+        if (!is_first_order(c, i)) {
+            refuse_design(
+                l, "the model",
                 "of first order without dead time (na 1, nb 1): its outputs are then its states",
                 i + 1u);
             return;
         }
-    struct state_law_job *job = e->law.job;
-    memcpy(e->law.goal, e->law.to, sizeof e->law.goal);
-    state_law_job_of_model(job, e->law.to, e->n);
-    put_plant(e, &job->sampled);
-    e->law.stage = EXPERIMENT_LAW_WORKS;
+    memcpy(l->goal, c->law, sizeof l->goal);
+    state_law_job_of_model(job, c->law, c->n);
+    put_plant(c, &job->sampled);
+    l->stage = EXPERIMENT_LAW_WORKS;
 }
 
-static void put_order_of_loops(struct experiment *e)
+static void put_order_of_loops(struct experiment_law *l, const struct experiment_context *c)
 {
-    if (e->s.cutoff > 0 && e->ticks > 1) {
-        law_ends(e, "cutoff", "0, and the model found anew: the loops have no filter", 0);
+    if (c->s.cutoff > 0 && c->ticks > 1) {
+        refuse_design(l, "cutoff", "0, and the model found anew: the loops have no filter", 0);
         return;
     }
-    experiment_loops_begin(e);
-    e->law.stage = EXPERIMENT_LAW_WORKS;
+    experiment_loops_begin(experiment_leased(&l->lease), c);
+    l->stage = EXPERIMENT_LAW_WORKS;
 }
 
 /* ---- between ticks ---- */
 
-bool experiment_law_work(struct experiment *e)
+bool experiment_law_work(struct experiment_law *l, const struct experiment_context *c)
 {
-    struct workspace *w = workspace_shared();
-    void *memory = NULL;
-    uint32_t bytes = is_of_loops(e) ? experiment_loops_bytes : sizeof(struct state_law_job);
-    if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.job && w &&
-        workspace_lease_for_now(w, HOLDER, FREES, bytes, &e->law.lease, &memory) == ERR_OK)
-        e->law.job = memory;
-    if (e->law.stage != EXPERIMENT_LAW_WORKS || !e->law.job)
+    void *job = experiment_leased(&l->lease);
+    bool of_loops = is_of_loops(c);
+    if (l->stage == EXPERIMENT_LAW_ASKED && !job)
+        experiment_lease_hold(
+            &l->lease, experiment_lease_ask(&l->lease, of_loops ? experiment_loops_bytes
+                                                                : sizeof(struct state_law_job)));
+    if (l->stage != EXPERIMENT_LAW_WORKS || !job)
         return false;
-    if (!is_of_loops(e))
-        return state_law_job_piece(e->law.job);
-    experiment_loops_piece(e);
+    if (!of_loops)
+        return state_law_job_piece(job);
+    experiment_loops_piece(job, c);
     return false; /* the next step asks for the next one */
 }
 
 /* ---- in the tick ---- */
 
-static void take_found_law(struct experiment *e)
+static bool law_is_found(const struct experiment_law *l, const struct experiment_context *c)
 {
-    const struct state_law_job *job = e->law.job;
-    if (is_of_loops(e))
-        experiment_loops_take(e);
-    else
-        e->law.found = job->found;
-    /* It stands elsewhere after every apply. */
-    if (!is_of_loops(e) &&
-        (!e->law.to || memcmp(e->law.goal, e->law.to, sizeof e->law.goal) != 0)) {
-        law_ends(e, "settings", "left as they are while the law is found", 0);
-        return;
-    }
-    if (e->law.found.field[0]) {
-        law_ends(e, NULL, NULL, 0);
-        return;
-    }
-    end_lease_of_law(e);
-    e->law.stage = EXPERIMENT_LAW_DONE;
-    e->tells = EVENT_LAW + 1;
-    e->law.proposes = true;
-    e->law.waits = false;
+    const void *job = experiment_leased(&l->lease);
+    if (l->stage != EXPERIMENT_LAW_WORKS || !job)
+        return false;
+    return is_of_loops(c) ? experiment_loops_are_found(job, c)
+                          : ((const struct state_law_job *)job)->phase == STATE_LAW_PHASE_OVER;
 }
 
-static void propose_law(struct experiment *e, struct block_proposal *room)
+static void take_found_law(struct experiment_law *l, struct experiment_loops *loops,
+                           const struct experiment_context *c)
 {
-    if (!e->law.proposes || !room || room->n || !e->law.to)
-        return;
-    if (!e->law.waits)
-        state_law_put_values(e->law.to, &e->law.found, e->law.to->period_s, e->n,
-                             (uint8_t)(e->s.law - 1u), room);
-    e->law.proposes = e->law.waits = room->n > 0; /* else it is in force, or refused, or rejected */
-    room->manner =
-        e->law.to->adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
-}
-
-static bool law_is_found(const struct experiment *e)
-{
-    const struct state_law_job *job = e->law.job;
-    return e->law.stage == EXPERIMENT_LAW_WORKS && job &&
-           (is_of_loops(e) ? experiment_loops_are_found(e) : job->phase == STATE_LAW_PHASE_OVER);
-}
-
-void experiment_law_step(struct experiment *e, struct block_io *io)
-{
-    bool lost = e->law.job && !workspace_renew(workspace_shared(), e->law.lease);
-    if (lost)
-        e->law.job = NULL;
-    if (!experiment_law_runs(e)) {
-        end_lease_of_law(e);
-    } else if (lost) {
-        law_ends(e, "the workspace", "free", 0);
-    } else if (!io->work_wanted) {
-        if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.to && !is_of_loops(e))
-            law_ends(e, "law", "the number of the block that keeps it", 0);
-        else if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job && is_of_loops(e))
-            put_order_of_loops(e);
-        else if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job)
-            put_order_of_law(e);
-        else if (e->law.stage == EXPERIMENT_LAW_ASKED && io->work_done)
-            law_ends(e, "the workspace", "free", 0);
-        else if (law_is_found(e))
-            take_found_law(e);
-        if (experiment_law_runs(e))
-            io->ask_work = STEPS;
+    const void *job = experiment_leased(&l->lease);
+    if (is_of_loops(c)) {
+        experiment_loops_take(loops, job, &l->found);
+    } else {
+        l->found = ((const struct state_law_job *)job)->found;
+        if (!c->law || memcmp(l->goal, c->law, sizeof l->goal) != 0) {
+            refuse_design(l, "settings", "left as they are while the law is found", 0);
+            return;
+        }
     }
-    if (is_of_loops(e))
-        experiment_loops_propose(e, io->proposal);
-    else
-        propose_law(e, io->proposal);
+    if (l->found.field[0]) {
+        end_refused_design(l);
+        return;
+    }
+    experiment_lease_end(&l->lease);
+    l->stage = EXPERIMENT_LAW_DONE;
+    l->proposes = true;
+    l->waits = false;
+}
+
+static void propose_law(struct experiment_law *l, const struct experiment_context *c,
+                        struct block_proposal *room)
+{
+    if (!room || room->n || !c->law)
+        return;
+    if (!l->waits)
+        state_law_put_values(c->law, &l->found, c->law->period_s, c->n, (uint8_t)(c->s.law - 1u),
+                             room);
+    l->proposes = l->waits = room->n > 0; /* else it is in force, or refused, or rejected */
+    room->manner = c->law->adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
+}
+
+static void go_on_with_law(struct experiment_law *l, struct experiment_loops *loops,
+                           const struct experiment_context *c, struct block_io *io)
+{
+    bool asked = l->stage == EXPERIMENT_LAW_ASKED, of_loops = is_of_loops(c);
+    bool leased = experiment_leased(&l->lease) != NULL;
+    if (asked && !c->law && !of_loops)
+        refuse_design(l, "law", "the number of the block that keeps it", 0);
+    else if (asked && leased && of_loops)
+        put_order_of_loops(l, c);
+    else if (asked && leased)
+        put_order_of_law(l, c);
+    else if (asked && io->work_done)
+        refuse_design(l, "the workspace", "free", 0);
+    else if (law_is_found(l, c))
+        take_found_law(l, loops, c);
+    if (experiment_law_runs(l))
+        io->ask_work = STEPS;
+}
+
+enum experiment_law_end experiment_law_step(struct experiment_law *l,
+                                            struct experiment_loops *loops,
+                                            const struct experiment_context *c, struct block_io *io)
+{
+    bool ran = experiment_law_runs(l), lost = !experiment_lease_renew(&l->lease);
+    if (!ran)
+        experiment_lease_end(&l->lease);
+    else if (lost)
+        refuse_design(l, "the workspace", "free", 0);
+    else if (!io->work_wanted)
+        go_on_with_law(l, loops, c, io);
+    bool ended = ran && !experiment_law_runs(l), refused = l->stage == EXPERIMENT_LAW_REFUSED;
+    if (l->proposes && is_of_loops(c))
+        l->proposes = experiment_loops_propose(loops, c, io->proposal);
+    else if (l->proposes)
+        propose_law(l, c, io->proposal);
+    return !ended ? LAW_GOES_ON : refused ? LAW_REFUSED : LAW_FOUND;
 }

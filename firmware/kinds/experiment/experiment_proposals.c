@@ -1,73 +1,88 @@
-/* A usable model becomes settings of the block by proposals: only the values that change, nearly always in one. Where there is no room for all,
- * `known` goes off first and on with the last; who accepts the first has accepted the others. */
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_proposals.h"
 
-/* The p-th of all values: id, what it is, what it should be. False past the end. */
-static bool nth_value(struct experiment *e, unsigned p, struct proposed_value *wanted, float *is)
+#include "kinds/experiment/experiment_ids.h"
+#include "kinds/experiment/experiment_model.h"
+#include "kinds/experiment/experiment_proposals_state.h"
+
+/* The p-th of all values: its id, its value as it should be, and in *actual as it is. False past the end. */
+static bool nth_value(const struct experiment_context *c, const float *coefficients, unsigned p,
+                      struct proposed_value *wanted, float *actual)
 {
-    const unsigned of_a = e->n * DIFFERENCE_A_MOST, of_pair = DIFFERENCE_B_MOST;
+    const unsigned of_a = c->n * DIFFERENCE_A_MOST, of_pair = DIFFERENCE_B_MOST;
     if (p < of_a) {
         unsigned i = p / DIFFERENCE_A_MOST, k = p % DIFFERENCE_A_MOST;
         *wanted = (struct proposed_value){
-            proposed_own((uint8_t)(EXPERIMENT_ID_A + i * DIFFERENCE_A_MOST + k)),
-            experiment_a(e, i)[k]};
-        *is = e->s.a[i][k];
+            proposed_own((uint8_t)(EXPERIMENT_ID_A + i * DIFFERENCE_A_MOST + k)), coefficients[p]};
+        *actual = c->s.a[i][k];
         return true;
     }
-    p -= of_a;
-    unsigned pair = p / of_pair, k = p % of_pair, i = pair / e->n, j = pair % e->n;
-    if (i >= e->n)
+    unsigned pair = (p - of_a) / of_pair, k = (p - of_a) % of_pair, i = pair / c->n,
+             j = pair % c->n;
+    if (i >= c->n)
         return false;
     *wanted = (struct proposed_value){
         proposed_own((uint8_t)(EXPERIMENT_ID_B + (i * EXPERIMENT_KEPT + j) * of_pair + k)),
-        experiment_b(e, i, j)[k]};
-    *is = e->s.b[i][j][k];
+        coefficients[p]};
+    *actual = c->s.b[i][j][k];
     return true;
 }
 
-static uint8_t values_left(struct experiment *e)
+static uint8_t values_left(const struct experiment_context *c, const float *coefficients)
 {
     struct proposed_value wanted;
-    float is;
+    float actual;
     unsigned left = 0;
-    for (unsigned p = 0; nth_value(e, p, &wanted, &is); p++)
-        left += wanted.value != is ? 1u : 0u;
+    for (unsigned p = 0; nth_value(c, coefficients, p, &wanted, &actual); p++)
+        left += wanted.value != actual ? 1u : 0u;
     return (uint8_t)left;
 }
 
-void experiment_propose(struct experiment *e)
+void experiment_propose(struct experiment_proposals *p, unsigned n)
 {
-    e->proposes = e->n <= EXPERIMENT_KEPT;
-    e->waits = false;
+    p->proposes = n <= EXPERIMENT_KEPT;
+    p->waits = false;
+}
+
+void experiment_proposals_stop(struct experiment_proposals *p)
+{
+    p->proposes = false;
+}
+
+bool experiment_proposes(const struct experiment_proposals *p)
+{
+    return p->proposes;
 }
 
 /* Values first, up to the room that `known` leaves. */
-static void put_model(struct experiment *e, struct block_proposal *room, unsigned left)
+static void put_model(const struct experiment_context *c, const float *coefficients,
+                      struct block_proposal *room, unsigned left)
 {
     struct proposed_value wanted;
-    float is, known = left < PROPOSAL_MAX ? 1.0f : 0.0f;
-    if (e->s.known != (uint8_t)known)
+    float actual, known = left < PROPOSAL_MAX ? 1.0f : 0.0f;
+    if (c->s.known != (uint8_t)known)
         room->value[room->n++] = (struct proposed_value){proposed_own(EXPERIMENT_ID_KNOWN), known};
-    for (unsigned p = 0; room->n < PROPOSAL_MAX && nth_value(e, p, &wanted, &is); p++)
-        if (wanted.value != is)
+    for (unsigned p = 0; room->n < PROPOSAL_MAX && nth_value(c, coefficients, p, &wanted, &actual);
+         p++)
+        if (wanted.value != actual)
             room->value[room->n++] = wanted;
 }
 
-void experiment_proposals_step(struct experiment *e, struct block_proposal *room)
+void experiment_proposals_step(struct experiment_proposals *p, const struct experiment_context *c,
+                               const float *coefficients, struct block_proposal *room)
 {
-    if (!e->proposes || !room)
+    if (!p->proposes || !room)
         return;
-    unsigned left = values_left(e);
-    uint8_t now = (uint8_t)(2u * left + e->s.known);
-    bool refused = e->waits && now == e->proposed; /* or rejected */
-    bool whole = left == 0 && e->s.known;
+    unsigned left = values_left(c, coefficients);
+    uint8_t state = (uint8_t)(2u * left + c->s.known);
+    bool refused = p->waits && state == p->proposed; /* or rejected */
+    bool whole = left == 0 && c->s.known;
     if (refused || whole) {
-        e->proposes = false;
+        p->proposes = false;
         return;
     }
-    put_model(e, room, left);
-    room->manner = e->waits || e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE
+    put_model(c, coefficients, room, left);
+    room->manner = p->waits || c->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE
                                                                       : PROPOSAL_WHEN_ACCEPTED;
-    e->proposed = now;
-    e->waits = true;
+    p->proposed = state;
+    p->waits = true;
 }

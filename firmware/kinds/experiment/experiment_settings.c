@@ -1,8 +1,14 @@
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_settings.h"
+
+#include <string.h>
 
 #include "base/workspace.h"
 #include "block/refuse.h"
 #include "block/step_period.h"
+#include "identify/prbs.h"
+#include "kinds/experiment/experiment_ids.h"
+#include "kinds/experiment/experiment_job.h"
+#include "kinds/experiment/plant_model.h"
 
 #define PLACE(field) offsetof(struct experiment_settings, field)
 #define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
@@ -90,6 +96,24 @@ uint32_t experiment_ticks(const struct block_setup *setup)
 uint32_t experiment_samples(const struct experiment_settings *s)
 {
     return ((UINT32_C(1) << s->bits) - 1u) * s->clock * s->periods;
+}
+
+/* Pieces of work for each second of a step: about a quarter of the time of a board. */
+#define PIECES_A_SECOND 100.0f
+#define PIECES_MOST     1000.0f
+
+void experiment_context_take(struct experiment_context *c, const struct block_setup *setup)
+{
+    float pieces = PIECES_A_SECOND * setup->interval_s;
+    memcpy(&c->s, setup->settings, sizeof c->s);
+    c->law = c->s.law && !setup->named_other ? setup->named : NULL;
+    c->decoupler = c->s.law && setup->named_other ? setup->named : NULL;
+    c->step_s = setup->interval_s;
+    c->n = (uint8_t)(setup->inputs / 2u);
+    memcpy(c->input, setup->input, (size_t)2 * c->n * sizeof c->input[0]);
+    c->ticks = (uint16_t)experiment_ticks(setup);
+    c->wanted = (uint16_t)experiment_samples(&c->s); /* checked */
+    c->pieces = (uint16_t)(pieces < 1 ? 1 : pieces < PIECES_MOST ? pieces : PIECES_MOST);
 }
 
 /* ---- check ---- */

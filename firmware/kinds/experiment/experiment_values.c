@@ -1,24 +1,40 @@
-/* The inner values of a block of the kind `experiment`. */
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_values.h"
 
-static const char *describe_run(const struct experiment *e, size_t i, float *value)
+#include "kinds/experiment/experiment_finding.h"
+#include "kinds/experiment/experiment_job.h"
+#include "kinds/experiment/experiment_law.h"
+#include "kinds/experiment/experiment_lease.h"
+#include "kinds/experiment/experiment_model.h"
+#include "kinds/experiment/experiment_record.h"
+
+static float part_done(const struct experiment_parts *p)
 {
-    float of = e->stage == EXPERIMENT_SETTLES ? (float)e->s.settle : (float)e->wanted;
-    float done = e->stage == EXPERIMENT_COMPUTES && e->job
-                     ? (float)e->job->finding.output / (float)e->n
-                     : (float)e->samples / of;
+    const struct experiment_context *c = p->context;
+    enum experiment_stage stage = experiment_stages_stage(p->stages);
+    struct experiment_job *job = experiment_leased(p->lease);
+    if (stage == EXPERIMENT_COMPUTES && job) {
+        const struct experiment_finding *f = experiment_job_finding(job);
+        return (float)plant_finding_done(experiment_finding_result(f)) / (float)c->n;
+    }
+    float all = stage == EXPERIMENT_SETTLES ? (float)c->s.settle : (float)c->wanted;
+    return (float)experiment_record_samples(p->record) / all;
+}
+
+static const char *describe_run(const struct experiment_parts *p, size_t i, float *value)
+{
+    const struct experiment_context *c = p->context;
     const struct {
         const char *name;
         float value;
     } inner[] = {
-        {"stage", e->stage},
-        {"reason", e->reason},
-        {"verdict", e->verdict},
-        {"at_fault", e->at_fault},
-        {"percent", experiment_runs(e) ? 100 * done : 0},
-        {"samples", (float)e->samples},
-        {"wanted", (float)e->wanted},
-        {"bytes", (float)experiment_job_bytes(e->n, e->wanted)},
+        {"stage", (float)experiment_stages_stage(p->stages)},
+        {"reason", (float)experiment_stages_reason(p->stages)},
+        {"verdict", (float)experiment_stages_verdict(p->stages)},
+        {"at_fault", (float)experiment_stages_at_fault(p->stages)},
+        {"percent", experiment_runs(p->stages) ? 100 * part_done(p) : 0},
+        {"samples", (float)experiment_record_samples(p->record)},
+        {"wanted", (float)c->wanted},
+        {"bytes", (float)experiment_job_bytes(c->n, c->wanted)},
     };
     *value = inner[i].value;
     return inner[i].name;
@@ -33,10 +49,12 @@ static const char output_names[EXPERIMENT_MOST][OF_OUTPUT][12] = {
     {"verdict_4", "one_step_4", "fit_4", "apart_4", "live_4"},
 };
 
-static const char *describe_output(const struct experiment *e, unsigned k, size_t i, float *value)
+static const char *describe_output(const struct experiment_parts *p, unsigned k, size_t i,
+                                   float *value)
 {
-    const struct experiment_found *f = &e->found[k];
-    const float values[OF_OUTPUT] = {f->verdict, f->one_step, f->fit, f->apart, e->live_error[k]};
+    const struct experiment_found *f = experiment_model_found(p->model, k);
+    const float values[OF_OUTPUT] = {f->verdict, f->one_step, f->fit, f->apart,
+                                     experiment_live_error(p->record, k)};
     *value = values[i];
     return output_names[k][i];
 }
@@ -51,20 +69,13 @@ static const char others_names[EXPERIMENT_MOST][9] = {"others_1", "others_2", "o
 static const char gain_names[EXPERIMENT_MOST][EXPERIMENT_MOST][7] = {GAINS(1), GAINS(2), GAINS(3),
                                                                      GAINS(4)};
 
-/* At rest, EU per EU: of the model, or while it moves the plant of the recursive estimate. */
-static float gain_shown(const struct experiment *e, unsigned i, unsigned j)
+/* Gain at rest, EU per EU: of the model, or while it moves the plant of the recursive estimate. */
+static float gain_shown(const struct experiment_parts *p, unsigned i, unsigned j)
 {
-    const float *a = &e->model[(size_t)i * DIFFERENCE_A_MOST];
-    const float *b =
-        &e->model[(size_t)e->n * DIFFERENCE_A_MOST + ((size_t)i * e->n + j) * DIFFERENCE_B_MOST];
-    float at_rest = 1, sum = 0;
-    if (e->stage == EXPERIMENT_EXCITES && e->job)
-        return experiment_live_gain(e, i, j);
-    for (unsigned k = 0; k < DIFFERENCE_A_MOST; k++)
-        at_rest += a[k];
-    for (unsigned k = 0; k < DIFFERENCE_B_MOST; k++)
-        sum += b[k];
-    return at_rest > 1e-6f ? sum / at_rest : 0;
+    struct experiment_job *job = experiment_leased(p->lease);
+    if (experiment_stages_stage(p->stages) == EXPERIMENT_EXCITES && job)
+        return experiment_live_gain(experiment_job_rows(job), p->context, i, j);
+    return experiment_model_gain(p->coefficients, p->context->n, i, j);
 }
 
 #define NAMES_A(i)                                                                                 \
@@ -85,50 +96,53 @@ static const char a_names[EXPERIMENT_MOST][DIFFERENCE_A_MOST][5] = {NAMES_A(1), 
 static const char b_names[EXPERIMENT_MOST][EXPERIMENT_MOST][DIFFERENCE_B_MOST][6] = {
     NAMES_ROW(1), NAMES_ROW(2), NAMES_ROW(3), NAMES_ROW(4)};
 
-/* Coefficients of the model that are there. */
-static const char *describe_coefficient(const struct experiment *e, size_t i, float *value)
+/* The coefficients that the orders of the model have. */
+static const char *describe_coefficient(const struct experiment_parts *p, size_t i, float *value)
 {
-    const float *at = e->model;
-    for (unsigned k = 0; k < e->n; k++, at += DIFFERENCE_A_MOST) {
-        if (i < e->found[k].na) {
+    const float *at = p->coefficients;
+    unsigned n = p->context->n;
+    for (unsigned k = 0; k < n; k++, at += DIFFERENCE_A_MOST) {
+        unsigned na = experiment_model_found(p->model, k)->na;
+        if (i < na) {
             *value = at[i];
             return a_names[k][i];
         }
-        i -= e->found[k].na;
+        i -= na;
     }
-    for (unsigned k = 0; k < e->n; k++)
-        for (unsigned j = 0; j < e->n; j++, at += DIFFERENCE_B_MOST) {
-            if (i < e->found[k].nb) {
+    for (unsigned k = 0; k < n; k++)
+        for (unsigned j = 0; j < n; j++, at += DIFFERENCE_B_MOST) {
+            unsigned nb = experiment_model_found(p->model, k)->nb;
+            if (i < nb) {
                 *value = at[i];
                 return b_names[k][j][i];
             }
-            i -= e->found[k].nb;
+            i -= nb;
         }
     return NULL;
 }
 
-const char *experiment_describe(const void *state, size_t i, float *value)
+const char *experiment_value(const struct experiment_parts *p, size_t i, float *value)
 {
-    const struct experiment *e = state;
-    size_t n = e->n;
-    if (e->law.stage == EXPERIMENT_LAW_REFUSED && i-- == 0) {
-        *value = e->law.found.loop;
-        return e->law.words;
+    const char *refused = experiment_law_words(p->law);
+    size_t n = p->context->n;
+    if (refused && i-- == 0) {
+        *value = experiment_law_loop(p->law);
+        return refused;
     }
     if (i < OF_RUN)
-        return describe_run(e, i, value);
+        return describe_run(p, i, value);
     i -= OF_RUN;
     if (i < n * OF_OUTPUT)
-        return describe_output(e, (unsigned)(i / OF_OUTPUT), i % OF_OUTPUT, value);
+        return describe_output(p, (unsigned)(i / OF_OUTPUT), i % OF_OUTPUT, value);
     i -= n * OF_OUTPUT;
     if (i < n) {
-        *value = (float)experiment_others(e, (unsigned)i);
+        *value = (float)experiment_others(p->record, (unsigned)i);
         return others_names[i];
     }
     i -= n;
     if (i < n * n) {
-        *value = gain_shown(e, (unsigned)(i / n), (unsigned)(i % n));
+        *value = gain_shown(p, (unsigned)(i / n), (unsigned)(i % n));
         return gain_names[i / n][i % n];
     }
-    return describe_coefficient(e, i - n * n, value);
+    return describe_coefficient(p, i - n * n, value);
 }

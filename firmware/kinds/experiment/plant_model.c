@@ -333,3 +333,13 @@ bool plant_finding_piece(struct plant_finding *f, uint32_t most)
     begin_orders(f);
     return true;
 }
+
+unsigned plant_finding_done(const struct plant_finding *f)
+{
+    return f->output;
+}
+
+const struct plant_output *plant_finding_output(const struct plant_finding *f, unsigned i)
+{
+    return &f->found[i];
+}

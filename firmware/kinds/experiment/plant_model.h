@@ -72,7 +72,11 @@ void plant_finding_begin(struct plant_finding *f, const struct arx_data *data,
 /* Up to `most` samples, or one of the steps between them, some n^3 operations for n parameters. True while there is more. */
 bool plant_finding_piece(struct plant_finding *f, uint32_t most);
 
-/* Whether all roots of z^n + a[0] z^(n-1) + ... are within the circle of that radius, above 0. n to DIFFERENCE_A_MOST. */
+/* Outputs that are done, and the i-th of them. */
+unsigned plant_finding_done(const struct plant_finding *f);
+const struct plant_output *plant_finding_output(const struct plant_finding *f, unsigned i);
+
+/* Returns true when all roots of z^n + a[0] z^(n-1) + ... are within the circle of that radius, above 0. n to DIFFERENCE_A_MOST. */
 bool plant_roots_within(const real_t *a, size_t n, real_t radius);
 
 #endif

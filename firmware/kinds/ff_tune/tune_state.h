@@ -37,6 +37,6 @@ struct tune {
     _Alignas(8) char estimator[];
 };
 
-struct tune_parts tune_parts_of(struct tune *t);
+NOT_INLINE struct tune_parts tune_parts_of(struct tune *t);
 
 #endif

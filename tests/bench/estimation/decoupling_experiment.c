@@ -7,7 +7,9 @@
 #include "base/workspace.h"
 #include "cost.h"
 #include "decoupling.h"
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_job.h"
+#include "kinds/experiment/experiment_settings.h"
+#include "kinds/experiment/experiment_state.h"
 
 static alignas(8) char state[4000];
 static alignas(8) char memory[WORKSPACE_BYTES];
@@ -92,8 +94,8 @@ static void cost_of_experiment(unsigned n)
                           .divisor = 1};
     memset(excite, 0, sizeof excite);
     (void)experiment_kind.verb[0].run(state, NULL);
-    for (unsigned t = 0; t < 2000 && b->stage != EXPERIMENT_COMPUTES; t++) {
-        uint8_t stage = b->stage;
+    for (unsigned t = 0; t < 2000 && b->stages.stage != EXPERIMENT_COMPUTES; t++) {
+        uint8_t stage = b->stages.stage;
         memset(excite, 0, sizeof excite);
         io.excite_state = stage == EXPERIMENT_EXCITES ? EXCITE_RUNS : EXCITE_OFF;
         io.ask_work = 0;
@@ -101,17 +103,17 @@ static void cost_of_experiment(unsigned n)
         uint32_t from = cost_now();
         experiment_kind.step(state, &io);
         uint32_t to = cost_now();
-        if (stage == EXPERIMENT_EXCITES && b->stage == EXPERIMENT_EXCITES)
+        if (stage == EXPERIMENT_EXCITES && b->stages.stage == EXPERIMENT_EXCITES)
             cost_add(&tick, from, to);
         cost_stack(&tick);
         io.work_done = io.ask_work > 0;
-        if (io.ask_work && b->stage == EXPERIMENT_ASKED)
+        if (io.ask_work && b->stages.stage == EXPERIMENT_ASKED)
             (void)experiment_kind.work(state);
         move_plant(n, &io, input);
         workspace_tick(&workspace);
     }
     /* As many pieces as a step has, then the step that takes them. */
-    for (unsigned k = 0; k < 10000 && b->stage == EXPERIMENT_COMPUTES; k++) {
+    for (unsigned k = 0; k < 10000 && b->stages.stage == EXPERIMENT_COMPUTES; k++) {
         cost_paint_stack();
         uint32_t from = cost_now();
         bool more = experiment_kind.work(state);

@@ -6,7 +6,9 @@
 #include "base/channel.h"
 #include "base/workspace.h"
 #include "block_defaults.h"
-#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/experiment_job.h"
+#include "kinds/experiment/experiment_record.h"
+#include "kinds/experiment/experiment_state.h"
 #include "kinds/experiment/plant_model.h"
 #include "kotyk_record.h"
 #include "unity.h"
@@ -269,17 +271,16 @@ static void three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_mi
         enum experiment_reason reason = REASON_NONE;
         unsigned missing = 0;
         memset(&e, 0, sizeof e);
-        e.n = 2;
-        e.ticks = 2;
-        e.s.bits = 7;
-        e.s.clock = e.s.periods = 1; /* 127 samples */
+        e.context.n = 2;
+        e.context.ticks = 2;
+        e.context.wanted = 127;
         for (unsigned k = 0; k < 400 && !reason; k++) {
             quality[1] = k % 10 < row ? QUALITY_BAD : QUALITY_GOOD;
             missing += k % 10 < row;
-            reason = experiment_read(&e, &io);
+            reason = experiment_read(&e.record, &e.context, &io, false, &e.stages.at_fault);
         }
         TEST_ASSERT_EQUAL(REASON_MEASUREMENT, reason);
-        TEST_ASSERT_EQUAL_UINT8(2, e.at_fault);
+        TEST_ASSERT_EQUAL_UINT8(2, e.stages.at_fault);
         TEST_ASSERT_EQUAL_UINT(row <= 6 ? 127 * 2 / 10 + 1 : 7, missing);
     }
 }
@@ -296,21 +297,21 @@ static void the_gain_of_the_recursive_estimate_is_that_at_rest_and_0_of_what_int
                 {-1, 0, 0},
                 {-1.5f, 0.5f, 0},
                 {-1.25f, 0, 0}};
-    static struct experiment e;
-    static alignas(struct experiment_job) char memory[sizeof(struct experiment_job) + 8192];
-    TEST_ASSERT_TRUE(experiment_job_bytes(1, 10) <= sizeof memory);
-    memset(&e, 0, sizeof e);
-    e.n = 1;
-    e.wanted = 10;
-    e.input[0] = (struct block_signal){0, 100, false};
-    e.input[1] = (struct block_signal){0, 50, true};
-    e.job = (struct experiment_job *)(void *)memory;
-    experiment_record_begin(&e, e.job);
+    static struct experiment_context c;
+    static struct experiment_rows record;
+    static alignas(8) char memory[8192];
+    TEST_ASSERT_TRUE(experiment_rows_bytes(1, 10) <= sizeof memory);
+    memset(&c, 0, sizeof c);
+    c.n = 1;
+    c.wanted = 10;
+    c.input[0] = (struct block_signal){0, 100, false};
+    c.input[1] = (struct block_signal){0, 50, true};
+    experiment_rows_begin(&record, &c, memory);
     for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         num_t theta[RLS_MAX] = {num_from_float(rows[k].a1), num_from_float(rows[k].a2),
                                 num_from_float(0.1f), num_from_float(0.2f)};
-        rls_set(e.job->rls[0], theta);
-        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].gain, experiment_live_gain(&e, 0, 0));
+        rls_set(record.rls[0], theta);
+        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].gain, experiment_live_gain(&record, &c, 0, 0));
     }
 }
 
@@ -322,21 +323,19 @@ static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
     struct block_excitation excite[BLOCK_INPUTS_MAX] = {{0}};
     struct block_io io = {.excite = excite};
     memset(&e, 0, sizeof e);
-    e.n = 2;
+    e.context.n = 2;
     for (unsigned k = 0; k < 4; k++)
-        e.input[k] = (struct block_signal){(float)(10 * k), (float)(10 * k + 50), k >= 2};
-    e.s.amplitude[0] = 2.5f;
-    e.s.amplitude[1] = 0.25f;
-    e.s.reach[1] = 0.75f;
-    e.rest[0] = REAL_C(0.5);
-    e.rest[1] = REAL_C(0.4);
-    e.signal[0] = REAL_C(0.05);
-    experiment_ask_signal(&e, &io);
+        e.context.input[k] = (struct block_signal){(float)(10 * k), (float)(10 * k + 50), k >= 2};
+    e.context.s.amplitude[0] = 2.5f;
+    e.context.s.amplitude[1] = 0.25f;
+    e.context.s.reach[1] = 0.75f;
+    e.record.rest[0] = REAL_C(0.5);
+    e.record.rest[1] = REAL_C(0.4);
+    e.record.signal[0] = REAL_C(0.05);
+    TEST_ASSERT_FALSE(experiment_ask_signal(&e.record, &e.context, &io));
     TEST_ASSERT_EQUAL(EXCITE_NOTHING, excite[0].what); /* no sample yet */
-    TEST_ASSERT_FALSE(e.asked_signal);
-    e.samples = 1;
-    experiment_ask_signal(&e, &io);
-    TEST_ASSERT_TRUE(e.asked_signal);
+    e.record.samples = 1;
+    TEST_ASSERT_TRUE(experiment_ask_signal(&e.record, &e.context, &io));
     TEST_ASSERT_EQUAL_UINT8(2, excite[0].which);
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.05f, num_to_float(excite[0].value));
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.05f, num_to_float(excite[0].amplitude));
