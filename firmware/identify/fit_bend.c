@@ -64,6 +64,12 @@ void fit_bend_remove(const struct fit_bend *b, const struct fit_line *l, real_t 
     }
 }
 
+void fit_bend_take_out(const struct fit_bend *b, const struct fit_line *l, real_t *column)
+{
+    fit_line_remove(l, column, NULL, NULL);
+    fit_bend_remove(b, l, column, NULL);
+}
+
 void fit_bend_explain(const struct fit_bend *b, const real_t *part, real_t *slope_change,
                       real_t *step, real_t *offset, real_t *slope)
 {

@@ -20,7 +20,10 @@ struct fit_bend {
 /* A bend before point at; on afterwards, unless the line alone explains it. */
 void fit_bend_place(struct fit_bend *b, const struct fit_line *l, uint32_t at);
 
-/* Takes it out of a column from which the line has been taken; part[2], or NULL: how much of each that was. */
+/* Takes line and bend out of a column. */
+void fit_bend_take_out(const struct fit_bend *b, const struct fit_line *l, real_t *column);
+
+/* Takes the bend out of a column from which the line has been taken; part[2], or NULL: how much of each that was. */
 void fit_bend_remove(const struct fit_bend *b, const struct fit_line *l, real_t *column,
                      real_t *part);
 

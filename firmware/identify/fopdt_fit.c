@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "identify/common.h"
+#include "identify/fopdt_judge.h"
 #include "identify/response.h"
 
 #define GRID_TIMES  16
@@ -126,22 +127,16 @@ static real_t clip(real_t x, real_t lo, real_t hi)
     return x < lo ? lo : (x > hi ? hi : x);
 }
 
-void fopdt_fit_take_out(const struct fopdt_fit *f, real_t *column)
-{
-    fit_line_remove(&f->line, column, NULL, NULL);
-    fit_bend_remove(&f->bend, &f->line, column, NULL);
-}
-
 /* Model of gain 1 at lag and dead, line taken out, into a column; its derivative by the dead time into another. */
 static void evaluate_model(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model,
                            real_t *by_dead)
 {
     response_model(&f->input, lag, dead, f->block, f->points, model, by_dead);
     model[f->points] = model[f->points + 1] = ZERO;
-    fopdt_fit_take_out(f, model);
+    fit_bend_take_out(&f->bend, &f->line, model);
     if (by_dead) {
         by_dead[f->points] = by_dead[f->points + 1] = ZERO;
-        fopdt_fit_take_out(f, by_dead);
+        fit_bend_take_out(&f->bend, &f->line, by_dead);
     }
     f->evaluations++;
 }
@@ -395,7 +390,7 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
         }
         default:
             slopes(f); /* columns of the best place, for the covariance */
-            fopdt_fit_judge(f);
+            fopdt_judge(f);
             f->result.evaluations = f->evaluations;
             f->phase = PHASE_DONE;
             break;

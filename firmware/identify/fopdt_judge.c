@@ -1,5 +1,4 @@
-/* What a finished fit is worth: covariance, significance, flags, and the gain from the plateaus. */
-#include "identify/fopdt_fit.h"
+#include "identify/fopdt_judge.h"
 
 #include <stddef.h>
 
@@ -279,7 +278,7 @@ static void proportion(struct fopdt_fit *f, real_t variance)
     f->lag = f->dead = ZERO;
     response_model(&f->input, ZERO, ZERO, f->block, f->points, f->column[0], NULL);
     f->column[0][f->points] = f->column[0][f->points + 1] = ZERO;
-    fopdt_fit_take_out(f, f->column[0]);
+    fit_bend_take_out(&f->bend, &f->line, f->column[0]);
     f->evaluations++;
     f->strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
     f->gain = f->strength > ZERO ? fit_line_dot(&f->line, f->column[0], f->y) / f->strength : ZERO;
@@ -288,7 +287,7 @@ static void proportion(struct fopdt_fit *f, real_t variance)
     f->result.covariance[0] = f->result.element.gain_sd * f->result.element.gain_sd;
 }
 
-void fopdt_fit_judge(struct fopdt_fit *f)
+void fopdt_judge(struct fopdt_fit *f)
 {
     struct fopdt_fit_result *r = &f->result;
     real_t white = residual_variance(f, &r->correlation);
