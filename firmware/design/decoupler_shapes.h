@@ -14,7 +14,7 @@ struct decoupler_shape {
     struct matrix d;
     struct matrix seen;                 /* K D */
     real_t gain[DECOUPLER_SHAPE_LOOPS]; /* its diagonal */
-    /* Of row k: the largest element off the diagonal over that on it, magnitudes. */
+    /* The largest element of row k off the diagonal over that on it, magnitudes. */
     real_t left[DECOUPLER_SHAPE_LOOPS];
 };
 

@@ -45,7 +45,7 @@ static enum err check_detuning(const struct detune_config *c, struct interact_re
     return ERR_OK;
 }
 
-/* What loop k is with the decoupler: gain, mean dead time and mean residence time of the sum of its parts, K_kj D_jk
+/* Returns loop k with the decoupler: gain, mean dead time and mean residence time of the sum of its parts, K_kj D_jk
  * e^{-Ls}/(Ts + 1). Where parts cancel, a mean outside their range says nothing; the loop's own element stands in. */
 static struct fopdt decoupled(const struct detune *d, size_t k)
 {
@@ -162,7 +162,7 @@ static enum err set_tuning(struct detune *d, real_t factor)
         }
         d->part.tuning[i] = *t;
     }
-    d->now = factor;
+    d->part_factor = factor;
     d->tried++;
     return ERR_OK;
 }
@@ -272,9 +272,9 @@ static enum err busy_or_error(enum err err)
 static enum err next_factor(struct detune *d, bool good)
 {
     if (good)
-        d->hi = d->now;
+        d->hi = d->part_factor;
     else
-        d->lo = d->now;
+        d->lo = d->part_factor;
     enum err err;
     if (d->hi <= REAL_C(0.0) && d->lo < d->config.factor_hi) {
         real_t next = d->lo * REAL_C(2.0);
@@ -313,10 +313,10 @@ static enum err end_part(struct detune *d, bool good)
         d->log_modulus_db = n->log_modulus_db;
         d->omega = n->omega;
     }
-    if (first || d->now > d->factor)
-        d->factor = d->now;
-    if (first || d->now < d->factor_least)
-        d->factor_least = d->now;
+    if (first || d->part_factor > d->factor)
+        d->factor = d->part_factor;
+    if (first || d->part_factor < d->factor_least)
+        d->factor_least = d->part_factor;
     d->failed = d->failed || !good || d->hi <= REAL_C(0.0);
     if (d->done != (uint16_t)((1ul << d->loops.pairs.n) - 1u))
         return busy_or_error(begin_part(d));

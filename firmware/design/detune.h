@@ -29,11 +29,11 @@ struct detune_config {
      * moves no output by more than noise_times (0.01 to 1e6) that output's noise, standard deviations. */
     const real_t *noise_sd;
     real_t noise_times;
-    real_t
-        noise_least; /* 0 to 1: a loop of which the noise is no more has none: it is the resolution */
+    /* 0 to 1: a loop of which the noise is no more has none: it is the resolution. */
+    real_t noise_least;
     uint8_t part[INTERACT_MAX]; /* of pair k: pairs of different numbers do not act on each other */
-    uint16_t
-        begins; /* bit k: of pair k the model is how it begins, with a dead time that is sure: tau_c <= 2 F theta */
+    /* Bit k: of pair k the model is how it begins, with a dead time that is sure: tau_c <= 2 F theta. */
+    uint16_t begins;
 };
 
 struct detune {
@@ -50,9 +50,10 @@ struct detune {
     uint16_t done;                    /* pairs of parts that are */
     bool joint, failed;               /* one factor for all; a part keeps no distance */
     uint8_t place[INTERACT_MAX];      /* loop k of `part` is this one of `loops` */
-    struct loops part;                /* those that are looked at now, */
+    /* The part that is detuned: its loops, their decoupler, their F; an F that is too small, one that is large enough, 0 while unknown. */
+    struct loops part;
     struct matrix part_decoupler;
-    real_t now, lo, hi; /* their F; too small; large enough, 0 while unknown */
+    real_t part_factor, lo, hi;
     uint8_t stage;
     union {
         struct nyquist nyquist;

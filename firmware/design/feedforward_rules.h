@@ -46,7 +46,7 @@ MUST_CHECK enum err feedforward_shinskey(const struct fopdt *process,
                                          const struct fopdt *disturbance, real_t same,
                                          struct feedforward_rule *rule);
 
-/* What cancels the disturbance, as far as it can be had: lead the process' time constant, lag the disturbance's, dead time the difference
+/* Finds the rule that cancels the disturbance, as far as possible: lead the process' time constant, lag the disturbance's, dead time the difference
  * where it is not below 0. */
 MUST_CHECK enum err feedforward_exact(const struct fopdt *process, const struct fopdt *disturbance,
                                       struct feedforward_rule *rule);
@@ -54,7 +54,7 @@ MUST_CHECK enum err feedforward_exact(const struct fopdt *process, const struct 
 /* (K (lead s + 1)/(lag s + 1)) e^(-dead s) at s = i omega. */
 struct cplx feedforward_rule_response(const struct feedforward_rule *rule, real_t omega);
 
-/* How far an element is from the ideal one at a frequency: magnitudes in decibels, phases in degrees, -180 to 180, the element's less the
+/* Distance of an element from the ideal one at a frequency: magnitudes in decibels, phases in degrees, -180 to 180, the element's less the
  * ideal one's. */
 struct feedforward_miss {
     real_t db, degrees;

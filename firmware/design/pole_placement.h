@@ -41,7 +41,7 @@ struct pole_placement_work {
     struct svd svd;
 };
 
-/* What was wrong, in words; pointers to constant text. */
+/* The fault, in words; pointers to constant text. */
 struct pole_placement_refusal {
     const char *field, *wanted;
 };
@@ -58,7 +58,7 @@ MUST_CHECK enum err pole_placement_design(const struct polynomial *a, const stru
                                           struct pole_placement *result,
                                           struct pole_placement_refusal *reason);
 
-/* How a design for these polynomials does: residual, input_peak and sensitivity. ERR_FULL: a product is too long. Up to 1e5
+/* Judges a design for these polynomials: residual, input_peak and sensitivity. ERR_FULL: a product is too long. Up to 1e5
  * instructions. */
 MUST_CHECK enum err pole_placement_judge(const struct polynomial *a, const struct polynomial *b,
                                          struct pole_placement *result);

@@ -17,8 +17,8 @@
 #define DECOUPLED_NONE 255 /* no loop */
 
 struct polynomial_decoupler_config {
-    real_t
-        element_hi; /* largest sum of an element's magnitudes in G, 1 to 127: what Q7.24 and its neighbours hold */
+    /* Largest sum of an element's magnitudes in G, 1 to 127: what Q7.24 and its neighbours hold. */
+    real_t element_hi;
     /* Largest part of the gain at rest of det B that may cancel, 1e-6 to 1: |det B(1)| over the sum of the magnitudes of its
      * terms. Below, the errors of the model are larger than what is left. */
     real_t determinant_lo;
@@ -30,14 +30,14 @@ struct polynomial_decoupler_config {
 
 struct polynomial_decoupler {
     struct polynomial_matrix g; /* loops x loops, in z^-1 */
-    /* Of loop i, with G: y_i = h[i] / A_ii of what goes in; in z^-1, with its dead time. */
+    /* Loop i with G: y_i = h[i] / A_ii of what goes in; in z^-1, with its dead time. */
     struct polynomial h[DIFFERENCE_MOST];
     struct polynomial det; /* of B, without its delay */
     uint8_t delay;         /* of det B, samples */
     /* Zeros of det B in z, without the infinite ones that its delay is; only polynomial_decoupler_zeros() gives them. */
     struct polynomial_roots zeros;
     real_t outermost; /* the largest |zero|, radius included; 0: there is none */
-    /* What was limited may be taken into G's past, u = G v solved for v sample by sample: all zeros are within recursion_hi,
+    /* The part that was limited may be taken into G's past, u = G v solved for v sample by sample: all zeros are within recursion_hi,
      * and G has an inverse in its first coefficients. Where not, moves are scaled as a whole. */
     bool recursive;
 };
@@ -47,7 +47,7 @@ struct polynomial_decoupler_work {
     struct polynomial_minors minors;
 };
 
-/* What was wrong, in words; pointers to constant text, and where (DECOUPLED_NONE: nowhere in particular). */
+/* The fault, in words, and its place (DECOUPLED_NONE: no particular one); pointers to constant text. */
 struct polynomial_decoupler_refusal {
     const char *field, *wanted;
     uint8_t output, input;
@@ -61,7 +61,7 @@ MUST_CHECK enum err polynomial_decoupler_check(const struct difference_model *mo
                                                const struct polynomial_decoupler_config *config,
                                                struct polynomial_decoupler_refusal *reason);
 
-/* Of what polynomial_decoupler_check() accepts. ERR_SINGULAR: det B is 0, or so small at rest that it may be;
+/* Designs for what polynomial_decoupler_check() accepts. ERR_SINGULAR: det B is 0, or so small at rest that it may be;
  * a diagonal element of adj B at rest likewise, or an element exceeds element_hi. ERR_RANGE with "zero": outside zero_hi.
  * *result then has det B all the same. why may be NULL. Up to 2e5 instructions. */
 MUST_CHECK enum err polynomial_decoupler_design(const struct difference_model *model,

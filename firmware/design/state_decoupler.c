@@ -44,7 +44,7 @@ static enum err check_goal(const struct state_decoupler_goal *g, size_t loops,
     return ERR_OK;
 }
 
-/* Of C; what lies behind the states is 0. */
+/* Copies a row of C; what lies behind the states is 0. */
 static void output_row(const struct matrix *c, size_t i, real_t *row)
 {
     for (size_t k = 0; k < STATE_MODEL_STATES; k++)
@@ -176,7 +176,7 @@ static enum err assign_poles(const struct state_decoupler_goal *goal, bool in_z,
                              struct state_decoupler *d, struct state_decoupler_refusal *reason)
 {
     unsigned count = d->index[i] + 1u;
-    /* Of s^0, s^1 and so on; size: of the magnitudes, what rounding is to be judged by. */
+    /* Coefficients of s^0, s^1 and so on; size: those of the magnitudes, by which rounding is judged. */
     struct cplx c[STATE_POLES + 1] = {{REAL_C(1.0), REAL_C(0.0)}};
     struct cplx at_one = {REAL_C(1.0), REAL_C(0.0)};
     real_t size[STATE_POLES + 1] = {REAL_C(1.0)};

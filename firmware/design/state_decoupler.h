@@ -37,15 +37,14 @@ struct state_decoupler_config {
     /* Cosine of the angle between C_i A^j and a column of B at which they count as at right angles, 0 to 0.1. States of one unit, or
      * scaled to one magnitude. */
     real_t row_lo;
-    real_t
-        condition_hi; /* largest condition number of B*, rows and columns of one norm, 1 to 1e6 */
-    real_t
-        weight_lo; /* a state with less than this part of the largest element of a row of F, in all rows, need not be
-                            measured; 0 to 0.1 */
+    /* Largest condition number of B*, rows and columns of one norm, 1 to 1e6. */
+    real_t condition_hi;
+    /* A state with less than this part of the largest element of a row of F, in all rows, need not be measured; 0 to 0.1. */
+    real_t weight_lo;
 };
 
 struct state_decoupler_goal {
-    /* Of loop i the first d_i + 1 count; conjugate complex ones in pairs. Per second, or in z. */
+    /* The first d_i + 1 of loop i count; conjugate complex ones in pairs. Per second, or in z. */
     struct cplx pole[STATE_LOOPS][STATE_POLES];
     real_t integral_s[STATE_LOOPS];   /* T_I, s, above 0; 0: none */
     real_t derivative_s[STATE_LOOPS]; /* T_D, s; 0: none */
@@ -83,7 +82,7 @@ struct state_decoupler_work {
     } at;
 };
 
-/* What was wrong, in words; pointers to constant text, and of which loop (STATE_LOOP_NONE: of none in particular). */
+/* The fault, in words, and its loop (STATE_LOOP_NONE: no particular one); pointers to constant text. */
 struct state_decoupler_refusal {
     const char *field, *wanted;
     uint8_t loop;

@@ -30,7 +30,7 @@ static void move_hidden(const struct state_model *m, const struct matrix *invari
 static void judge_modes(bool sampled, struct state_modes *zeros)
 {
     for (size_t k = 0; k < zeros->n; k++) {
-        real_t far = sampled ? cplx_abs(zeros->at[k]) : zeros->at[k].re;
+        real_t far = sampled ? cplx_abs(zeros->mode[k]) : zeros->mode[k].re;
         if (k == 0 || far > zeros->outermost)
             zeros->outermost = far;
     }
@@ -62,7 +62,7 @@ enum err state_zeros_find(const struct state_model *m, const struct matrix *chai
             squares += sum * sum;
         }
     zeros->error = REAL_C(16.0) * (real_t)zeros->n * REAL_EPSILON * real_sqrt(squares);
-    err = ceigen_values(&w->modes, zeros->at);
+    err = ceigen_values(&w->modes, zeros->mode);
     judge_modes(m->period_s > REAL_C(0.0), zeros);
     return err;
 }

@@ -1,4 +1,4 @@
-/* What of a plant its decoupling by state feedback hides, and how the loop fares that is closed with samples.
+/* The part of a plant that its decoupling by state feedback hides, and the loop that is closed with samples.
  *
  * Decoupled outputs are moved by their own setpoints alone, with the assigned poles; what is left of the plant moves as it does while all
  * outputs are held at 0, and its modes are the invariant zeros (W. M. Wonham and A. S. Morse, SIAM J. Control 8 (1970) 1). They are the
@@ -13,9 +13,10 @@
 
 struct state_modes {
     uint8_t n;
-    struct cplx at[STATE_MODEL_STATES]; /* per second, or in z */
-    real_t
-        error; /* what rounding may have done to a matrix of these eigenvalues; that of one well apart from others */
+    /* Per second, or in z. */
+    struct cplx mode[STATE_MODEL_STATES];
+    /* Error by rounding of an eigenvalue well apart from others. */
+    real_t error;
     real_t outermost; /* largest real part, continuous; largest magnitude, in z */
 };
 

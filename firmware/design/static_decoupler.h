@@ -23,7 +23,7 @@ struct static_decoupler_result {
     struct matrix d;              /* loops x loops, in the order of the pairs */
     real_t gain[INTERACT_MAX];    /* of loop k with D */
     real_t gain_sd[INTERACT_MAX]; /* of it, from the gains' errors */
-    /* What the gains' errors leave of the interaction: standard deviation of K D off the diagonal over the diagonal
+    /* Interaction that the gains' errors leave: standard deviation of K D off the diagonal over the diagonal
      * element of its row, the largest. */
     real_t left_sd;
 };

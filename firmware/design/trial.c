@@ -72,7 +72,7 @@ static real_t setpoint(const struct trial *t, size_t k)
     return k == t->config.loop && !t->config.load ? t->config.size : REAL_C(0.0);
 }
 
-/* What the controllers ask of the inputs now, from the outputs at this sample. */
+/* Steps the controllers: the inputs they ask for, from the outputs at this sample. */
 static void control(struct trial *t)
 {
     const struct loops *loops = t->loops;
@@ -95,7 +95,7 @@ static void control(struct trial *t)
             t->loop[l].moved = real_abs(u);
         if (l == t->config.loop && t->config.load)
             u += t->config.size;
-        t->past[l][t->at % TRIAL_DELAY] = u;
+        t->past[l][t->sample % TRIAL_DELAY] = u;
     }
 }
 
@@ -105,7 +105,7 @@ static void advance_plant(struct trial *t)
     for (size_t k = 0; k < n; k++) {
         t->y[k] = REAL_C(0.0);
         for (size_t l = 0; l < n; l++) {
-            uint32_t now = t->at + TRIAL_DELAY - t->sampled.delay[k][l];
+            uint32_t now = t->sample + TRIAL_DELAY - t->sampled.delay[k][l];
             real_t after = t->past[l][now % TRIAL_DELAY];
             real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
             real_t rise = t->sampled.rise[k][l], late = t->sampled.rise_late[k][l];
@@ -150,7 +150,7 @@ static void remember_mark(struct trial *t)
     }
     for (size_t l = 0; l < t->loops->pairs.n; l++) {
         m->moved[l] = t->loop[l].moved;
-        m->input[l] = t->past[l][t->at % TRIAL_DELAY];
+        m->input[l] = t->past[l][t->sample % TRIAL_DELAY];
     }
 }
 
@@ -158,15 +158,15 @@ enum err trial_step(struct trial *t)
 {
     if (t->done)
         return ERR_STATE;
-    for (int sample = 0; sample < SAMPLES_A_CALL && t->at < t->steps && t->bounded; sample++) {
+    for (int sample = 0; sample < SAMPLES_A_CALL && t->sample < t->steps && t->bounded; sample++) {
         control(t);
         advance_plant(t);
         judge_point(t);
         remember_mark(t);
-        t->at++;
-        t->time_s = (real_t)t->at * t->step_s;
+        t->sample++;
+        t->time_s = (real_t)t->sample * t->step_s;
     }
-    if (t->at < t->steps && t->bounded)
+    if (t->sample < t->steps && t->bounded)
         return ERR_BUSY;
     for (size_t k = 0; k < t->loops->pairs.n; k++)
         if (t->loop[k].settled_s > t->duration_s || !t->bounded)

@@ -24,18 +24,18 @@ struct trial_config {
 
 struct trial_loop {
     real_t iae; /* integral of |e|, fraction of span times s */
-    real_t
-        peak; /* of the loop whose setpoint is stepped the overshoot, else the largest |e|; in units of size */
-    real_t
-        settled_s; /* from here |e| stays within 5 % of size; the duration when it does not come to that */
+    /* Overshoot of the loop whose setpoint is stepped, the largest |e| of the others; in units of size. */
+    real_t peak;
+    /* From here |e| stays within 5 % of size; the duration when it does not come to that. */
+    real_t settled_s;
     real_t moved; /* largest |u| of its input, fraction of span */
 };
 
 /* At mark_s, or at the end where that is earlier. */
 struct trial_mark {
     real_t iae; /* of the loop whose setpoint is stepped */
-    real_t
-        left; /* its mean error over the last quarter, in the direction of the step: above 0 short of it */
+    /* Its mean error over the last quarter, in the direction of the step: above 0 short of it. */
+    real_t left;
     real_t moved[INTERACT_MAX]; /* largest |u| of every loop's input */
     real_t input[INTERACT_MAX]; /* u */
 };
@@ -45,12 +45,11 @@ struct trial {
     struct trial_mark mark;
     struct trial_loop loop[INTERACT_MAX];
     bool bounded; /* no output went past 100 times the step: it ended there otherwise */
-    bool
-        coarse; /* samples had to be longer than the interval, and are no shorter than a fifth of the fastest
-                        integral time: the figures are rough */
+    /* Samples had to be longer than the interval, and are no shorter than a fifth of the fastest integral time: the figures are rough. */
+    bool coarse;
     real_t time_s; /* reached */
-    real_t
-        step_s; /* of a sample: the interval, or longer where dead times or the duration would not fit */
+    /* Interval of a sample: that of the loops, or longer where dead times or the duration would not fit. */
+    real_t step_s;
     real_t duration_s;
 
     /* Work: 13 KiB (float) */
@@ -63,7 +62,7 @@ struct trial {
     real_t integral[INTERACT_MAX], y[INTERACT_MAX];
     real_t left_sum;
     uint32_t left_n;
-    uint32_t at, steps;
+    uint32_t sample, steps;
     bool done;
 };
 

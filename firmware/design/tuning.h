@@ -26,7 +26,7 @@ struct tuning {
     enum tuning_action action;
 };
 
-/* What was wrong, in words; pointers to constant text. */
+/* The fault, in words; pointers to constant text. */
 struct tuning_refusal {
     const char *field, *wanted;
 };

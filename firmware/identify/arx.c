@@ -109,7 +109,7 @@ enum err arx_collect_begin(struct arx_collecting *c, const struct arx_data *d, u
     c->to = to;
     c->skip = skip;
     c->work = w;
-    triangle_begin(&w->triangle, n + 1, 0, w->of);
+    triangle_begin(&w->triangle, n + 1, 0, w->cells);
     return ERR_OK;
 }
 

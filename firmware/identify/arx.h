@@ -28,7 +28,7 @@ struct arx_data {
     const real_t *y;         /* [samples][outputs], magnitudes to 1e12 */
 };
 
-/* Of one output. */
+/* Orders for one output. */
 struct arx_orders {
     uint8_t na;                     /* 0 to DIFFERENCE_A_MOST */
     uint8_t first[DIFFERENCE_MOST]; /* of B_ij, powers of z^-1, 1 <= first <= last <= 8 ... */
@@ -37,7 +37,7 @@ struct arx_orders {
     bool constant;
 };
 
-/* What has been, newest first. */
+/* The past, newest first. */
 struct arx_history {
     real_t y[DIFFERENCE_A_MOST];
     real_t u[DIFFERENCE_MOST][DIFFERENCE_B_MOST];
@@ -58,7 +58,7 @@ struct arx_fit {
 /* 17 KiB in float: the caller's. */
 struct arx_work {
     struct triangle triangle;
-    real_t of[3 * ARX_MOST * (ARX_MOST + 1) / 2];
+    real_t cells[3 * ARX_MOST * (ARX_MOST + 1) / 2];
     real_t square[ARX_MOST][ARX_MOST + 1];
 };
 
@@ -113,7 +113,7 @@ MUST_CHECK enum err arx_collect(const struct arx_data *data, uint8_t output,
 /* theta and all else of *fit from a triangle of the columns of fit->orders and y, of fit->rows rows. */
 MUST_CHECK enum err arx_take(const struct triangle *triangle, struct arx_fit *fit);
 
-/* How a model does on samples from .. to - 1, the first arx_before() of which begin the history. */
+/* Quality of a model on samples from .. to - 1, the first arx_before() of which begin the history. */
 struct arx_judgement {
     uint32_t rows;
     real_t step_squares;      /* mean square of the error one sample ahead */

@@ -35,7 +35,7 @@ static void end_of_fit(struct arx_fitting *f, enum err err)
     f->stage = FIT_OVER;
 }
 
-/* Whether no theta has changed by more than rounding and a thousandth of its standard deviation. */
+/* Returns true when no theta has changed by more than rounding and a thousandth of its standard deviation. */
 static bool unchanged(const struct arx_fit *fit, const real_t *before, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -52,7 +52,7 @@ static void begin_instruments(struct arx_fitting *f)
 {
     size_t n = arx_parameters(&f->fit->orders, f->rows.data->inputs);
     memcpy(f->before, f->fit->theta, sizeof f->before);
-    triangle_begin(&f->rows.work->triangle, n, n + 1, f->rows.work->of);
+    triangle_begin(&f->rows.work->triangle, n, n + 1, f->rows.work->cells);
     begin_pass(f, FIT_INSTRUMENTS);
 }
 
@@ -150,7 +150,7 @@ static enum err add_error(struct arx_fitting *f)
     return ERR_OK;
 }
 
-/* What follows from the errors of fit->theta, and whether there is another pass. */
+/* Ends a pass with the errors of fit->theta, and decides on another one. */
 static void end_instruments(struct arx_fitting *f)
 {
     struct arx_fit *fit = f->fit;
@@ -180,7 +180,7 @@ static void begin_extended(struct arx_fitting *f)
     memcpy(f->before, f->fit->theta, sizeof f->before);
     f->mean = ZERO;
     triangle_begin(&f->rows.work->triangle, arx_parameters(&f->with, f->rows.data->inputs) + 1, 0,
-                   f->rows.work->of);
+                   f->rows.work->cells);
     begin_pass(f, FIT_EXTENDED);
 }
 

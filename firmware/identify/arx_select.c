@@ -59,7 +59,7 @@ static void try_orders(struct arx_searching *g, const struct arx_orders *o)
     struct arx_trial *t = &s->trial[s->trials++];
     *t = (struct arx_trial){.orders = *o, .parameters = (uint8_t)n};
     s->fit.rows = s->rows;
-    triangle_select(&s->work.triangle, column, columns_of(g, o, column), &s->lower, s->of);
+    triangle_select(&s->work.triangle, column, columns_of(g, o, column), &s->lower, s->cells);
     t->err = arx_take(&s->lower, &s->fit);
     if (t->err)
         return;
@@ -123,15 +123,15 @@ static void begin_grid(struct arx_searching *g)
 static void try_of_grid(struct arx_searching *g)
 {
     struct arx_orders o = g->rows.orders;
-    o.na = (uint8_t)(g->at / g->nb);
+    o.na = (uint8_t)(g->next / g->nb);
     for (size_t j = 0; j < g->rows.data->inputs; j++)
-        o.last[j] = (uint8_t)(g->at % g->nb + 1);
+        o.last[j] = (uint8_t)(g->next % g->nb + 1);
     try_orders(g, &o);
-    if (++g->at < ((unsigned)g->rows.orders.na + 1u) * g->nb)
+    if (++g->next < ((unsigned)g->rows.orders.na + 1u) * g->nb)
         return;
     if (g->search->trial[g->search->best].err)
         end_orders_search(g, ERR_SINGULAR);
-    g->at = 0;
+    g->next = 0;
     if (g->stage != SEARCH_OVER)
         g->stage = SEARCH_DROPS;
 }
@@ -140,24 +140,24 @@ static void try_of_grid(struct arx_searching *g)
 static void try_a_drop(struct arx_searching *g)
 {
     struct arx_search *s = g->search;
-    if (g->at == 0) {
+    if (g->next == 0) {
         g->best = s->best;
         g->from = s->trial[s->best].orders;
     }
     struct arx_orders o = g->from;
-    size_t j = g->at / 2u;
+    size_t j = g->next / 2u;
     if (o.last[j] != 0) {
         if (o.first[j] == o.last[j])
             o.first[j] = o.last[j] = 0;
-        else if (g->at % 2u == 0)
+        else if (g->next % 2u == 0)
             o.first[j]++;
         else
             o.last[j]--;
         try_orders(g, &o);
     }
-    if (++g->at < 2u * g->rows.data->inputs)
+    if (++g->next < 2u * g->rows.data->inputs)
         return;
-    g->at = 0;
+    g->next = 0;
     if (++g->round >= DIFFERENCE_MOST * DIFFERENCE_B_MOST || s->best == g->best)
         end_orders_search(g, ERR_OK);
 }

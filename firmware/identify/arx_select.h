@@ -28,7 +28,7 @@ struct arx_trial {
 struct arx_search {
     struct arx_work work;
     struct triangle lower;
-    real_t of[(ARX_MOST + 1) * (ARX_MOST + 2) / 2];
+    real_t cells[(ARX_MOST + 1) * (ARX_MOST + 2) / 2];
     struct arx_fit fit;
     struct arx_trial trial[ARX_TRIALS];
     uint16_t trials, best; /* best: an index, ERR_OK */
@@ -48,8 +48,10 @@ struct arx_searching {
     struct arx_collecting rows; /* its orders are the largest */
     struct arx_search *search;
     struct arx_orders from; /* what a round of dropping began with */
-    uint16_t best, at;      /* at: of the grid, or of a round, which is next */
-    uint8_t nb, criterion;  /* enum arx_criterion */
+    /* The trial of the grid, or of a round, that is next. */
+    uint16_t next;
+    uint16_t best;
+    uint8_t nb, criterion; /* enum arx_criterion */
     uint8_t stage, round;
     enum err err; /* once it is over: as arx_select */
 };

@@ -39,9 +39,9 @@ bool decimator_step(struct decimator *d, real_t x, real_t *kept)
     if (!d->begun)
         d->level = x;
     real_t low = d->k > ZERO ? filtered_sample(d, x) : x;
-    bool due = !d->begun || d->at + 1u >= d->ratio;
+    bool due = !d->begun || d->count + 1u >= d->ratio;
     d->begun = true;
-    d->at = due ? 0 : (uint16_t)(d->at + 1u);
+    d->count = due ? 0 : (uint16_t)(d->count + 1u);
     if (due)
         *kept = low;
     return due;

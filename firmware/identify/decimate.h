@@ -19,7 +19,9 @@
 #include "num/real.h"
 
 struct decimator {
-    uint16_t ratio, at; /* at: samples since the last that was kept */
+    uint16_t ratio;
+    /* Samples since the last that was kept. */
+    uint16_t count;
     bool begun;
     real_t k, share; /* K, 1/(1 + K(K + sqrt 2)) */
     real_t speed, level;

@@ -20,7 +20,7 @@
 
 #include "identify/high_order.h"
 
-/* Of the loop at a frequency. */
+/* The loop at a frequency. */
 struct loop_response {
     struct cplx controller;  /* C: from -y to u */
     struct cplx reference;   /* Cr: from r to u */

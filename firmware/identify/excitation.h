@@ -1,4 +1,4 @@
-/* What an input did during one experiment: edges of a piecewise constant signal, on the sample grid.
+/* The course of an input during one experiment: edges of a piecewise constant signal, on the sample grid.
  *
  * Time is counted in samples of the record that watches it: an edge at sample k takes place right after sample k
  * was read, as the tick does it, so sample k still sees the level before. Levels are deviations from the input

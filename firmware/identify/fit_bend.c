@@ -40,7 +40,7 @@ static real_t remove_one(const struct fit_line *l, const real_t *basis, real_t *
 
 void fit_bend_place(struct fit_bend *b, const struct fit_line *l, uint32_t at)
 {
-    b->at = at;
+    b->point = at;
     b->used = 0;
     b->shared = ZERO;
     for (uint8_t k = 0; k < 2 && b->used == k; k++) {

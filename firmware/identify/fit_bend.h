@@ -9,8 +9,9 @@
 #include "identify/fit_line.h"
 
 struct fit_bend {
-    bool on;      /* there is a bend: the fields below count */
-    uint32_t at;  /* it takes place before this point */
+    bool on; /* there is a bend: the fields below count */
+    /* The bend takes place before this point. */
+    uint32_t point;
     uint8_t used; /* 2; less where a record cannot tell the step, or the bend, from its line */
     real_t basis[2][FIT_LINE_SIZE]; /* of length 1, without the line, at right angles */
     /* ... from the second line and the step: what was taken off, and the length that was left */
@@ -27,8 +28,8 @@ void fit_bend_take_out(const struct fit_bend *b, const struct fit_line *l, real_
 void fit_bend_remove(const struct fit_bend *b, const struct fit_line *l, real_t *column,
                      real_t *part);
 
-/* What part[] is of a change of slope (*slope_change, per unit of fit_line_time()) and of a step at the instant, and what
- * it adds to offset and slope of the line. */
+/* Turns part[] into a change of slope (*slope_change, per unit of fit_line_time()) and a step at the instant, and what
+ * they add to offset and slope of the line. */
 void fit_bend_explain(const struct fit_bend *b, const real_t *part, real_t *slope_change,
                       real_t *step, real_t *offset, real_t *slope);
 

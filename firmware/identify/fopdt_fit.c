@@ -230,7 +230,7 @@ static void place_bend(struct fopdt_fit *f, uint32_t at)
     f->total = fit_line_dot(&f->line, f->y, f->y);
 }
 
-/* Where to begin from with the bend where it is now, one place a time: from the best times so far, from those without a
+/* Begins again with the present bend, one place a time: from the best times so far, from those without a
  * bend, unless it has made them look like an integrator's, or from some that a record can show. The nearest stays. */
 static void begin_with_bend(struct fopdt_fit *f)
 {
@@ -267,7 +267,7 @@ static void end_search(struct fopdt_fit *f)
     }
     if (f->bend_place <= 1u || f->squares < f->bend_squares) {
         f->bend_squares = f->squares;
-        f->bend_best = f->bend.at;
+        f->bend_best = f->bend.point;
         f->bend_lag = f->lag;
         f->bend_dead = f->dead;
     }

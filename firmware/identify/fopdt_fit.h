@@ -23,18 +23,18 @@
 #include "num/real.h"
 
 struct fopdt_fit_options {
-    /* What is known of offset (against the record's reference, time from sample 0) and drift. Each is estimated with
+    /* Prior knowledge of offset (against the record's reference, time from sample 0) and drift. Each is estimated with
      * this as one more observation; a standard deviation of 0 means that it is exactly so. One step alone cannot tell
      * a drift from a slow response: let steady.h measure the drift before it. noise_sd (of one sample), when above 0,
      * is the least the residuals are taken to have. */
     struct baseline baseline;
     bool free_offset, free_slope; /* nothing is known of it: baseline's is not looked at */
-    bool
-        bent; /* the drift turns once, nobody knows when: baseline's is the line before (fit_bend.h) */
-    real_t
-        time_max_s; /* largest L + T looked for; 0: 4 times the time from the first edge to the end */
-    const struct identified
-        *start; /* another place to begin from, such as the moments' answer; NULL: the grid alone */
+    /* The drift turns once, nobody knows when: baseline's is the line before (fit_bend.h). */
+    bool bent;
+    /* Largest L + T looked for; 0: 4 times the time from the first edge to the end. */
+    real_t time_max_s;
+    /* Another place to begin from, such as the moments' answer; NULL: the grid alone. */
+    const struct identified *start;
 };
 
 /* options: NULL for free offset and slope, no start. ERR_EMPTY: fewer than FOPDT_FIT_POINTS_MIN points, or none after

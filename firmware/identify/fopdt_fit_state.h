@@ -22,13 +22,13 @@ struct fopdt_fit_result {
         bend_step;      /* when the drift turned, how much steeper it is then, how much higher */
     real_t squares;     /* sum that is left, of points and of what was known beforehand */
     real_t residual_sd; /* of one point */
-    real_t
-        misfit; /* of a point: what is left beyond the noise, since the plant is not of first order */
+    /* Error of a point beyond the noise, because the plant is not of first order. */
+    real_t misfit;
     real_t correlation; /* lag one, of the residuals */
-    real_t
-        significance; /* of the response: what it explains over what one point of noise has; 16 is the least */
-    real_t
-        plateau_gain; /* from the settled ends of the levels alone; 0 with sd 0: no two levels settled, or a bend */
+    /* Squares that the response explains over the variance of one point of noise; 16 is the least. */
+    real_t significance;
+    /* Gain from the settled ends of the levels alone; 0 with sd 0: no two levels settled, or a bend. */
+    real_t plateau_gain;
     real_t plateau_gain_sd;
     real_t moved; /* largest response seen, output unit, either sign */
     uint32_t points;

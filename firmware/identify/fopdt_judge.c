@@ -57,7 +57,7 @@ static real_t rough_noise(const struct fopdt_fit *f)
     return hi / (REAL_C(0.6745) * REAL_C(2.449490)); /* of a normal variable; sqrt(1 + 4 + 1) */
 }
 
-/* How often a curve turns by more than swing. */
+/* Counts how often a curve turns by more than swing. */
 static uint32_t turns(const real_t *curve, uint32_t points, real_t swing)
 {
     real_t lowest = curve[0], highest = curve[0];
@@ -96,7 +96,7 @@ static real_t residual_variance(const struct fopdt_fit *f, real_t *correlation)
     return larger_of(own, known);
 }
 
-/* What the residuals have beyond the noise, whether that is known or read from the record itself, and beyond what their
+/* Returns what the residuals have beyond the noise, be it known or read from the record itself, and beyond what their
  * own scatter may add. */
 static real_t misfit(const struct fopdt_fit *f, real_t white, real_t rough)
 {
@@ -175,7 +175,7 @@ static void response(struct fopdt_fit *f)
     real_t all = (real_t)(f->points * f->block);
     f->result.offset = f->baseline.offset + offset + REAL_C(0.5) * slope / all;
     f->result.slope_per_s = f->baseline.slope_per_s + slope / (all * f->h_s);
-    f->result.bend_at_s = f->bend.on ? (real_t)(f->bend.at * f->block) * f->h_s : ZERO;
+    f->result.bend_at_s = f->bend.on ? (real_t)(f->bend.point * f->block) * f->h_s : ZERO;
     f->result.bend_per_s = change / (all * f->h_s);
     f->result.bend_step = step;
     for (uint32_t i = 0; i < f->points; i++) {

@@ -51,7 +51,7 @@ unsigned high_order_parameters(const struct high_order_shape *shape);
 MUST_CHECK enum err high_order_check(const struct high_order_shape *shape,
                                      const struct high_order_settings *settings, const char **field,
                                      const char **wanted);
-/* Of a shape that high_order_check accepts; a multiple of 8. Memory is aligned to 8. */
+/* Bytes for a shape that high_order_check accepts; a multiple of 8. Memory is aligned to 8. */
 uint32_t high_order_bytes(const struct high_order_shape *shape);
 
 /* From theta = 0, with no past. What high_order_check accepts. */
@@ -84,7 +84,7 @@ struct high_order_point {
  * multiplications. Not while high_order_step() may learn. */
 MUST_CHECK enum err high_order_response(const struct high_order *h, unsigned j, real_t omega_h,
                                         struct high_order_point *p);
-/* Of input 1 over input 0, without A. ERR_SINGULAR: B_0 has a root there. */
+/* The response to input 1 over that to input 0, without A. ERR_SINGULAR: B_0 has a root there. */
 MUST_CHECK enum err high_order_ratio(const struct high_order *h, real_t omega_h,
                                      struct high_order_point *p);
 

@@ -1,4 +1,4 @@
-/* What identification says of one element of the plant: gain exp(-dead_time s) / (time_constant s + 1), and how sure
+/* One element of the plant as identified: gain exp(-dead_time s) / (time_constant s + 1), and how sure
  * it is. Every method of this layer answers with it. */
 #ifndef REFLUX_IDENTIFY_IDENTIFIED_H
 #define REFLUX_IDENTIFY_IDENTIFIED_H
@@ -35,7 +35,7 @@ struct identified {
     uint16_t flags; /* enum identified_flag */
 };
 
-/* What is known of an output apart from its response: y(t) = offset + slope t + response + noise. Times and offset
+/* Prior knowledge of an output apart from its response: y(t) = offset + slope t + response + noise. Times and offset
  * count as the method says that takes it. All 0: nothing to remove, no noise. */
 struct baseline {
     real_t offset;      /* output unit */

@@ -147,7 +147,7 @@ static enum err view_input(const struct excitation *u, real_t eta, real_t decay,
     return ERR_OK;
 }
 
-/* How K, T and L answer to the three sums: d ln K, dT, dL per unit of each; eta taken as 1. */
+/* Derivatives of K, T and L by the three sums: d ln K, dT, dL per unit of each; eta taken as 1. */
 struct gradient {
     real_t ln_g[3], a[3], b[3];
 };
@@ -446,11 +446,11 @@ enum err moments_element(const struct moments *m, uint32_t output, const struct 
     struct identified now = first;
     for (int i = 0; i < CHOICES && usable_times(ERR_OK, &now); i++) {
         uint32_t next = nearest(m, (now.time_constant_s + now.dead_time_s) / m->h_s);
-        struct identified there;
-        if (next == at || !usable_times(moments_at(m, next, output, u, b, &there, NULL), &there))
+        struct identified other;
+        if (next == at || !usable_times(moments_at(m, next, output, u, b, &other, NULL), &other))
             break;
         at = next;
-        now = there;
+        now = other;
     }
     *result = now;
     if (chosen)

@@ -24,7 +24,7 @@
     REAL_C(0.5) /* of the room, for an amplitude that is to be found: the rest is for the bias */
 #define BACK_LEAST REAL_C(0.2) /* of |G|: what of the output comes back against the input */
 #define BACK_FULL  REAL_C(0.8)
-/* Of the way that the output has gone away from where it is asked: it turns back by itself; or goes on, the input turned round, by
+/* Parts of the way that the output has gone away from where it is asked: it turns back by itself; or goes on, the input turned round, by
  * more than dead time explains. */
 #define TURNING_SHARE REAL_C(0.8)
 #define AWAY_SHARE    REAL_C(1.5)
@@ -84,16 +84,16 @@ static void put_level(struct relay *r)
 
 static void begin_period(struct relay *r, uint32_t samples)
 {
-    memset(&r->now, 0, sizeof r->now);
+    memset(&r->present, 0, sizeof r->present);
     r->share = ZERO;
-    r->now.block = 1u + samples / (RELAY_POINTS * 3u / 4u);
-    r->now.whole = true;
+    r->present.block = 1u + samples / (RELAY_POINTS * 3u / 4u);
+    r->present.whole = true;
 }
 
 /* The sample that has just begun, with the input that goes with it. */
 static void count_sample(struct relay *r, real_t y)
 {
-    struct relay_period *p = &r->now;
+    struct relay_period *p = &r->present;
     real_t away = y - r->config.reference;
     uint32_t point = p->samples / p->block;
     p->samples++;
@@ -236,7 +236,7 @@ static bool is_settled(const struct relay *r)
 
 static void end_period(struct relay *r)
 {
-    struct relay_period *last = &r->period[RELAY_PERIODS - 1], *p = &r->now;
+    struct relay_period *last = &r->period[RELAY_PERIODS - 1], *p = &r->present;
     if (p->high == 0) { /* it began with the lower half */
         begin_period(r, 0);
         return;
@@ -331,7 +331,7 @@ static bool watch_sign(struct relay *r, real_t y)
     r->turned = r->against > r->config.patience + left_after && wrong > TURNING_SHARE * r->farthest;
     if (r->turned) {
         r->against = 0;
-        r->now.whole = false;
+        r->present.whole = false;
     }
     return r->turned;
 }
@@ -350,7 +350,7 @@ static bool grows(struct relay *r, uint32_t patience)
         return false;
     r->half = 0;
     r->same = 0;
-    r->now.whole = false;
+    r->present.whole = false;
     return true;
 }
 

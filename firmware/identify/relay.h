@@ -72,7 +72,8 @@ struct relay_period {
     real_t mean;            /* of the output, from the reference */
     uint32_t block;         /* samples in a point */
     real_t y[RELAY_POINTS]; /* sums of the output, from the reference */
-    bool whole;             /* y is, and neither amplitude nor bias changed */
+    /* y is whole, and neither amplitude nor bias changed. */
+    bool whole;
 };
 
 struct relay {
@@ -94,11 +95,11 @@ struct relay {
     uint32_t against; /* samples in a row away from where it is asked, until its sign is seen */
     real_t farthest;  /* ... and from the reference */
     uint32_t age;     /* samples since the beginning */
-    uint32_t
-        came_back; /* samples until it came to the other side, the input turned round; 0: not yet */
-    bool turned;   /* the input is turned round, to see its sign */
+    /* Samples until it came to the other side, the input turned round; 0: not yet. */
+    uint32_t came_back;
+    bool turned;                               /* the input is turned round, to see its sign */
     bool sign_seen;                            /* ... has been, or the output has come back */
-    struct relay_period now;                   /* under way */
+    struct relay_period present;               /* under way */
     struct relay_period period[RELAY_PERIODS]; /* latest last */
 };
 

@@ -1,4 +1,4 @@
-/* What a first-order-plus-dead-time element of gain 1 answers to an excitation, on the points of a record: each the mean
+/* The answer of a first-order-plus-dead-time element of gain 1 to an excitation, on the points of a record: each the mean
  * of a block of samples, sample k the value at the instant k before that sample's edge acts. Exact for any block, by
  * geometric sums. */
 #ifndef REFLUX_IDENTIFY_RESPONSE_H

@@ -176,7 +176,7 @@ void rls_retune(struct rls *r, const struct rls_settings *s)
 
 /* ---- a sample ---- */
 
-/* What rules of forgetting look at, all of before the measurement. */
+/* Quantities that rules of forgetting look at, all of before the measurement. */
 struct measured {
     scaled_t error, variance; /* e; phi'P phi */
     const num_t *phi;
@@ -267,7 +267,7 @@ static void forget_along(struct rls *r, const num_t *phi, scaled_t *x, scaled_t 
     ud_num_add(ud_of(r), r->n, scaled_lt(most, c) ? most : c, x);
 }
 
-/* How far theta is outside its bounds (Folami 8.50). */
+/* Distance of theta from its bounds (Folami 8.50). */
 static num_t outside(struct rls *r, unsigned i)
 {
     const num_t *bound = bounds(r);
@@ -279,7 +279,7 @@ static num_t outside(struct rls *r, unsigned i)
     return num_zero();
 }
 
-/* What theta is to move by, besides the gain: -mu f, or -alpha P f with the P of before. */
+/* Finds the move of theta besides the gain: -mu f, or -alpha P f with the P of before. */
 static void find_correction(struct rls *r, scaled_t *move)
 {
     memset(move, 0, RLS_MAX * sizeof move[0]);
@@ -319,7 +319,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
     r->alpha = alpha;
 }
 
-/* Where old data is forgotten completely (RLS_RESET). */
+/* Forgets old data completely when the trace is small (RLS_RESET). */
 static void reset_when_small(struct rls *r)
 {
     ud_cell_t *p = ud_of(r);
@@ -363,7 +363,7 @@ static void learn_from(struct rls *r, const num_t *phi, num_t error)
     keep_in_range(r, p);
 }
 
-/* Whether e is within the dead zone; its mean square goes on. */
+/* Returns true when e is within the dead zone; its mean square goes on. */
 static bool says_nothing(struct rls *r, num_t error)
 {
     scaled_t e = scaled_from_num(error), square = scaled_mul(e, e);
@@ -384,7 +384,7 @@ static num_t normalised(const struct rls *r, const num_t *phi, num_t *scaled_phi
     return eta;
 }
 
-/* What a sample that is not learnt from would have told. */
+/* Judges a sample that is not learnt from. */
 static void judge_unlearnt(struct rls *r, const num_t *phi)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX];

@@ -45,8 +45,8 @@ struct rls_settings {
     float forget_least; /* no v is below, [0.01, 1] */
     float sigma0;       /* of RLS_FORTESCUE, y squared, [1e-12, 1e6] */
     float memory;       /* N0 of RLS_YDSTIE, in y squared, [1e-12, 1e6] */
-    float
-        trace; /* of RLS_HELD_TRACE, RLS_RESET; most of RLS_BOUNDED and RLS_DIRECTIONAL, [1e-6, 1e12] */
+    /* The trace of RLS_HELD_TRACE and RLS_RESET; the most of RLS_BOUNDED and RLS_DIRECTIONAL, [1e-6, 1e12]. */
+    float trace;
     const float *p0;  /* [n] diagonal of P(0), [1e-6, 1e9]; read during init and retune only */
     float rate;       /* alpha of PC with alpha p0 < 2, mu of SPC in (0, 2) */
     float error_most; /* e is clipped to +- this, y; 0: never */

@@ -98,7 +98,7 @@ enum err steady_look(const struct steady *s, uint32_t output, struct steady_resu
         real_t off = mean[(s->blocks + i) % STEADY_BLOCKS] - centre - climb * ((real_t)i - middle);
         left += off * off;
     }
-    /* What a straight line climbs is in the differences too; it is no noise. */
+    /* The climb of a straight line is in the differences too; it is no noise. */
     real_t step = climb / block;
     real_t pure = noise * noise - REAL_C(0.5) * step * step;
     noise = pure > s->config.noise_floor * s->config.noise_floor ? real_sqrt(pure)

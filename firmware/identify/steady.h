@@ -25,8 +25,8 @@ struct steady_config {
     uint32_t outputs; /* 1 to CHANNEL_MAX */
     uint32_t block;   /* samples in a block, from 1: the window is STEADY_BLOCKS blocks */
     real_t h_s;       /* s, [1e-3, 1e5] */
-    real_t
-        noise_floor; /* noise standard deviation taken at least, (0, 1e6]: resolution/sqrt(12) or so */
+    /* Noise standard deviation taken at least, (0, 1e6]: resolution/sqrt(12) or so. */
+    real_t noise_floor;
     real_t motion_limit;   /* noise standard deviations over the window, [0.1, 1e3]; 3 */
     real_t variance_limit; /* variance about the line in units of the noise's own, [1, 1e3]; 4 */
 };
@@ -75,7 +75,7 @@ MUST_CHECK enum err steady_step(struct steady *s, const real_t *y);
 MUST_CHECK enum err steady_look(const struct steady *s, uint32_t output,
                                 struct steady_result *result);
 
-/* How far a measurement is from rest: `away` from where it was then, or from the line of a drift that would have carried it by
+/* Distance of a measurement from rest: `away` from where it was then, or from the line of a drift that would have carried it by
  * `carried` since (at most by `most` either way), whichever is nearer. A drift that goes on is no response; one that turns
  * carries it back to where it was. All in one unit. */
 real_t steady_away(real_t away, real_t carried, real_t most);

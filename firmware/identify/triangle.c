@@ -8,7 +8,7 @@ void triangle_begin(struct triangle *t, size_t columns, size_t right, real_t *me
 {
     t->columns = (uint8_t)columns;
     t->right = (uint8_t)right;
-    t->of = memory;
+    t->cells = memory;
     memset(memory, 0, triangle_count(columns, right) * sizeof memory[0]);
 }
 

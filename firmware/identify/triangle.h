@@ -21,7 +21,8 @@
 
 struct triangle {
     uint8_t columns, right;
-    real_t *of; /* the caller's, triangle_count() numbers: row by row from its diagonal on */
+    /* The caller's, triangle_count() numbers: row by row from its diagonal on. */
+    real_t *cells;
 };
 
 static inline size_t triangle_count(size_t columns, size_t right)
@@ -39,7 +40,7 @@ void triangle_row(struct triangle *t, real_t *row);
 static inline real_t *triangle_at(const struct triangle *t, size_t i)
 {
     size_t width = (size_t)t->columns + t->right;
-    return &t->of[i * width - i * (i - (i > 0)) / 2];
+    return &t->cells[i * width - i * (i - (i > 0)) / 2];
 }
 
 /* The triangle of some columns of another, n of them in this order, as if only they had been there: without the rows,
@@ -54,7 +55,7 @@ MUST_CHECK enum err triangle_solve(const struct triangle *t, real_t *theta);
 /* Sum of squared errors of the last column. */
 real_t triangle_rest(const struct triangle *t);
 
-/* Of each theta [columns - 1]: its standard deviation over that of the noise, if that is white: the root of the diagonal of
+/* Fills spread with the standard deviation of each theta [columns - 1] over that of the noise, if that is white: the root of the diagonal of
  * (X'X)^-1. Only after triangle_solve has succeeded. */
 void triangle_spread(const struct triangle *t, real_t *spread);
 

@@ -106,7 +106,7 @@ static bool fits(const struct interact_plant *plant, const struct cascade_config
     return squares <= freedom + c->significance * real_sqrt(REAL_C(2.0) * freedom);
 }
 
-/* How soon an output answers, over the inputs given. */
+/* Returns the mean delay with which an output answers to the inputs given. */
 static real_t lateness(const struct interact_plant *plant, size_t output, uint16_t inputs)
 {
     real_t sum = REAL_C(0.0);

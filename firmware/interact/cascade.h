@@ -9,8 +9,8 @@
 struct cascade_config {
     real_t significance; /* as in structure.h; also the bound of the misfit, standard deviations */
     real_t floor;        /* relative standard deviation of a gain at least: 1e-4 to 0.5 */
-    real_t
-        faster; /* inner: (L + T) at most this part of the outer's, with every input: 0.05 to 1 */
+    /* Inner: (L + T) at most this part of the outer's, with every input: 0.05 to 1. */
+    real_t faster;
 };
 
 struct cascade {

@@ -10,10 +10,10 @@ struct gains {
     /* Results. k = min(outputs, inputs) singular values. */
     real_t singular[INTERACT_MAX]; /* of the gains in spans, largest first */
     real_t condition;              /* of them; infinite when numerically singular */
-    real_t
-        condition_scaled; /* with rows and columns equilibrated: about the least over all scalings */
-    uint8_t rank;         /* directions that stand out of the gains' uncertainty */
-    uint8_t rank_exact;   /* the gains taken as exact: rounding only */
+    /* With rows and columns equilibrated: about the least over all scalings. */
+    real_t condition_scaled;
+    uint8_t rank;       /* directions that stand out of the gains' uncertainty */
+    uint8_t rank_exact; /* the gains taken as exact: rounding only */
     /* Ratio of the smallest singular value to its standard deviation, noise-weighted; 0 where gain_sd is 0. */
     real_t smallest_in_sd;
     /* Work, and what the null vectors are read from. */

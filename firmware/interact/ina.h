@@ -47,7 +47,7 @@ MUST_CHECK enum err ina_direct(const struct cmatrix *f, const struct matrix *g, 
 MUST_CHECK enum err ina_inverse(const struct cmatrix *f, const struct matrix *g,
                                 struct ina_work *work, struct cmatrix *inverse);
 
-/* Of any square array of n to INA_MOST, H^-1 or H. radius[i]: sum of the magnitudes off the diagonal in row (column) i, that of Gershgorin's
+/* Judges a square array of n to INA_MOST, H^-1 or H. radius[i]: sum of the magnitudes off the diagonal in row (column) i, that of Gershgorin's
  * circle about its diagonal element; ratio[i]: that over the magnitude of the diagonal element, infinite where it is 0. The array is
  * diagonally dominant where all ratios are below 1. Returns the largest. Either array may be NULL. */
 real_t ina_dominance(const struct cmatrix *array, enum ina_by by, real_t *radius, real_t *ratio);

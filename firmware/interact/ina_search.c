@@ -134,7 +134,7 @@ static void scale_to_1(const struct ina_search *s, real_t *x)
         x[m] /= largest;
 }
 
-/* Of a row: a sums the squares off the diagonal and b those on it, every frequency with the same weight whatever its gain. */
+/* Sums a row: a the squares off the diagonal and b those on it, every frequency with the same weight whatever its gain. */
 static void sum_squares(struct ina_search *s, size_t row)
 {
     size_t n = s->n;

@@ -19,8 +19,8 @@
 
 struct ina_search_config {
     enum ina_by by;
-    uint8_t
-        starts; /* 1 to INA_STARTS_MOST: the given G, pseudo-diagonalisation, then random ones */
+    /* 1 to INA_STARTS_MOST: the given G, pseudo-diagonalisation, then random ones. */
+    uint8_t starts;
     /* Largest relative gain of G, K .* (K^-1)' of all its elements: 1 to 1e6. Where nothing is dominant, rows of K that are nearly the
      * same would be the best by columns: ratios of 1, and a G next to singular. */
     real_t lambda_hi;

@@ -14,7 +14,7 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
 {
     if (pairs->n < 1 || pairs->n > INTERACT_MAX)
         return ERR_RANGE;
-    memset(w, 0, offsetof(struct integrity, at));
+    memset(w, 0, offsetof(struct integrity, element));
     w->n = pairs->n;
     unsigned from = 0;
     for (unsigned d = 0; d < w->n; d++) {
@@ -28,7 +28,7 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
             real_t own = gains->at[pairs->output[i]][pairs->input[i]];
             if (real_abs(own) <= REAL_C(0.0))
                 return ERR_SINGULAR;
-            w->at[i * w->n + j] = gains->at[pairs->output[i]][pairs->input[j]] / own;
+            w->element[i * w->n + j] = gains->at[pairs->output[i]][pairs->input[j]] / own;
         }
     return ERR_OK;
 }
@@ -37,8 +37,8 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
 static void descend(struct integrity *w, bool with)
 {
     size_t d = w->level, size = w->n - d;
-    const real_t *m = &w->at[w->from[d]];
-    real_t *next = &w->at[w->from[d + 1u]];
+    const real_t *m = &w->element[w->from[d]];
+    real_t *next = &w->element[w->from[d + 1u]];
     for (size_t i = 1; i < size; i++) {
         real_t factor = with ? m[i * size] / m[0] : REAL_C(0.0);
         for (size_t j = 1; j < size; j++)
@@ -54,7 +54,7 @@ static real_t index_of(const struct integrity *w)
     real_t product = REAL_C(1.0);
     for (unsigned d = 0; d <= w->level; d++)
         if (is_included(w->included, d))
-            product *= w->at[w->from[d]];
+            product *= w->element[w->from[d]];
     return product;
 }
 
@@ -66,7 +66,7 @@ static enum err walk(struct integrity *w, unsigned *cost)
     *cost = 4u + left * left;
     if (w->tried[d] == 0) {
         w->included = (uint16_t)(w->included | own);
-        if (!(w->at[w->from[d]] > REAL_C(0.0))) { /* the index with it, over that without it */
+        if (!(w->element[w->from[d]] > REAL_C(0.0))) { /* the index with it, over that without it */
             w->negative = w->included;
             w->index = index_of(w);
             return ERR_OK;

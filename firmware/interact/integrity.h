@@ -18,15 +18,15 @@
 /* 6 KiB (float). */
 struct integrity {
     /* Results */
-    uint16_t
-        negative; /* bit k: pair k belongs to the subset whose index is not positive; 0: there is none */
+    /* Bit k: pair k belongs to the subset whose index is not positive; 0: there is none. */
+    uint16_t negative;
     real_t index; /* its Niederlinski index */
     /* Work: at level d the loops before pair d are in the subset or out of it; what is left of the others' gains. */
     uint8_t n, level;
     uint16_t included;
     uint8_t tried[INTERACT_MAX]; /* at each level: 0 nothing, 1 with this pair, 2 without it */
     uint16_t from[INTERACT_MAX]; /* first element of the level's matrix */
-    real_t at[INTEGRITY_ELEMENTS];
+    real_t element[INTEGRITY_ELEMENTS];
 };
 
 /* Row pairs->output[k] and column pairs->input[k] are pair k's. ERR_RANGE: no pairs, or more than the matrix has;

@@ -24,13 +24,13 @@ struct measure_work {
     struct matrix gains;
 };
 
-/* Of the square plant of the pairs: row k output[k], column k input[k]. shortest_s, above 0 to 1e6: residence times are
+/* Judges the square plant of the pairs: row k output[k], column k input[k]. shortest_s, above 0 to 1e6: residence times are
  * taken as at least this (the sample interval), for an effect without delay has none. ERR_SINGULAR: K or K_N is. */
 MUST_CHECK enum err measure_compute(const struct interact_plant *plant, const struct pairs *pairs,
                                     real_t shortest_s, struct measure_work *work,
                                     struct measure *result);
 
-/* Whether the RNGA would pair alike: no other assignment has a smaller sum of |ln phi| over positive elements. Where it
+/* Returns true when the RNGA would pair alike: no other assignment has a smaller sum of |ln phi| over positive elements. Where it
  * would not, gains and speeds pull different ways, and the pairing by gains alone deserves a look. */
 bool measure_agrees(const struct measure *m, struct assignment *work);
 

@@ -7,7 +7,7 @@
 #define TO_REVEAL                                                                                  \
     REAL_C(1e-3) /* relative errors drawn where the gains themselves give no relative gains */
 
-/* What is to be done next: relative gains of a matrix (the estimates, or a draw about them), then pairs by pairs until
+/* The next thing to do: relative gains of a matrix (the estimates, or a draw about them), then pairs by pairs until
  * the Niederlinski index of every subset is positive. */
 enum {
     STAGE_CHOOSE,
@@ -335,7 +335,7 @@ static void next_matrix(struct pairing *p)
         take_gains(p);
 }
 
-/* Of the estimates, once their pairs are known. */
+/* Judges the estimates, once their pairs are known. */
 static void judge_determinant(struct pairing *p)
 {
     struct matrix *sds = &p->lambda_all;
@@ -376,7 +376,7 @@ static void branch(struct pairing *p)
     p->stage = STAGE_BRANCH;
 }
 
-/* Of the estimates, these pairs would be the best, but for a subset of their loops. */
+/* Refuses pairs that would be the best of the estimates, but for a subset of their loops. */
 static void refuse_subset(struct pairing *p)
 {
     if (p->negative)

@@ -67,8 +67,8 @@ struct pairing {
     struct pairs pairs; /* outputs ascending */
     real_t lambda[INTERACT_MAX], niederlinski;
     real_t cost; /* sum of |ln lambda|, to 1e-4 a pair */
-    real_t
-        determinant; /* of the gains of the channels kept, magnitude, in its own standard deviations; 0: none */
+    /* Magnitude of the determinant of the gains of the channels kept, in its own standard deviations; 0: none. */
+    real_t determinant;
     uint16_t negative; /* bit k: pair k is in the subset of loops that is in the way; 0: none is */
     real_t negative_index; /* its Niederlinski index */
     real_t probability;    /* share of draws that gave exactly these pairs */

@@ -32,7 +32,7 @@ struct pairs {
     uint8_t output[INTERACT_MAX], input[INTERACT_MAX];
 };
 
-/* What was wrong, in words; pointers to constant text, and where. */
+/* The fault, in words, and its place; pointers to constant text. */
 struct interact_refusal {
     const char *field, *wanted;
     uint8_t output, input;

@@ -38,7 +38,7 @@ real_t rga_number(const struct matrix *lambda, const struct pairs *pairs);
  * (1987) 1043; Skogestad and Postlethwaite 3.4). *output and *input: of which gain. */
 real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t *input);
 
-/* How sure the sign of det K is: |det K| over its standard deviation, to first order. d ln|det K| is the sum of (K^-1)_ji dK_ij
+/* Certainty of the sign of det K: |det K| over its standard deviation, to first order. d ln|det K| is the sum of (K^-1)_ji dK_ij
  * over all gains, sd their standard deviations, independent. Infinite where no gain has one. ERR_RANGE: not square, or
  * another size; ERR_SINGULAR. */
 MUST_CHECK enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd,

@@ -1,4 +1,4 @@
-/* What of a plant is really coupled: independent parts, triangular order, and blocks that need more than single loops.
+/* The couplings of a plant that count: independent parts, triangular order, and blocks that need more than single loops.
  *
  * An effect counts when its gain stands out of its error, |K| > significance sd, and is not negligible. Negligible is
  * what is small both beside the largest gain of its row and in the equilibrated matrix (there, small products around a

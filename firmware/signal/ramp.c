@@ -30,16 +30,16 @@ enum err ramp_init(struct ramp *f, float rate_per_s, float h_s)
 
 void ramp_reset(struct ramp *f, num_t value)
 {
-    accumulator_set(&f->at, value);
+    accumulator_set(&f->position, value);
 }
 
 num_t ramp_limit(struct ramp *f, num_t target)
 {
-    num_t distance = num_sub(target, accumulator_get(&f->at));
+    num_t distance = num_sub(target, accumulator_get(&f->position));
     if (num_lt(f->reach, num_abs(distance)))
-        accumulator_add_product(&f->at, f->step,
+        accumulator_add_product(&f->position, f->step,
                                 num_lt(distance, num_zero()) ? num_neg(num_one()) : num_one());
     else
-        accumulator_set(&f->at, target);
-    return accumulator_get(&f->at);
+        accumulator_set(&f->position, target);
+    return accumulator_get(&f->position);
 }

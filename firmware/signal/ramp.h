@@ -12,7 +12,7 @@
 #include "num/accumulator.h"
 
 struct ramp {
-    struct accumulator at;
+    struct accumulator position;
     struct coefficient step; /* rate * h */
     num_t reach;             /* the same as num_t: a target this near is taken at once */
     bool jump;               /* no limit */
@@ -28,13 +28,19 @@ MUST_CHECK enum err ramp_retune(struct ramp *f, float rate_per_s, float h_s);
 /* The position is value, at once. */
 void ramp_reset(struct ramp *f, num_t value);
 
+/* Returns the position. */
+static inline num_t ramp_position(const struct ramp *f)
+{
+    return accumulator_get(&f->position);
+}
+
 /* A step where there is a limit. */
 num_t ramp_limit(struct ramp *f, num_t target);
 static inline num_t ramp_step(struct ramp *f, num_t target)
 {
     if (!f->jump)
         return ramp_limit(f, target);
-    accumulator_set(&f->at, target);
+    accumulator_set(&f->position, target);
     return target;
 }
 

@@ -154,7 +154,7 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
     if (acts && loop_drives(s, i) && !plan_kind(s->plan, i)->positions)
         loop_limits(s, i, o->constrained, &lo, &hi);
     /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
-    if (!num_eq(accumulator_get(&o->rate.at), o->constrained))
+    if (!num_eq(ramp_position(&o->rate), o->constrained))
         ramp_reset(&o->rate, o->constrained);
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }

@@ -238,7 +238,7 @@ static void steps_are_those_of_an_exact_simulation(void)
         TEST_ASSERT_EQUAL_INT(ERR_OK, err);
         TEST_ASSERT_TRUE(trial.bounded);
         TEST_ASSERT_FALSE(trial.coarse);
-        TEST_ASSERT_EQUAL_UINT32(1600, trial.at);
+        TEST_ASSERT_EQUAL_UINT32(1600, trial.sample);
         for (unsigned k = 0; k < known.pairs.n; k++) {
             const struct trial_loop *r = &trial.loop[k];
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(part * v[13 + k] + 1e-5, v[13 + k], (double)r->iae,

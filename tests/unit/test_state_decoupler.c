@@ -89,8 +89,8 @@ static void assert_zeros(const double *wanted, unsigned n)
         unsigned best = 0;
         double least = 1e9;
         for (unsigned l = 0; l < n; l++) {
-            double far = hypot(wanted[(size_t)2 * l] - (double)d.zeros.at[k].re,
-                               wanted[(size_t)2 * l + 1] - (double)d.zeros.at[k].im);
+            double far = hypot(wanted[(size_t)2 * l] - (double)d.zeros.mode[k].re,
+                               wanted[(size_t)2 * l + 1] - (double)d.zeros.mode[k].im);
             if (!taken[l] && far < least) {
                 least = far;
                 best = l;
@@ -294,7 +294,7 @@ static void a_zero_that_is_not_stable_is_refused_and_told(void)
     model.a.at[3][3] = (real_t)0.25;
     assert_refused(ERR_RANGE, "zero", STATE_LOOP_NONE);
     TEST_ASSERT_EQUAL_UINT8(1, d.zeros.n);
-    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, 0.25, (double)d.zeros.at[0].re);
+    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, 0.25, (double)d.zeros.mode[0].re);
     model.a.at[3][3] = 0; /* neither does one at the limit die out */
     assert_refused(ERR_RANGE, "zero", STATE_LOOP_NONE);
     model.period_s = (real_t)1;

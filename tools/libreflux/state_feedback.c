@@ -59,8 +59,8 @@ static void give_found(const struct state_decoupler *d, struct reflux_state_foun
     *to->n_zeros = d->zeros.n;
     *to->needed = d->needed;
     for (size_t k = 0; k < d->zeros.n; k++) {
-        to->zeros[2 * k] = d->zeros.at[k].re;
-        to->zeros[2 * k + 1] = d->zeros.at[k].im;
+        to->zeros[2 * k] = d->zeros.mode[k].re;
+        to->zeros[2 * k + 1] = d->zeros.mode[k].im;
     }
     const double numbers[5] = {d->condition, d->neglected, d->zeros.outermost, d->zeros.error,
                                d->radius};

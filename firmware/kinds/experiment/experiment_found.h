@@ -1,4 +1,4 @@
-/* What an experiment has found of an output. */
+/* The findings of an experiment for an output. */
 #ifndef REFLUX_EXPERIMENT_EXPERIMENT_FOUND_H
 #define REFLUX_EXPERIMENT_EXPERIMENT_FOUND_H
 

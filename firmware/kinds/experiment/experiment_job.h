@@ -1,4 +1,4 @@
-/* What an experiment has in the workspace: the rows of its record, and the search for a model in them. */
+/* The part of an experiment in the workspace: the rows of its record, and the search for a model in them. */
 #ifndef REFLUX_EXPERIMENT_EXPERIMENT_JOB_H
 #define REFLUX_EXPERIMENT_EXPERIMENT_JOB_H
 

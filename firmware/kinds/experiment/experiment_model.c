@@ -4,7 +4,7 @@
 
 #include "kinds/experiment/experiment_model_state.h"
 
-/* Where loops have made more than this part of what an MV did, instruments depend on noise. */
+/* Largest part of the movement of an MV that loops may have made. With more, instruments depend on noise. */
 #define OTHERS_MOST REAL_C(0.25)
 
 void experiment_model_clear(struct experiment_model *m, float *coefficients, unsigned n)

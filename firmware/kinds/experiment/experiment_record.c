@@ -238,7 +238,7 @@ void experiment_signal_begin(struct experiment_record *r, const struct experimen
     prbs_init(&r->prbs, &settings);
 }
 
-/* What took effect in the sample that ends now. */
+/* Puts what took effect in the sample that ends. */
 static void put_inputs(struct experiment_record *r, const struct experiment_context *c,
                        struct experiment_rows *rows)
 {

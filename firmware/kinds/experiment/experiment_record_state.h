@@ -32,7 +32,7 @@ struct experiment_record {
     real_t least[EXPERIMENT_MOST], most[EXPERIMENT_MOST];
     /* Sum over the sample. */
     real_t applied[EXPERIMENT_MOST];
-    /* Of an MV about its operating point, sums of squares over the samples; others: of what the signal has not made. */
+    /* Sums of squares over the samples: of the MV about its operating point, and of the part that the signal has not made. */
     struct {
         real_t all, others;
     } sum[EXPERIMENT_MOST];

@@ -188,7 +188,7 @@ void experiment_stages_step(const struct experiment_parts *p, struct block_io *i
     }
 }
 
-/* Where the record is whole the model is found all the same. */
+/* A whole record has no gap: the search for the model goes on. */
 void experiment_stages_gap(const struct experiment_parts *p)
 {
     if (experiment_runs(p->stages) && p->stages->stage != EXPERIMENT_COMPUTES)

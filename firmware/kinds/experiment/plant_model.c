@@ -8,12 +8,14 @@
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
 
-#define BEST_FITTED 8u /* of those that are no part of the grid */
-/* Of the largest effect of an input: how far gains at rest may be from those of two thirds of the record, and from what the record
- * leaves of them. */
+/* Number of the best orders outside the grid that are fitted. */
+#define BEST_FITTED 8u
+/* Largest distance of gains at rest from those of two thirds of the record, and from what the record leaves of them: parts of the largest
+ * effect of an input. */
 #define PARTS_APART REAL_C(0.25)
 #define REST_APART  REAL_C(0.1)
-#define SETTLES     REAL_C(4.0) /* time constants */
+/* Time constants in which a plant settles. */
+#define SETTLES REAL_C(4.0)
 
 enum finding_phase {
     FIND_ORDERS,
@@ -87,9 +89,9 @@ static real_t validation_criterion(const struct plant_finding *f, const struct a
                        : misfit + REAL_C(1e12);
 }
 
-static void begin_fit_of(struct plant_finding *f, const struct arx_orders *of, uint32_t to)
+static void begin_fit_of(struct plant_finding *f, const struct arx_orders *orders, uint32_t to)
 {
-    struct arx_orders o = *of;
+    struct arx_orders o = *orders;
     if (f->wanted.method == ARX_ELS)
         o.nc = o.na ? o.na : 1u;
     arx_fit_begin(&f->fitting, &f->data, f->output, &o, (enum arx_method)f->wanted.method, 0, to,
@@ -195,7 +197,7 @@ static void begin_left(struct plant_finding *f)
     struct plant_leftover *l = &f->left;
     memset(l, 0, sizeof *l);
     l->pole = real_exp(-SETTLES / (real_t)f->wanted.memory);
-    triangle_begin(&l->triangle, (size_t)f->data.inputs + 2, 0, l->of);
+    triangle_begin(&l->triangle, (size_t)f->data.inputs + 2, 0, l->cells);
     f->phase = FIND_LEFT;
 }
 

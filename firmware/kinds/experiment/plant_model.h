@@ -10,7 +10,7 @@
 #include "identify/arx_fit.h"
 #include "identify/arx_select.h"
 
-/* Of an output, and the worst of all of the model. In the order of how much is known. */
+/* The verdict of an output; that of the model is the worst of them. In the order of how much is known. */
 enum plant_verdict {
     PLANT_UNJUDGED,
     PLANT_USABLE,
@@ -36,7 +36,7 @@ struct plant_output {
     real_t a[DIFFERENCE_A_MOST];
     real_t b[DIFFERENCE_MOST][DIFFERENCE_B_MOST];
     real_t gain[DIFFERENCE_MOST]; /* at rest; 0 where it integrates */
-    /* How far these gains are from those of two thirds of the record, or from what the record leaves of them, whichever is more: times
+    /* Distance of these gains from those of two thirds of the record, or from what the record leaves of them, whichever is more: times
      * what that input did, as a part of the largest effect of an input. */
     real_t apart;
 };
@@ -50,7 +50,7 @@ struct plant_finding {
     struct arx_judging judging;
     struct plant_leftover {
         struct triangle triangle; /* columns: slow inputs, 1, what is left */
-        real_t of[(DIFFERENCE_MOST + 2) * (DIFFERENCE_MOST + 3) / 2];
+        real_t cells[(DIFFERENCE_MOST + 2) * (DIFFERENCE_MOST + 3) / 2];
         struct arx_history history; /* of the model alone */
         real_t slow[DIFFERENCE_MOST], pole;
         uint32_t k;

@@ -9,7 +9,7 @@
 #define GRID_LO    REAL_C(0.02)
 #define GRID_HI    REAL_C(0.8)
 #define ABOVE_BIAS REAL_C(4.0)
-/* Where the sensitivity stays below 0 dB the band is where it is above half of its largest. */
+/* Half of the largest sensitivity bounds the band, if the sensitivity stays below 0 dB. */
 #define BELOW_PEAK REAL_C(0.5)
 /* Looks in a row that find no change. */
 #define SETTLED_LOOKS 2u
@@ -108,7 +108,7 @@ static struct loop_response loop_at(const struct tune_context *c, real_t omega)
     return l;
 }
 
-/* Of A and B the process is what was identified. */
+/* Makes process, ratio and sensitivity of a point. The process of A and B is what was identified. */
 static enum err ratio_at_point(struct tune_responses *r, const struct tune_context *c, unsigned i,
                                struct high_order_point *sensitivity)
 {

@@ -1,4 +1,4 @@
-/* What the parts of a block of the kind `ff_tune` hand on to each other. */
+/* Results that the parts of a block of the kind `ff_tune` hand on to each other. */
 #ifndef REFLUX_FF_TUNE_TUNE_RESULTS_H
 #define REFLUX_FF_TUNE_TUNE_RESULTS_H
 

@@ -179,7 +179,7 @@ static void process_piece(struct tune_search *s, const struct tune_context *c,
         s->work = WORK_PATH;
 }
 
-/* Where the ratio is in too much doubt for a search the rule is what is left. */
+/* If the ratio is in too much doubt for a search, only the rule is left. */
 static void path_piece(struct tune_search *s, const struct tune_context *c,
                        const struct tune_band *band, struct tune_paths *paths)
 {

@@ -39,7 +39,7 @@ real_t tune_dead_reach(const struct tune_context *c);
 #define TUNE_PARAMETERS 42
 extern const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS];
 #define TUNE_ID_BLOCK 38
-/* Of k; lead, lag and dead follow. */
+/* The id of k; those of lead, lag and dead follow. */
 #define TUNE_ID_K 60
 
 MUST_CHECK enum err tune_check(const struct block_setup *setup, struct block_fault *fault);

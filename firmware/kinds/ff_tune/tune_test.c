@@ -24,7 +24,7 @@ static enum tune_verdict judge_candidate(struct tune_test *t, const struct tune_
                                          const struct tune_model *model)
 {
     real_t most = ONE - c->s.better / 100;
-    /* Where the candidate is to cancel the disturbance the rest is model error. */
+    /* The candidate cancels the disturbance; the rest is model error. */
     real_t rest = t->all.with_candidate + model->misfit * model->misfit * t->all.no_feedforward;
     bool better = t->better_parts >= PARTS_BETTER && rest <= most * t->all.actual &&
                   rest <= most * t->all.no_feedforward;

@@ -1,4 +1,4 @@
-/* Kind `leadlag`: feedforward from several disturbances to several MVs, a sum of terms,
+/* The kind `leadlag` is feedforward from several disturbances to several MVs, a sum of terms,
  *
  *     u_p = sum of K (lead s + 1)/(lag s + 1) exp(-dead s) (d_k - reference)
  *
@@ -17,17 +17,25 @@
 #define LEADLAG_MVS    4
 
 struct leadlag_settings {
-    float gain[LEADLAG_TERMS]; /* MV span per span of the input; 0: the term is off */
+    /* MV span per span of the input; 0: the term is off. */
+    float gain[LEADLAG_TERMS];
     float lead_s[LEADLAG_TERMS], lag_s[LEADLAG_TERMS], dead_s[LEADLAG_TERMS];
-    float reference[LEADLAG_TERMS];         /* EU of the input, that calls for nothing */
-    float lo[LEADLAG_MVS], hi[LEADLAG_MVS]; /* of what is added, fraction of the MV's span */
-    float rate[LEADLAG_MVS];                /* fraction of span per s; 0: any */
-    float kick;      /* largest lead/(lag + h): by how much a jump is more at first than at rest */
-    float washout_s; /* what stays so long calls for less and less; 0: none */
-    float hold_s;    /* how long an input that is lost stays what it was */
-    uint16_t from[LEADLAG_TERMS],
-        to[LEADLAG_TERMS];          /* number of the input, of the MV; 0: no term */
-    float dead_band[LEADLAG_TERMS]; /* EU of the input; d_k follows the input at this distance */
+    /* Value of the input that calls for nothing, EU. */
+    float reference[LEADLAG_TERMS];
+    /* Limits of what is added, fraction of the MV's span. */
+    float lo[LEADLAG_MVS], hi[LEADLAG_MVS];
+    /* Fraction of span per s; 0: any. */
+    float rate[LEADLAG_MVS];
+    /* Largest lead/(lag + h): by how much a jump is more at first than at rest. */
+    float kick;
+    /* A change that stays so long calls for less and less; 0: none. */
+    float washout_s;
+    /* Time for which an input that is lost stays what it was. */
+    float hold_s;
+    /* Number of the input, of the MV; 0: no term. */
+    uint16_t from[LEADLAG_TERMS], to[LEADLAG_TERMS];
+    /* EU of the input; d_k follows the input at this distance. */
+    float dead_band[LEADLAG_TERMS];
 };
 
 extern const struct block_kind leadlag_kind;

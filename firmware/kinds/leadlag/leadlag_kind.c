@@ -11,9 +11,10 @@ struct leadlag_term {
     struct feedforward element;
     struct washout washout;
     float dead_s, reference;
-    num_t d, dead_band; /* the input as it counts for this term */
-    uint8_t from, to;   /* from 0 */
-    uint8_t number;     /* in the settings, from 0 */
+    /* The input as it counts for this term. */
+    num_t d, dead_band;
+    /* Input, MV, and number in the settings, from 0. */
+    uint8_t from, to, number;
 };
 
 _Static_assert(LEADLAG_TERMS == ELEMENT_TERMS, "rows of so many values are those of the terms");
@@ -23,13 +24,17 @@ struct leadlag {
     uint8_t terms, inputs, mvs;
     bool washes;
     bool begun;
-    num_t d[LEADLAG_INPUTS];          /* as they count: the last good ones */
-    uint32_t missing[LEADLAG_INPUTS]; /* steps */
+    /* The last good inputs. */
+    num_t d[LEADLAG_INPUTS];
+    /* Steps without a good one. */
+    uint32_t missing[LEADLAG_INPUTS];
     uint32_t hold_steps;
     num_t lo[LEADLAG_MVS], hi[LEADLAG_MVS];
-    float step[LEADLAG_MVS]; /* most in a step */
+    /* Largest move in a step. */
+    float step[LEADLAG_MVS];
     num_t given[LEADLAG_MVS];
-    uint8_t silenced; /* in the last step */
+    /* Terms that were switched off in the last step. */
+    uint8_t silenced;
     /* behind it the rings of the terms, one after the other */
 };
 
@@ -85,7 +90,7 @@ static struct element_settings element_of(const struct block_setup *setup, unsig
                                      .out_hi = 2};
 }
 
-/* Fraction of the input's span. */
+/* Returns the dead band as a fraction of the input's span. */
 static float dead_band_of(const struct block_setup *setup, unsigned k)
 {
     const struct leadlag_settings *c = setup->settings;
@@ -159,7 +164,7 @@ static bool is_same_number(float a, float b)
     return a <= b && a >= b;
 }
 
-/* Whether only gains, leads and lags are other ones: then what is under way goes on. */
+/* Only gains, leads and lags have changed: what is under way goes on. */
 static bool has_same_terms(const struct leadlag *s, const struct block_setup *setup)
 {
     const struct leadlag_settings *c = setup->settings;
@@ -176,7 +181,7 @@ static bool has_same_terms(const struct leadlag *s, const struct block_setup *se
     return n == s->terms;
 }
 
-/* Another gain, lead, lag and washout; dead time, reference and what is under way stay. */
+/* Takes another gain, lead, lag and washout; dead time, reference and what is under way stay. */
 static enum err retune_term(const struct block_setup *setup, unsigned k, struct leadlag_term *t)
 {
     const struct leadlag_settings *c = setup->settings;
@@ -250,7 +255,7 @@ static void stand_rings(struct leadlag *s)
         ring = feedforward_place_ring(&s->term[k].element, ring);
 }
 
-/* Inputs as they count: a bad one stays what it was. Returns whether one has been bad for too long. */
+/* Takes the inputs as they count: a bad one stays what it was. Returns true when one has been bad for too long. */
 static bool take_disturbances(struct leadlag *s, struct block_io *io)
 {
     bool lost = false;
@@ -294,7 +299,7 @@ static void sum_terms(struct leadlag *s, struct accumulator *sum)
     }
 }
 
-/* Within the limits, and no faster than the rate, but for where it jumps. */
+/* Keeps an output within the limits and no faster than the rate. One that jumps has no rate. */
 static num_t limited_output(const struct leadlag *s, unsigned p, num_t asked, bool jumps)
 {
     num_t u = num_clamp(asked, s->lo[p], s->hi[p]);

@@ -393,7 +393,7 @@ static void polynomial_back_calculate(void *state, struct block_io *io)
 static void polynomial_follow(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
-    /* Where the past may not be run backwards, all begin at rest where the MVs are. */
+    /* If the past may not be run backwards, all begin at rest where the MVs are. */
     unsigned going_on = s->limits == POLYNOMIAL_RECURSE ? io->going_on & s->mask : 0u;
     uint8_t member[LOOPS];
     float a[LOOPS][LOOPS], wanted[LOOPS], v[LOOPS] = {0};

@@ -11,9 +11,9 @@
 struct rst_coefficients {
     /* Q(1) */
     struct coefficient error;
-    /* Of u one step ago and before, negative. */
+    /* Factors of u one step ago and before, negative. */
     struct coefficient p[MOST];
-    /* Of y and w in this step and before; q negative. */
+    /* Factors of y and w in this step and before; q negative. */
     struct coefficient q[MOST], r[MOST];
     /* Number of each; those behind them are 0. */
     unsigned used;
