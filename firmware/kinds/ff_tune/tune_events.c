@@ -7,38 +7,38 @@
 #define SENSOR_AWAY 10u
 
 const struct block_event tune_event_rows[TUNE_EVENTS] = {
-    [TUNE_SAYS_ADOPTED] = {"adopted", BLOCK_INFO,
-                           "a feedforward was taken; what it takes off the squares, tested, %"},
-    [TUNE_SAYS_NOT] = {"not", BLOCK_INFO,
-                       "none: 2 disturbance still, 3 loop still, 4 slow, 5 no band, 6 unsure, "
-                       "7 no model, 8 no better, 9 untested, 10 rejected, 12 stopped, 13+ signal"},
-    [TUNE_SAYS_WORSE] = {"worse", BLOCK_ALARM,
-                         "the loop was worse than without its feedforward, which is off; by %"},
-    [TUNE_SAYS_CHANGED] = {"changed", BLOCK_INFO,
-                           "it does less than half of what was tested; it is identified anew; %"},
-    [TUNE_SAYS_STILL] =
+    [TUNE_EVENT_ADOPTED] = {"adopted", BLOCK_INFO,
+                            "a feedforward was taken; what it takes off the squares, tested, %"},
+    [TUNE_EVENT_NOT] = {"not", BLOCK_INFO,
+                        "none: 2 disturbance still, 3 loop still, 4 slow, 5 no band, 6 unsure, "
+                        "7 no model, 8 no better, 9 untested, 10 rejected, 12 stopped, 13+ signal"},
+    [TUNE_EVENT_WORSE] = {"worse", BLOCK_ALARM,
+                          "the loop was worse than without its feedforward, which is off; by %"},
+    [TUNE_EVENT_CHANGED] = {"changed", BLOCK_INFO,
+                            "it does less than half of what was tested; it is identified anew; %"},
+    [TUNE_EVENT_STILL] =
         {"still", BLOCK_INFO,
          "the disturbance stands still: step it, or set disturb; r.m.s., % of span"},
-    [TUNE_SAYS_SENSOR] = {"sensor", BLOCK_ALARM,
-                          "a reading is missing; 1 the PV, 2 the disturbance"},
-    [TUNE_SAYS_WEAK] = {"weak", BLOCK_INFO,
-                        "the test signal is small beside what else moves the PV; set step to, EU"},
+    [TUNE_EVENT_SENSOR] = {"sensor", BLOCK_ALARM,
+                           "a reading is missing; 1 the PV, 2 the disturbance"},
+    [TUNE_EVENT_WEAK] = {"weak", BLOCK_INFO,
+                         "the test signal is small beside what else moves the PV; set step to, EU"},
 };
 
 void tune_events_adopted(struct tune_events *e)
 {
-    e->pending |= 1u << TUNE_SAYS_ADOPTED;
+    e->pending |= 1u << TUNE_EVENT_ADOPTED;
 }
 
 void tune_events_worse(struct tune_events *e, float by)
 {
-    e->pending |= 1u << TUNE_SAYS_WORSE;
+    e->pending |= 1u << TUNE_EVENT_WORSE;
     e->worse_by = by;
 }
 
 void tune_events_changed(struct tune_events *e, float does)
 {
-    e->pending |= 1u << TUNE_SAYS_CHANGED;
+    e->pending |= 1u << TUNE_EVENT_CHANGED;
     e->changed_to = does;
 }
 
@@ -57,18 +57,18 @@ void tune_events_raise(struct tune_events *e, const struct tune_context *c, stru
 {
     bool away = e->sensor_away > SENSOR_AWAY * c->ticks;
     if (e->ended)
-        e->pending |= 1u << TUNE_SAYS_NOT;
-    io->raised = (uint16_t)(e->pending | (v->still ? 1u << TUNE_SAYS_STILL : 0u) |
-                            (away ? 1u << TUNE_SAYS_SENSOR : 0u));
+        e->pending |= 1u << TUNE_EVENT_NOT;
+    io->raised = (uint16_t)(e->pending | (v->still ? 1u << TUNE_EVENT_STILL : 0u) |
+                            (away ? 1u << TUNE_EVENT_SENSOR : 0u));
     if (e->ended && v->step_wanted > 0)
-        io->raised |= 1u << TUNE_SAYS_WEAK;
-    io->event_value[TUNE_SAYS_WEAK] = v->step_wanted;
-    io->event_value[TUNE_SAYS_ADOPTED] = 100 * v->promised;
-    io->event_value[TUNE_SAYS_NOT] = e->ended;
-    io->event_value[TUNE_SAYS_WORSE] = e->worse_by;
-    io->event_value[TUNE_SAYS_CHANGED] = e->changed_to;
-    io->event_value[TUNE_SAYS_STILL] = 100 * v->d;
-    io->event_value[TUNE_SAYS_SENSOR] = io->quality[0] == QUALITY_GOOD ? 2 : 1;
+        io->raised |= 1u << TUNE_EVENT_WEAK;
+    io->event_value[TUNE_EVENT_WEAK] = v->step_wanted;
+    io->event_value[TUNE_EVENT_ADOPTED] = 100 * v->promised;
+    io->event_value[TUNE_EVENT_NOT] = e->ended;
+    io->event_value[TUNE_EVENT_WORSE] = e->worse_by;
+    io->event_value[TUNE_EVENT_CHANGED] = e->changed_to;
+    io->event_value[TUNE_EVENT_STILL] = 100 * v->d;
+    io->event_value[TUNE_EVENT_SENSOR] = io->quality[0] == QUALITY_GOOD ? 2 : 1;
     e->pending = 0;
     e->ended = TUNE_NONE;
 }

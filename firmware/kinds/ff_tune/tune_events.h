@@ -6,13 +6,13 @@
 #include "kinds/ff_tune/tune_stage.h"
 
 enum tune_event {
-    TUNE_SAYS_ADOPTED,
-    TUNE_SAYS_NOT,
-    TUNE_SAYS_WORSE,
-    TUNE_SAYS_CHANGED,
-    TUNE_SAYS_STILL,
-    TUNE_SAYS_SENSOR,
-    TUNE_SAYS_WEAK,
+    TUNE_EVENT_ADOPTED,
+    TUNE_EVENT_NOT,
+    TUNE_EVENT_WORSE,
+    TUNE_EVENT_CHANGED,
+    TUNE_EVENT_STILL,
+    TUNE_EVENT_SENSOR,
+    TUNE_EVENT_WEAK,
     TUNE_EVENTS
 };
 extern const struct block_event tune_event_rows[TUNE_EVENTS];

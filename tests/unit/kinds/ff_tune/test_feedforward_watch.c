@@ -401,7 +401,7 @@ static alignas(8) char whole_block[32768];
 
 static struct tune *begin_block(struct block_setup *setup, struct tune_settings *s)
 {
-    struct tune *of = (struct tune *)(void *)whole_block;
+    struct tune *block = (struct tune *)(void *)whole_block;
     *s = (struct tune_settings){.learn_s = 1000,
                                 .check_s = PART * TUNE_PARTS,
                                 .gain = 1,
@@ -420,32 +420,32 @@ static struct tune *begin_block(struct block_setup *setup, struct tune_settings 
     for (unsigned k = 0; k < 2; k++)
         setup->input[k] = (struct block_signal){0, 1, false};
     TEST_ASSERT_TRUE(feedforward_tune_kind.bytes(setup) <= sizeof whole_block);
-    TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, setup, false));
-    return of;
+    TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(block, setup, false));
+    return block;
 }
 
 static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(void)
 {
     static struct tune_settings s;
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, &s);
+    struct tune *block = begin_block(&setup, &s);
     float *const number[] = {&s.k, &s.lead_s, &s.lag_s, &s.dead_s};
     for (unsigned k = 0; k <= sizeof number / sizeof number[0]; k++) {
         for (unsigned n = 0; n < 50; n++) {
-            of->shadows.errors.count = true;
-            of->shadows.errors.actual = REAL_C(0.5);
-            of->shadows.errors.no_feedforward = REAL_C(1.0);
-            of->shadows.candidate_warm = 1000;
-            (void)watch_step(of);
+            block->shadows.errors.count = true;
+            block->shadows.errors.actual = REAL_C(0.5);
+            block->shadows.errors.no_feedforward = REAL_C(1.0);
+            block->shadows.candidate_warm = 1000;
+            (void)watch_step(block);
         }
-        TEST_ASSERT_TRUE(does(of) > 70);
+        TEST_ASSERT_TRUE(does(block) > 70);
         if (k > 0)
             *number[k - 1] += 0.25f;
-        TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, &setup, true));
+        TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(block, &setup, true));
         if (k > 0)
-            TEST_ASSERT_EQUAL_FLOAT(0, does(of));
+            TEST_ASSERT_EQUAL_FLOAT(0, does(block));
         else
-            TEST_ASSERT_TRUE(does(of) > 70);
+            TEST_ASSERT_TRUE(does(block) > 70);
     }
 }
 
@@ -453,40 +453,40 @@ static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(vo
 static struct tune *one_that_does_too_little(struct tune_settings *s, float step)
 {
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, s);
-    of->context.s.step = step;
-    of->context.s.protect = 1;
-    of->stages.stage = TUNE_RUNS;
-    of->stages.anew = false;
-    of->stages.verdict = TUNE_ADOPTED;
-    of->test.promised = REAL_C(0.8);
-    of->watch.since_change = PART * TUNE_PARTS / 2 + 1;
-    return of;
+    struct tune *block = begin_block(&setup, s);
+    block->context.s.step = step;
+    block->context.s.protect = 1;
+    block->stages.stage = TUNE_RUNS;
+    block->stages.anew = false;
+    block->stages.verdict = TUNE_ADOPTED;
+    block->test.promised = REAL_C(0.8);
+    block->watch.since_change = PART * TUNE_PARTS / 2 + 1;
+    return block;
 }
 
 static void too_little_it_goes_off_before_a_test_signal_moves_the_setpoint(void)
 {
     static struct tune_settings s;
-    struct tune *of = one_that_does_too_little(&s, 0.1f);
-    of->watch.since_change--;
-    sample(of);
-    TEST_ASSERT_EQUAL(TUNE_RUNS, of->stages.stage);
-    of = one_that_does_too_little(&s, 0.1f);
-    sample(of);
-    TEST_ASSERT_TRUE(of->proposals.silencing && of->stages.again);
-    TEST_ASSERT_EQUAL(TUNE_IDLE, of->stages.stage);
-    TEST_ASSERT_EQUAL_HEX(1u << TUNE_SAYS_CHANGED, of->events.pending);
+    struct tune *block = one_that_does_too_little(&s, 0.1f);
+    block->watch.since_change--;
+    sample(block);
+    TEST_ASSERT_EQUAL(TUNE_RUNS, block->stages.stage);
+    block = one_that_does_too_little(&s, 0.1f);
+    sample(block);
+    TEST_ASSERT_TRUE(block->proposals.silencing && block->stages.again);
+    TEST_ASSERT_EQUAL(TUNE_IDLE, block->stages.stage);
+    TEST_ASSERT_EQUAL_HEX(1u << TUNE_EVENT_CHANGED, block->events.pending);
 }
 
 static void without_a_test_signal_or_leave_it_goes_on_while_it_is_identified_anew(void)
 {
     static struct tune_settings s;
     for (unsigned leave = 0; leave < 2; leave++) {
-        struct tune *of = one_that_does_too_little(&s, leave ? 0 : 0.1f);
-        of->context.s.protect = (uint8_t)leave;
-        sample(of);
-        TEST_ASSERT_FALSE(of->proposals.silencing);
-        TEST_ASSERT_EQUAL(TUNE_DISTURBANCE, of->stages.stage);
+        struct tune *block = one_that_does_too_little(&s, leave ? 0 : 0.1f);
+        block->context.s.protect = (uint8_t)leave;
+        sample(block);
+        TEST_ASSERT_FALSE(block->proposals.silencing);
+        TEST_ASSERT_EQUAL(TUNE_DISTURBANCE, block->stages.stage);
     }
 }
 
@@ -495,17 +495,17 @@ static void after_three_times_in_a_row_it_is_off_or_left_at_what_it_does(void)
     static struct tune_settings s;
     for (unsigned use = 0; use < 3;
          use++) { /* nothing, a tenth, a tenth but no better than alone */
-        struct tune *of = one_that_does_too_little(&s, 0.1f);
-        of->watch.changes = 3;
-        of->watch.as_alone = use == 2;
-        of->watch.actual = REAL_C(0.88);
-        of->watch.no_feedforward = use ? REAL_C(1.0) : REAL_C(0.9);
-        of->watch.weight = REAL_C(100.0);
-        sample(of);
-        TEST_ASSERT_EQUAL(use != 1, of->proposals.silencing);
-        TEST_ASSERT_FALSE(of->stages.again);
-        TEST_ASSERT_EQUAL(use == 1 ? TUNE_ADOPTED : TUNE_NO_BETTER, of->stages.verdict);
-        TEST_ASSERT_EQUAL(use == 1 ? TUNE_RUNS : TUNE_IDLE, of->stages.stage);
+        struct tune *block = one_that_does_too_little(&s, 0.1f);
+        block->watch.changes = 3;
+        block->watch.as_alone = use == 2;
+        block->watch.actual = REAL_C(0.88);
+        block->watch.no_feedforward = use ? REAL_C(1.0) : REAL_C(0.9);
+        block->watch.weight = REAL_C(100.0);
+        sample(block);
+        TEST_ASSERT_EQUAL(use != 1, block->proposals.silencing);
+        TEST_ASSERT_FALSE(block->stages.again);
+        TEST_ASSERT_EQUAL(use == 1 ? TUNE_ADOPTED : TUNE_NO_BETTER, block->stages.verdict);
+        TEST_ASSERT_EQUAL(use == 1 ? TUNE_RUNS : TUNE_IDLE, block->stages.stage);
     }
 }
 
@@ -513,7 +513,7 @@ static void a_step_that_was_too_small_is_told_with_one_that_is_not(void)
 {
     static struct tune_settings s;
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, &s);
+    struct tune *block = begin_block(&setup, &s);
     static const struct {
         uint8_t verdict;
         float change, spread, wanted;
@@ -522,14 +522,14 @@ static void a_step_that_was_too_small_is_told_with_one_that_is_not(void)
         {TUNE_UNSURE, 0, 1.5f, 1.5f}, {TUNE_UNSURE, 0, 0, 1},   {TUNE_NO_MODEL, 9, 9, 1},
         {TUNE_NO_BAND, 9, 9, 1},      {TUNE_STILL, 9, 9, 0},    {TUNE_ADOPTED, 9, 9, 0},
     };
-    of->context.s.step = 0.5f;
-    of->context.s.settled = 10;
-    of->context.s.confident = 50;
+    block->context.s.step = 0.5f;
+    block->context.s.settled = 10;
+    block->context.s.confident = 50;
     for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
-        of->stages.verdict = rows[k].verdict;
-        of->responses.change = (real_t)rows[k].change;
-        of->search.spread = (real_t)rows[k].spread;
-        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].wanted, step_wanted(of));
+        block->stages.verdict = rows[k].verdict;
+        block->responses.change = (real_t)rows[k].change;
+        block->search.spread = (real_t)rows[k].spread;
+        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].wanted, step_wanted(block));
     }
 }
 
@@ -538,35 +538,35 @@ static void a_disturbance_rests_when_a_tenth_of_its_squares_is_left(void)
 {
     static struct tune_settings s;
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, &s);
-    TEST_ASSERT_TRUE(waits(of));
+    struct tune *block = begin_block(&setup, &s);
+    TEST_ASSERT_TRUE(waits(block));
     for (unsigned k = 0; k < 1000; k++) {
-        of->samples.passed[SIGNAL_D] = num_from_float(k % 100 < 50 ? 0.1f : -0.1f);
-        look_at_disturbance(of);
+        block->samples.passed[SIGNAL_D] = num_from_float(k % 100 < 50 ? 0.1f : -0.1f);
+        look_at_disturbance(block);
     }
-    TEST_ASSERT_FALSE(waits(of));
-    of->samples.passed[SIGNAL_D] = num_from_float(0);
+    TEST_ASSERT_FALSE(waits(block));
+    block->samples.passed[SIGNAL_D] = num_from_float(0);
     unsigned samples = 0;
-    for (; samples < 1000 && !waits(of); samples++)
-        look_at_disturbance(of);
+    for (; samples < 1000 && !waits(block); samples++)
+        look_at_disturbance(block);
     TEST_ASSERT_INT_WITHIN(15, 288, (int)samples); /* 125 ln 10, an eighth of learn being 125 */
-    of->samples.passed[SIGNAL_D] = num_from_float(0.02f); /* a fifth: 4 % of the squares */
+    block->samples.passed[SIGNAL_D] = num_from_float(0.02f); /* a fifth: 4 % of the squares */
     for (unsigned k = 0; k < 1000; k++)
-        look_at_disturbance(of);
-    TEST_ASSERT_TRUE(waits(of));
+        look_at_disturbance(block);
+    TEST_ASSERT_TRUE(waits(block));
 }
 
 static void only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturbance_rests(void)
 {
     static struct tune_settings s;
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, &s);
-    of->context.s.step = 0.1f;
+    struct tune *block = begin_block(&setup, &s);
+    block->context.s.step = 0.1f;
     for (unsigned stage = TUNE_LOOP; stage <= TUNE_DISTURBANCE; stage++)
         for (unsigned asked = 0; asked < 2; asked++) {
-            of->stages.stage = (uint8_t)stage;
-            of->stages.unasked = !asked;
-            TEST_ASSERT_EQUAL(!(stage == TUNE_LOOP && asked), waits(of));
+            block->stages.stage = (uint8_t)stage;
+            block->stages.unasked = !asked;
+            TEST_ASSERT_EQUAL(!(stage == TUNE_LOOP && asked), waits(block));
         }
 }
 
@@ -597,13 +597,13 @@ static void the_model_is_not_reset_while_it_is_computed_with(void)
     static struct tune_settings s;
     struct block_setup setup;
     for (unsigned k = 0; k < 3; k++) {
-        struct tune *of = begin_block(&setup, &s);
+        struct tune *block = begin_block(&setup, &s);
         const char *says = NULL;
-        of->search.computing = k == 1;
-        of->search.idle = k != 2;
+        block->search.computing = k == 1;
+        block->search.idle = k != 2;
         for (unsigned v = 0; v < feedforward_tune_kind.verbs; v++)
             if (strcmp(feedforward_tune_kind.verb[v].name, "reset") == 0)
-                says = feedforward_tune_kind.verb[v].run(of, NULL);
+                says = feedforward_tune_kind.verb[v].run(block, NULL);
         TEST_ASSERT_EQUAL_STRING(k ? "computes" : NULL, says);
     }
 }
@@ -612,17 +612,17 @@ static void a_disturbance_that_moves_in_this_stage_does_not_stand_still(void)
 {
     static struct tune_settings s;
     struct block_setup setup;
-    struct tune *of = begin_block(&setup, &s);
-    of->stages.stage = TUNE_DISTURBANCE;
-    learn_anew(of);
+    struct tune *block = begin_block(&setup, &s);
+    block->stages.stage = TUNE_DISTURBANCE;
+    learn_anew(block);
     for (unsigned k = 0; k < 500; k++)
-        learn(of);
-    TEST_ASSERT_TRUE(tune_stands_still(of->learner.move_square));
-    learn_anew(of);
-    of->samples.passed[SIGNAL_D] = num_from_float(0.002f);
+        learn(block);
+    TEST_ASSERT_TRUE(tune_stands_still(block->learner.move_square));
+    learn_anew(block);
+    block->samples.passed[SIGNAL_D] = num_from_float(0.002f);
     for (unsigned k = 0; k < 10; k++)
-        learn(of);
-    TEST_ASSERT_FALSE(tune_stands_still(of->learner.move_square));
+        learn(block);
+    TEST_ASSERT_FALSE(tune_stands_still(block->learner.move_square));
 }
 
 static void behind_the_stages_that_learn_it_learns_on_with_every_alone(void)
@@ -631,22 +631,22 @@ static void behind_the_stages_that_learn_it_learns_on_with_every_alone(void)
     struct block_setup setup;
     for (unsigned every = 0; every < 2; every++)
         for (unsigned stage = TUNE_DISTURBANCE; stage <= TUNE_RUNS; stage++) {
-            struct tune *of = begin_block(&setup, &s);
+            struct tune *block = begin_block(&setup, &s);
             bool behind = stage >= TUNE_COMPUTES;
-            of->context.s.every_s = every ? 1e6f : 0;
-            of->stages.stage = (uint8_t)stage;
-            of->samples.bad_rests = of->samples.setpoint_rests = 1000;
-            of->stages.anew = of->search.idle = false;
-            of->samples.passed[SIGNAL_D] = num_from_float(0.05f);
-            learn_anew(of);
-            tune_shadows_begin(&of->shadows, &of->context);
-            tune_candidate_begin(&of->shadows, &of->context, 0);
-            tune_test_begin(&of->test, &of->context);
+            block->context.s.every_s = every ? 1e6f : 0;
+            block->stages.stage = (uint8_t)stage;
+            block->samples.bad_rests = block->samples.setpoint_rests = 1000;
+            block->stages.anew = block->search.idle = false;
+            block->samples.passed[SIGNAL_D] = num_from_float(0.05f);
+            learn_anew(block);
+            tune_shadows_begin(&block->shadows, &block->context);
+            tune_candidate_begin(&block->shadows, &block->context, 0);
+            tune_test_begin(&block->test, &block->context);
             for (unsigned k = 0; k < 10; k++)
-                sample(of);
-            TEST_ASSERT_EQUAL(stage, of->stages.stage);
+                sample(block);
+            TEST_ASSERT_EQUAL(stage, block->stages.stage);
             TEST_ASSERT_EQUAL(!behind || every > 0,
-                              high_order_samples(tune_parts_of(of).estimator) > 0);
+                              high_order_samples(tune_parts_of(block).estimator) > 0);
         }
 }
 
