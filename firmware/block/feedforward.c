@@ -93,21 +93,16 @@ enum err feedforward_init(struct feedforward *ff, const struct element_settings 
 enum err feedforward_retune(struct feedforward *ff, const struct element_settings *config,
                             float h_s)
 {
-    struct lead_lag shape;
-    enum err err = lead_lag_init(&shape, config->lead_s, config->lag_s, h_s);
+    enum err err = lead_lag_retune(&ff->shape, config->lead_s, config->lag_s, h_s);
     if (err)
         return err;
-    shape.y = ff->shape.y;
-    shape.last_x = ff->shape.last_x;
-    ff->shape = shape;
     ff->gain = coefficient_from_float(config->gain);
     return ERR_OK;
 }
 
 num_t *feedforward_place_ring(struct feedforward *ff, num_t *ring)
 {
-    ff->delay.ring = ring;
-    return ring + ff->delay.length;
+    return dead_time_place(&ff->delay, ring);
 }
 
 num_t feedforward_output(const struct feedforward *ff)

@@ -52,6 +52,12 @@ enum err dead_time_init(struct dead_time *f, float dead_time_s, float h_s, num_t
     return ERR_OK;
 }
 
+num_t *dead_time_place(struct dead_time *f, num_t *ring)
+{
+    f->ring = ring;
+    return ring + f->length;
+}
+
 void dead_time_reset(struct dead_time *f, num_t value)
 {
     for (uint32_t i = 0; i < f->length; i++)

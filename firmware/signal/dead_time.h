@@ -16,10 +16,14 @@
 
 struct dead_time {
     num_t *ring;
-    uint32_t length; /* samples in the ring: whole + 2 */
-    uint32_t whole;  /* full steps of delay */
-    uint32_t head;   /* where the next sample goes */
-    num_t fraction;  /* [0, 1) of one more step */
+    /* Samples in the ring: whole + 2. */
+    uint32_t length;
+    /* Full steps of delay. */
+    uint32_t whole;
+    /* Place of the next sample. */
+    uint32_t head;
+    /* [0, 1) of one more step. */
+    num_t fraction;
 };
 
 /* Bytes of ring (aligned for num_t) that dead_time_init will want; 0 if the arguments are refused. */
@@ -30,6 +34,9 @@ size_t dead_time_bytes(float dead_time_s, float h_s);
  * without a jump. ERR_RANGE, ERR_NOT_FINITE, ERR_MEMORY (ring NULL or bytes too few): *f unchanged. */
 MUST_CHECK enum err dead_time_init(struct dead_time *f, float dead_time_s, float h_s, num_t *ring,
                                    size_t bytes);
+
+/* The ring stands here from now on. Returns the entry behind it. */
+num_t *dead_time_place(struct dead_time *f, num_t *ring);
 
 /* The whole line holds value. */
 void dead_time_reset(struct dead_time *f, num_t value);

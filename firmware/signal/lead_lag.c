@@ -2,7 +2,7 @@
 
 #include "signal/check.h"
 
-enum err lead_lag_init(struct lead_lag *f, float lead_s, float lag_s, float h_s)
+enum err lead_lag_retune(struct lead_lag *f, float lead_s, float lag_s, float h_s)
 {
     enum err err = check_range(lead_s, 0.0f, 1e6f);
     if (err)
@@ -19,6 +19,14 @@ enum err lead_lag_init(struct lead_lag *f, float lead_s, float lag_s, float h_s)
     f->through = !(lead_s < lag_s) && !(lead_s > lag_s);
     f->k = coefficient_from_float(h_s / (lag_s + h_s));
     f->lead = coefficient_from_float(lead);
+    return ERR_OK;
+}
+
+enum err lead_lag_init(struct lead_lag *f, float lead_s, float lag_s, float h_s)
+{
+    enum err err = lead_lag_retune(f, lead_s, lag_s, h_s);
+    if (err)
+        return err;
     lead_lag_reset(f, num_zero());
     return ERR_OK;
 }

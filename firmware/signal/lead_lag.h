@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "num/accumulator.h"
 
-#define LEAD_LAG_MAX_RATIO                                                                         \
-    100.0f /* largest Tlead/(Tlag + h): how much a step of one sample is amplified */
+/* Largest Tlead/(Tlag + h): how much a step of one sample is amplified. */
+#define LEAD_LAG_MAX_RATIO 100.0f
 
 struct lead_lag {
     struct accumulator y;
@@ -26,7 +26,10 @@ struct lead_lag {
  * Output 0; call reset for a start without a jump. ERR_RANGE or ERR_NOT_FINITE leave *f unchanged. */
 MUST_CHECK enum err lead_lag_init(struct lead_lag *f, float lead_s, float lag_s, float h_s);
 
-/* At rest at value. */
+/* Other times; input and output go on. Ranges and errors as lead_lag_init. */
+MUST_CHECK enum err lead_lag_retune(struct lead_lag *f, float lead_s, float lag_s, float h_s);
+
+/* Begins at rest at value. */
 void lead_lag_reset(struct lead_lag *f, num_t value);
 
 num_t lead_lag_step(struct lead_lag *f, num_t x);
