@@ -2,8 +2,8 @@
 
 #include <stddef.h>
 
-#define PAIR_ERROR                                                                                 \
-    REAL_C(1e-4) /* of the magnitudes: what may be left of poles that are meant to be pairs */
+/* Rest that poles meant to be pairs may leave, part of the magnitudes. */
+#define PAIR_ERROR REAL_C(1e-4)
 
 void state_decoupler_config_default(struct state_decoupler_config *config)
 {

@@ -5,12 +5,12 @@
 #include "identify/common.h"
 #include "identify/response.h"
 
-#define SIGNIFICANT                                                                                \
-    REAL_C(16.0) /* of what the response explains, in variances of a point: 3 parameters, 0.1 % */
+/* Least that a significant response explains, in variances of a point: 3 parameters, 0.1 %. */
+#define SIGNIFICANT     REAL_C(16.0)
 #define EXCESS          REAL_C(1.5) /* variance of 128 points, of noise alone: +- 0.13 */
 #define CORRELATION_MAX REAL_C(0.9)
-#define LAG_UNSURE                                                                                 \
-    REAL_C(0.4) /* sd of ln T from which on a slow lag may as well be an integrator */
+/* Standard deviation of ln T from which on a slow lag may as well be an integrator. */
+#define LAG_UNSURE   REAL_C(0.4)
 #define SETTLED_PART REAL_C(0.05) /* of the largest response, that may be left at the end */
 #define SETTLED_LAGS REAL_C(4.0)  /* after which a level counts as reached */
 #define DIP_PART     REAL_C(0.02) /* of the gain's response, the wrong way */

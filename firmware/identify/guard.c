@@ -3,8 +3,8 @@
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 
-#define EXCESS_SDS                                                                                 \
-    REAL_C(3.0) /* of noise beyond its share, that a prediction must be over the limit by */
+/* A prediction must be over the limit by so many standard deviations of noise, beyond its share. */
+#define EXCESS_SDS REAL_C(3.0)
 
 enum err guard_init(struct guard *g, const struct guard_config *config)
 {

@@ -12,26 +12,26 @@
 #define SAME_PEAK   REAL_C(0.03) /* of the way between the peaks */
 #define SAME_GAIN   REAL_C(0.2)  /* of the gain */
 #define PEAK_NOISE  REAL_C(3.0)  /* deviations: and of its noise */
-#define UNEVEN                                                                                     \
-    REAL_C(0.15)        /* of the period: halves differ by more than this, and the bias is moved */
+/* If the halves of a period differ by more than this part of it, the bias is moved. */
+#define UNEVEN       REAL_C(0.15)
 #define STUCK        6u /* times the longest half before */
 #define PERIODS_MOST 24u
 #define GROWTH_MOST  REAL_C(4.0)
 #define LIMIT_SHARE  REAL_C(0.7) /* of a limit that a new amplitude may aim at */
 #define SHRINK_SHARE REAL_C(0.9) /* of a limit from which on the amplitude is made smaller */
 #define HALF_LARGEST (1u << 28)
-#define FOUND_SHARE                                                                                \
-    REAL_C(0.5) /* of the room, for an amplitude that is to be found: the rest is for the bias */
-#define BACK_LEAST REAL_C(0.2) /* of |G|: what of the output comes back against the input */
-#define BACK_FULL  REAL_C(0.8)
+/* Part of the room for an amplitude that is to be found: the rest is for the bias. */
+#define FOUND_SHARE REAL_C(0.5)
+#define BACK_LEAST  REAL_C(0.2) /* of |G|: what of the output comes back against the input */
+#define BACK_FULL   REAL_C(0.8)
 /* Parts of the way that the output has gone away from where it is asked: it turns back by itself; or goes on, the input turned round, by
  * more than dead time explains. */
 #define TURNING_SHARE REAL_C(0.8)
 #define AWAY_SHARE    REAL_C(1.5)
 #define BACK_TIMES    2u /* as long as it went away it may take to come back to the other side */
 #define AGAIN_TIMES   2u /* as long as it came back it may take to go away again */
-#define COASTS                                                                                     \
-    4u /* times as long as it took to leave: several lags in a row go on for so long, the input turned */
+/* Several lags in a row go on so many times as long as it took to leave, the input turned. */
+#define COASTS 4u
 
 static bool positive_up_to(real_t x, real_t most)
 {

@@ -51,8 +51,8 @@ struct rls_settings {
     float rate;       /* alpha of PC with alpha p0 < 2, mu of SPC in (0, 2) */
     float error_most; /* e is clipped to +- this, y; 0: never */
     float dead_zone;  /* in deviations of e as measured; 0: none */
-    const float *lo,
-        *hi; /* [n] bounds, hi > lo; where hi <= lo there are none. NULL: none at all. Read during init only */
+    /* [n] bounds, hi > lo; where hi <= lo there are none. NULL: none at all. Read during init only. */
+    const float *lo, *hi;
 };
 
 struct rls; /* in the caller's memory */

@@ -5,9 +5,9 @@
 #include "identify/common.h"
 
 #define BAND REAL_C(0.02)
-#define NOISE_SDS                                                                                  \
-    REAL_C(4.0) /* the band stands this far above the noise of what is held against it */
-#define LN_50 REAL_C(3.912023005)
+/* The band stands this far above the noise of what is held against it. */
+#define NOISE_SDS REAL_C(4.0)
+#define LN_50     REAL_C(3.912023005)
 
 /* Mean of the count points from at. */
 static real_t mean_of_points(const real_t *y, uint32_t at, uint32_t count)

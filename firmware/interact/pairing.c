@@ -4,8 +4,8 @@
 #include <string.h>
 
 #define COST_UNIT REAL_C(1e4) /* of |ln lambda| */
-#define TO_REVEAL                                                                                  \
-    REAL_C(1e-3) /* relative errors drawn where the gains themselves give no relative gains */
+/* Relative errors drawn where the gains themselves give no relative gains. */
+#define TO_REVEAL REAL_C(1e-3)
 
 /* The next thing to do: relative gains of a matrix (the estimates, or a draw about them), then pairs by pairs until
  * the Niederlinski index of every subset is positive. */
