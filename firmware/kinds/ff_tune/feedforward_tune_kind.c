@@ -2,11 +2,14 @@
 #include <string.h>
 
 #include "kinds/ff_tune/feedforward_tune.h"
+#include "kinds/ff_tune/tune_disturbance.h"
 #include "kinds/ff_tune/tune_events.h"
+#include "kinds/ff_tune/tune_proposals.h"
 #include "kinds/ff_tune/tune_responses.h"
 #include "kinds/ff_tune/tune_samples.h"
 #include "kinds/ff_tune/tune_search.h"
 #include "kinds/ff_tune/tune_state.h"
+#include "kinds/ff_tune/tune_test.h"
 #include "kinds/ff_tune/tune_values.h"
 
 struct tune_parts tune_parts_of(struct tune *t)
@@ -82,11 +85,27 @@ static enum err tune_configure(void *state, const struct block_setup *setup, boo
 
 /* ---- what the tick and the main loop call ---- */
 
+static void raise_tune_events(const struct tune_parts *p, struct block_io *io)
+{
+    enum tune_stage stage = tune_stages_stage(p->stages);
+    bool still = (stage == TUNE_LOOP || stage == TUNE_DISTURBANCE) &&
+                 tune_waits_for_disturbance(p) &&
+                 2u * tune_disturbance_still(p->disturbance) >
+                     tune_samples_in(p->context, p->context->s.learn_s);
+    const struct tune_event_values values = {
+        .still = still,
+        .d = (float)real_sqrt(tune_disturbance_square(p->disturbance)),
+        .promised = (float)tune_test_promised(p->test),
+        .step_wanted = tune_step_wanted(p)};
+    tune_events_raise(p->events, p->context, io, &values);
+}
+
 static void tune_step(void *state, struct block_io *io)
 {
     const struct tune_parts parts = tune_parts_of(state);
     io->out[0] = io->in[0];
     tune_stages_step(&parts, io);
+    raise_tune_events(&parts, io);
 }
 
 /* The controller has to give what the MV is to be: nothing is in between. */
@@ -136,16 +155,23 @@ static const char *run_stop_tuning(void *state, const float *number)
 
 static const char *run_silence(void *state, const float *number)
 {
-    const struct tune_parts parts = tune_parts_of(state);
+    struct tune *t = state;
     (void)number;
-    return tune_stages_silence(&parts);
+    if (!tune_stages_element_acts(&t->stages))
+        return "is_off";
+    tune_silence(&t->proposals);
+    return NULL;
 }
 
 static const char *run_reset_model(void *state, const float *number)
 {
     const struct tune_parts parts = tune_parts_of(state);
     (void)number;
-    return tune_stages_reset_model(&parts);
+    if (tune_search_computes(parts.search) || !tune_search_is_idle(parts.search))
+        return "computes";
+    high_order_reset(parts.estimator);
+    tune_responses_unsettle(parts.responses);
+    return NULL;
 }
 
 static const struct block_verb tune_verbs[] = {

@@ -450,19 +450,6 @@ void tune_stages_sample(const struct tune_parts *p)
 
 /* ---- a step ---- */
 
-static void raise_events(const struct tune_parts *p, struct block_io *io)
-{
-    bool still = stage_learns(p->stages) && tune_waits_for_disturbance(p) &&
-                 2u * tune_disturbance_still(p->disturbance) >
-                     tune_samples_in(p->context, p->context->s.learn_s);
-    const struct tune_event_values values = {
-        .still = still,
-        .d = (float)real_sqrt(tune_disturbance_square(p->disturbance)),
-        .promised = (float)tune_test_promised(p->test),
-        .step_wanted = tune_step_wanted(p)};
-    tune_events_raise(p->events, p->context, io, &values);
-}
-
 void tune_stages_step(const struct tune_parts *p, struct block_io *io)
 {
     tune_events_readings(p->events,
@@ -477,7 +464,6 @@ void tune_stages_step(const struct tune_parts *p, struct block_io *io)
     if (!tune_propose(p->proposals, p->context, io, tune_stages_stage(p->stages),
                       tune_candidate(p->search), tune_since_disturbance(p->samples)))
         end_tuning(p, TUNE_REJECTED);
-    raise_events(p, io);
 }
 
 /* ---- verbs ---- */
@@ -502,22 +488,5 @@ const char *tune_stages_stop(const struct tune_parts *p)
         return "runs_not";
     tune_search_cancel(p->search);
     end_tuning(p, TUNE_STOPPED);
-    return NULL;
-}
-
-const char *tune_stages_silence(const struct tune_parts *p)
-{
-    if (!p->stages->acts)
-        return "is_off";
-    tune_silence(p->proposals);
-    return NULL;
-}
-
-const char *tune_stages_reset_model(const struct tune_parts *p)
-{
-    if (!work_is_over(p))
-        return "computes";
-    high_order_reset(p->estimator);
-    tune_responses_unsettle(p->responses);
     return NULL;
 }

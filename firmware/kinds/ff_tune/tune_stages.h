@@ -38,8 +38,6 @@ void tune_stages_step(const struct tune_parts *p, struct block_io *io);
 /* Verbs: NULL, or why not, in a word. */
 const char *tune_stages_tune(const struct tune_parts *p);
 const char *tune_stages_stop(const struct tune_parts *p);
-const char *tune_stages_silence(const struct tune_parts *p);
-const char *tune_stages_reset_model(const struct tune_parts *p);
 
 enum tune_stage tune_stages_stage(const struct tune_stages *s);
 enum tune_verdict tune_stages_verdict(const struct tune_stages *s);
