@@ -35,7 +35,7 @@ num_t setpoint_taken(const struct supervisor *s, uint8_t i, num_t given)
     const struct block_return *back = return_of(s, outer);
     const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
     if (back && back->within > 0.0f && is_doubtful(s, outer)) {
-        num_t good = accumulator_get(&s->loop[i].ramp.at);
+        num_t good = ramp_position(&s->loop[i].ramp);
         num_t reach = num_from_float(back->within / (m->hi - m->lo));
         given = num_clamp(given, num_sub(good, reach), num_add(good, reach));
     }

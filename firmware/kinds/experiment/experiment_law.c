@@ -5,6 +5,9 @@
 #include "kinds/experiment/experiment_law_state.h"
 #include "kinds/experiment/experiment_lease.h"
 #include "kinds/experiment/experiment_loops.h"
+#include "law/state_law_job.h"
+#include "law/state_law_job_state.h"
+#include "law/state_law_proposal.h"
 
 /* Steps that the job gets: two states are a millisecond. */
 #define STEPS 2u
@@ -138,7 +141,7 @@ static void put_order_of_law(struct experiment_law *l, const struct experiment_c
         }
     memcpy(l->goal, c->law, sizeof l->goal);
     state_law_job_of_model(job, c->law, c->n);
-    put_plant(c, &job->sampled);
+    put_plant(c, state_law_job_sampled(job));
     l->stage = EXPERIMENT_LAW_WORKS;
 }
 
@@ -177,8 +180,7 @@ static bool law_is_found(const struct experiment_law *l, const struct experiment
     const void *job = experiment_leased(&l->lease);
     if (l->stage != EXPERIMENT_LAW_WORKS || !job)
         return false;
-    return is_of_loops(c) ? experiment_loops_are_found(job, c)
-                          : ((const struct state_law_job *)job)->phase == STATE_LAW_PHASE_OVER;
+    return is_of_loops(c) ? experiment_loops_are_found(job, c) : state_law_job_is_over(job);
 }
 
 static void take_found_law(struct experiment_law *l, struct experiment_loops *loops,
@@ -188,7 +190,7 @@ static void take_found_law(struct experiment_law *l, struct experiment_loops *lo
     if (is_of_loops(c)) {
         experiment_loops_take(loops, job, &l->found);
     } else {
-        l->found = ((const struct state_law_job *)job)->found;
+        l->found = *state_law_job_found(job);
         if (!c->law || memcmp(l->goal, c->law, sizeof l->goal) != 0) {
             refuse_design(l, "settings", "left as they are while the law is found", 0);
             return;

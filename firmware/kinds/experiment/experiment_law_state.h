@@ -3,7 +3,7 @@
 #define REFLUX_EXPERIMENT_EXPERIMENT_LAW_STATE_H
 
 #include "kinds/experiment/experiment_lease_state.h"
-#include "kinds/state_law/state_law_job.h"
+#include "law/state_law_found.h"
 
 enum experiment_law_stage {
     EXPERIMENT_LAW_NONE,

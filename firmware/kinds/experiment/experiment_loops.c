@@ -5,7 +5,7 @@
 #include "design/pole_placement.h"
 #include "design/polynomial_decoupler.h"
 #include "kinds/experiment/experiment_loops_state.h"
-#include "kinds/state_law/state_law_job.h"
+#include "law/state_law_found.h"
 
 struct experiment_loops_job {
     struct difference_model model;
