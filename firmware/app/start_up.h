@@ -17,7 +17,7 @@ static inline void start_up_init(struct start_up *u, struct service *s, struct j
 {
     commission_init(&u->commission, &s->tick_events, s->workspace);
     s->commission = &u->commission;
-    (void)!jobs_add(jobs, &u->commission.job);
+    (void)!jobs_add(jobs, commission_job(&u->commission));
 }
 
 static inline void start_up_resume(struct start_up *u, bool was_testing)

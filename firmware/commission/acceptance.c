@@ -1,35 +1,41 @@
-#include "exchange/config.h"
+#include "commission/acceptance.h"
 
-#include "commission/commission_internal.h"
+#include "commission/adoption.h"
+#include "commission/blocking.h"
+#include "commission/commission_state.h"
+#include "commission/requests.h"
+#include "commission/start_stop.h"
+#include "commission/status.h"
+#include "commission/test_outputs.h"
 
 void commission_back_to_old(struct commission *c, struct supervisor *s,
                             enum commission_reason reason, const char *subject, real_t value)
 {
     commission_end(c, s, reason, subject, value);
     adoption_put_back(&c->adoption, s, reason == REASON_HAND);
-    c->phase = COMMISSION_RETURNED;
-    c->wants_old = true;
+    status_returned(&c->status);
+    requests_set_want_old(&c->requests, true);
 }
 
 bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor *s)
 {
     const char *subject;
-    if (s->plan->serial != c->plan_serial) {
+    if (!outputs_plan_in_force(&c->outputs, s)) {
         commission_end(c, s, REASON_CONFIG, NULL, REAL_C(0.0)); /* that one stays */
         return true;
     }
-    enum commission_reason reason = s->safe_count != c->safe_count ? REASON_SAFE : REASON_NOT;
+    enum commission_reason reason = outputs_were_safe(&c->outputs, s) ? REASON_SAFE : REASON_NOT;
     if (reason == REASON_NOT)
-        reason = commission_hindrance(c, s, &subject);
-    int at = commission_at_end(c);
-    if (reason == REASON_NOT && at >= 0) {
+        reason = blocking_reason(c, s, &subject);
+    int end = outputs_at_end(&c->outputs);
+    if (reason == REASON_NOT && end >= 0) {
         reason = REASON_SPAN;
-        subject = s->plan->config.measurement[c->measurement[at]].name;
+        subject = outputs_name(&c->outputs, s, (uint8_t)end);
     }
     if (reason == REASON_SAFE) {
         commission_end(c, s, REASON_SAFE, NULL, REAL_C(0.0));
-        c->phase = COMMISSION_RETURNED;
-        c->wants_old = true; /* what was not tried to the end is not kept */
+        status_returned(&c->status);
+        requests_set_want_old(&c->requests, true); /* an unfinished trial keeps nothing */
         return true;
     }
     if (reason != REASON_NOT)
@@ -39,23 +45,19 @@ bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor 
 
 void commission_begin_trial(struct commission *c, struct supervisor *s)
 {
-    c->plan_serial = c->trial_serial;
-    c->safe_count = s->safe_count;
-    c->phase = COMMISSION_TRIAL;
-    c->reason = REASON_NOT;
-    c->phase_ms = s->time_ms;
-    if (s->plan->serial == c->plan_serial)
+    outputs_begin_trial(&c->outputs, s, requests_trial_serial(&c->requests));
+    status_enter_trial(&c->status, s->time_ms);
+    if (outputs_plan_in_force(&c->outputs, s))
         adoption_hold(&c->adoption, s);
     if (commission_acceptance_is_disturbed(c, s))
         return;
-    commission_age_origin(c, s);
-    c->adoption.origin = &c->origin;
-    enum err err = adoption_begin(&c->adoption, s, &c->work->analysis.work.after.rest);
+    outputs_age_origin(&c->outputs, &c->origin, s);
+    enum err err = adoption_begin(&c->adoption, s, &c->origin, &c->work->analysis.work.after.rest);
     if (err) {
         commission_back_to_old(c, s, REASON_NUMBERS, NULL, (real_t)err);
         return;
     }
-    event_put(c->events, s->time_ms, EVENT_TRIAL_BEGUN, NULL, (float)c->adoption.n, 0);
+    commission_say(c, s, EVENT_TRIAL_BEGUN, NULL, (float)adoption_loops(&c->adoption));
 }
 
 void commission_acceptance(struct commission *c, struct supervisor *s)
@@ -76,16 +78,11 @@ void commission_acceptance(struct commission *c, struct supervisor *s)
     if (r == ADOPTION_RUNNING)
         return;
     if (r == ADOPTION_PASSED) {
-        c->phase = COMMISSION_KEPT;
-        c->ended_ms = s->time_ms;
-        event_put(c->events, s->time_ms, EVENT_TRIAL_KEPT, NULL, (float)c->adoption.n, 0);
+        status_kept(&c->status, s->time_ms);
+        commission_say(c, s, EVENT_TRIAL_KEPT, NULL, (float)adoption_loops(&c->adoption));
         return;
     }
-    const struct adoption *a = &c->adoption;
-    const struct config *config = &s->plan->config;
-    bool of_loop = a->culprit < a->n;
-    const char *subject = of_loop ? config->loop[a->loop[a->culprit].loop].name
-                                  : config->measurement[a->channel[a->culprit].measurement].name;
-    commission_back_to_old(c, s, reason[r], subject,
-                           of_loop ? a->loop[a->culprit].peak : REAL_C(0.0));
+    real_t peak;
+    const char *subject = adoption_culprit(&c->adoption, &s->plan->config, &peak);
+    commission_back_to_old(c, s, reason[r], subject, peak);
 }

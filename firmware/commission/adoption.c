@@ -1,6 +1,7 @@
-#include "exchange/config.h"
-
 #include "commission/adoption.h"
+
+#include "commission/adoption_state.h"
+#include "commission/trial_step.h"
 
 #include <string.h>
 
@@ -12,18 +13,16 @@ enum stage {
 };
 
 #define NOISE_MULTIPLE REAL_C(4.0)
-#define REST_SHARE     REAL_C(0.15) /* of the step: error left at the end of it */
-#define AUTO_TICKS     3u           /* a mode asked for is there by then */
-#define LISTEN_TICK    2u           /* the first may be that of the beginning itself */
-#define DRIFT_SDS      REAL_C(3.0)  /* a slope so many of its standard deviations is a drift */
+#define AUTO_TICKS     3u          /* a mode asked for is there by then */
+#define LISTEN_TICK    2u          /* the first may be that of the beginning itself */
+#define DRIFT_SDS      REAL_C(3.0) /* a slope so many of its standard deviations is a drift */
 #define DRIFT_SHARE                                                                                \
     REAL_C(0.05) /* of a step: a drift that carries less in its time does not matter */
-#define DRIFT_MOST    REAL_C(0.5) /* of a limit: farther no setpoint goes with it */
-#define PATIENCE      3u          /* windows more, where the line is bent */
-#define BEND_SDS      REAL_C(4.0)
-#define BEND_SHARE    REAL_C(0.1)  /* of a step */
-#define BLOCKED_SHARE REAL_C(0.25) /* of a step's time that an output may stand at a limit */
-#define MOVED_LEAST   REAL_C(1e-5)
+#define DRIFT_MOST  REAL_C(0.5) /* of a limit: farther no setpoint goes with it */
+#define PATIENCE    3u          /* windows more, where the line is bent */
+#define BEND_SDS    REAL_C(4.0)
+#define BEND_SHARE  REAL_C(0.1) /* of a step */
+#define MOVED_LEAST REAL_C(1e-5)
 
 static void ask(struct supervisor *s, uint8_t i, enum loop_mode mode)
 {
@@ -46,7 +45,7 @@ static uint8_t output_of(const struct adoption *a, const struct supervisor *s, u
     return s->plan->loop[a->loop[k].loop].mv;
 }
 
-static uint8_t loops_of(const struct adoption *a)
+static uint8_t all_loops(const struct adoption *a)
 {
     return (uint8_t)(a->n + a->n_inner);
 }
@@ -72,22 +71,19 @@ static void enter_stage(struct adoption *a, enum stage stage, uint32_t ticks)
     a->stage = (uint8_t)stage;
     a->ticks = 0;
     a->stage_ticks = ticks;
-    a->error_sum = REAL_C(0.0);
-    a->error_n = 0;
-    memset(a->blocked, 0, sizeof a->blocked);
-    memset(&a->swing, 0, sizeof a->swing);
+    trial_step_begin(&a->step);
 }
 
 void adoption_hold(struct adoption *a, const struct supervisor *s)
 {
-    for (uint8_t k = 0; k < loops_of(a); k++)
+    for (uint8_t k = 0; k < all_loops(a); k++)
         if (output_of(a, s, k) != PLAN_NONE)
             a->loop[k].test_base = num_to_float(s->mv[output_of(a, s, k)].manual);
 }
 
 void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand)
 {
-    for (uint8_t k = 0; k < loops_of(a); k++) {
+    for (uint8_t k = 0; k < all_loops(a); k++) {
         uint8_t i = a->loop[k].loop, j = output_of(a, s, k);
         if (but_hand && s->loop[i].mode == LOOP_MANUAL)
             continue;
@@ -103,7 +99,8 @@ static uint32_t rest_ticks(const struct adoption *a)
     return a->window / STEADY_BLOCKS * STEADY_BLOCKS;
 }
 
-enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct steady *work)
+enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct origin *origin,
+                        struct steady *work)
 {
     struct steady_config c = {.outputs = a->channels,
                               .block = a->window / STEADY_BLOCKS,
@@ -111,9 +108,10 @@ enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct s
                               .noise_floor = REAL_C(1e-6),
                               .motion_limit = REAL_C(3.0),
                               .variance_limit = REAL_C(4.0)};
+    a->origin = origin;
     a->steady = work;
     a->result = a->doubt = ADOPTION_RUNNING;
-    a->at = a->culprit = a->repeats = 0;
+    a->turn = a->culprit = a->repeats = 0;
     a->drifting = a->placed = false;
     a->since = 0;
     a->patience = PATIENCE;
@@ -152,8 +150,8 @@ static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8
                      const struct steady_result *now)
 {
     const struct adoption_channel *c = &a->channel[k];
-    real_t h = s->plan->tick_s, step = real_abs(a->loop[a->at].step) * BEND_SHARE;
-    real_t since = (real_t)a->since * h - now->age_s, lasts = a->loop[a->at].duration_s;
+    real_t h = s->plan->tick_s, step = real_abs(a->loop[a->turn].step) * BEND_SHARE;
+    real_t since = (real_t)a->since * h - now->age_s, lasts = a->loop[a->turn].duration_s;
     real_t away = real_abs(now->mean - c->rest - c->slope_per_s * since);
     real_t steeper = real_abs(now->slope_per_s - c->slope_per_s) * lasts;
     real_t away_sd = hypotenuse(hypotenuse(now->mean_sd, c->rest_sd), c->slope_sd_per_s * since);
@@ -194,7 +192,7 @@ static bool is_restless(const struct adoption *a)
 /* What the tests, and the steps before, have left of channel k. */
 static real_t left_of(const struct adoption *a, uint8_t k)
 {
-    return real_abs(a->origin->channel[a->channel[k].output].left);
+    return real_abs(origin_left(a->origin, a->channel[k].output));
 }
 
 static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
@@ -220,7 +218,7 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
     a->since = 0;
     if (a->doubt != ADOPTION_RUNNING) {
         if (!bent || a->repeats >= ADOPTION_REPEATS)
-            return fail_trial(a, a->doubt, a->at);
+            return fail_trial(a, a->doubt, a->turn);
         a->repeats++;
         a->drifting = true;
         a->doubt = ADOPTION_RUNNING;
@@ -228,7 +226,7 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
     for (uint8_t k = 0; k < a->n; k++)
         ask(s, a->loop[k].loop, LOOP_AUTO);
     a->placed = false;
-    bool brief = a->drifting && a->at < a->n;
+    bool brief = a->drifting && a->turn < a->n;
     enter_stage(a, STAGE_SETTLE, (brief ? 0u : longest(a, s) / 4u) + AUTO_TICKS);
     return ADOPTION_RUNNING;
 }
@@ -243,7 +241,7 @@ static void rest_again(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result rest(struct adoption *a, struct supervisor *s)
 {
-    for (uint8_t k = 0; a->ticks > AUTO_TICKS && k < loops_of(a); k++) {
+    for (uint8_t k = 0; a->ticks > AUTO_TICKS && k < all_loops(a); k++) {
         uint8_t j = output_of(a, s, k);
         real_t moved =
             j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->mv[j].manual) - a->loop[k].test_base;
@@ -276,7 +274,7 @@ static real_t carried(const struct adoption *a, const struct supervisor *s, uint
 /* A tick later than the others: by then the outer loops, which may be new, have followed the inner measurements. */
 static void listen(const struct adoption *a, struct supervisor *s)
 {
-    for (uint8_t k = a->n; k < loops_of(a); k++)
+    for (uint8_t k = a->n; k < all_loops(a); k++)
         ask(s, a->loop[k].loop, LOOP_CASCADE);
 }
 
@@ -284,7 +282,7 @@ static void listen(const struct adoption *a, struct supervisor *s)
 static enum adoption_result watch_trial(struct adoption *a, const struct supervisor *s)
 {
     bool early = a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS;
-    for (uint8_t k = 0; k < loops_of(a) && !early; k++) {
+    for (uint8_t k = 0; k < all_loops(a) && !early; k++) {
         const struct loop_state *l = &s->loop[a->loop[k].loop];
         bool outer = k < a->n;
         if (l->mode != (outer ? LOOP_AUTO : LOOP_CASCADE) ||
@@ -318,7 +316,7 @@ static void place_setpoints(struct adoption *a, struct supervisor *s)
     for (uint8_t k = 0; k < a->n; k++) {
         struct loop_state *l = &s->loop[a->loop[k].loop];
         real_t at = a->channel[k].rest + carried(a, s, k);
-        if (k == a->at && a->stage == STAGE_STEP)
+        if (k == a->turn && a->stage == STAGE_STEP)
             at += a->loop[k].step;
         l->target = num_from_float(within_setpoint_limits(s, a->loop[k].loop, at));
         l->sp_given = true;
@@ -330,102 +328,38 @@ static void place_setpoints(struct adoption *a, struct supervisor *s)
 static void say_setpoint(const struct adoption *a, const struct supervisor *s)
 {
     const struct config *config = &s->plan->config;
-    const struct measurement_config *m = &config->measurement[a->channel[a->at].measurement];
-    event_put(s->events, s->time_ms, EVENT_SETPOINT, config->loop[a->loop[a->at].loop].name,
-              m->lo + a->asked[a->at] * (m->hi - m->lo), 0);
+    const struct measurement_config *m = &config->measurement[a->channel[a->turn].measurement];
+    event_put(s->events, s->time_ms, EVENT_SETPOINT, config->loop[a->loop[a->turn].loop].name,
+              m->lo + a->asked[a->turn] * (m->hi - m->lo), 0);
 }
 
 static void begin_stage(struct adoption *a, struct supervisor *s, enum stage stage)
 {
-    enter_stage(a, stage, duration(&a->loop[a->at], s));
+    enter_stage(a, stage, duration(&a->loop[a->turn], s));
     if (stage == STAGE_STEP)
-        a->loop[a->at].iae = a->loop[a->at].peak = REAL_C(0.0);
+        a->loop[a->turn].iae = a->loop[a->turn].peak = REAL_C(0.0);
     place_setpoints(a, s);
     say_setpoint(a, s);
 }
 
-/* The step was chosen so that no output comes to its limit. */
-static bool is_blocked(const struct supervisor *s, uint8_t output)
+static real_t setpoint_error(const struct adoption *a, const struct supervisor *s)
 {
-    const struct mv_config *o = &s->plan->config.mv[output];
-    real_t at = num_to_float(s->mv[output].constrained), span = o->hi - o->lo;
-    real_t lo = (o->min - o->lo) / span, hi = (o->max - o->lo) / span;
-    return at <= lo + MOVED_LEAST || at >= hi - MOVED_LEAST;
-}
-
-/* What of a drift the line may not have foreseen keeps a loop away from its setpoint. Its controller has to climb as fast as
- * the drift, for which the error is the drift times the integral of the error after a step of one: both are Ti / (K Kc).
- * The other loops drift, too. */
-static real_t lag_behind_drift(const struct adoption *a)
-{
-    const struct adoption_channel *c = &a->channel[a->at];
-    const struct adoption_loop *l = &a->loop[a->at];
-    real_t unforeseen = REAL_C(2.0) * c->slope_sd_per_s;
-    if (!c->drifts)
-        unforeseen += real_abs(c->slope_per_s);
-    return REAL_C(2.0) * unforeseen * l->predicted.iae / real_abs(l->size);
-}
-
-/* The setpoint has gone away, or back. */
-static void look_at_swing(struct adoption *a, const struct supervisor *s)
-{
-    real_t noise_sd = a->channel[a->at].noise_sd, lag = lag_behind_drift(a);
-    swing_step(&a->swing, a->asked[a->at] - measured(a, s, a->at), noise_sd, lag);
-    if (a->ticks >= a->stage_ticks)
-        swing_end(&a->swing, noise_sd, lag);
+    return a->asked[a->turn] - measured(a, s, a->turn);
 }
 
 static void look_at_step(struct adoption *a, const struct supervisor *s)
 {
-    struct adoption_loop *l = &a->loop[a->at];
-    for (uint8_t k = 0; k < loops_of(a); k++)
-        if (output_of(a, s, k) != PLAN_NONE && is_blocked(s, output_of(a, s, k)))
-            a->blocked[k]++;
-    real_t error = a->asked[a->at] - measured(a, s, a->at);
-    l->iae += real_abs(error) * s->plan->tick_s;
-    real_t past = -error / l->step; /* in units of the step, above 0 beyond the setpoint */
-    if (past > l->peak)
-        l->peak = past;
-    if (a->ticks > a->stage_ticks - a->stage_ticks / 4u) {
-        a->error_sum += error;
-        a->error_n++;
-    }
-}
-
-static enum adoption_result step_verdict(const struct adoption *a, const struct supervisor *s)
-{
-    const struct adoption_loop *l = &a->loop[a->at];
-    real_t scale = real_abs(l->step / l->size), step = real_abs(l->step);
-    real_t noise_sd = a->channel[a->at].noise_sd;
-    real_t ran_s = (real_t)a->stage_ticks * s->plan->tick_s;
-    /* What noise alone integrates to: its mean magnitude is 0.8 of its standard deviation. */
-    real_t lag = lag_behind_drift(a);
-    real_t iae_most =
-        ADOPTION_IAE * l->predicted.iae * scale + (REAL_C(1.5) * noise_sd + lag) * ran_s;
-    real_t peak_most = l->predicted.peak + ADOPTION_PEAK + (NOISE_MULTIPLE * noise_sd + lag) / step;
-    real_t left = a->error_n ? a->error_sum / (real_t)a->error_n : REAL_C(0.0);
-    left = l->step > REAL_C(0.0) ? left : -left;
-    /* Nearer to the setpoint than predicted is no failure. */
-    real_t apart = left - l->left * scale;
-    left = real_abs(apart) < real_abs(left) ? apart : left;
-    for (uint8_t k = 0; k < loops_of(a); k++)
-        if ((real_t)a->blocked[k] > BLOCKED_SHARE * (real_t)a->stage_ticks)
-            return ADOPTION_BLOCKED;
-    if (l->peak > peak_most)
-        return ADOPTION_OVERSHOOT;
-    if (a->swing.grows)
-        return ADOPTION_SWINGS;
-    if (real_abs(left) > REST_SHARE * step + noise_sd + lag)
-        return ADOPTION_RESTLESS;
-    if (l->iae > iae_most)
-        return ADOPTION_SLOW;
-    return ADOPTION_RUNNING;
+    for (uint8_t k = 0; k < all_loops(a); k++)
+        if (output_of(a, s, k) != PLAN_NONE)
+            trial_step_watch_output(&a->step, s, k, output_of(a, s, k));
+    trial_step_sample(&a->step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
+                      a->ticks > a->stage_ticks - a->stage_ticks / 4u);
 }
 
 /* The next loop's turn, or the end of it all. */
 static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 {
-    if (a->at < a->n) {
+    if (a->turn < a->n) {
         begin_stage(a, s, STAGE_STEP);
         return ADOPTION_RUNNING;
     }
@@ -435,25 +369,26 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
-    a->doubt = step_verdict(a, s);
+    a->doubt = trial_step_verdict(&a->step, &a->loop[a->turn], &a->channel[a->turn], all_loops(a),
+                                  a->stage_ticks, s->plan->tick_s);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
         return ADOPTION_RUNNING;
     }
     if (a->doubt == ADOPTION_RUNNING)
-        a->at++;
+        a->turn++;
     rest_again(a, s);
     return ADOPTION_RUNNING;
 }
 
 static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 {
-    if (a->swing.grows) {
+    if (trial_step_swings(&a->step)) {
         a->doubt = ADOPTION_SWINGS;
         rest_again(a, s);
         return ADOPTION_RUNNING;
     }
-    a->at++;
+    a->turn++;
     return next_turn(a, s);
 }
 
@@ -461,7 +396,7 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
 {
     a->ticks++;
     a->since++;
-    a->origin->since_s += s->plan->tick_s;
+    origin_grow_older(a->origin, s->plan->tick_s);
     if (a->stage == STAGE_REST)
         return rest(a, s);
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
@@ -472,7 +407,8 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     if (a->stage == STAGE_STEP)
         look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
-        look_at_swing(a, s);
+        trial_step_swing(&a->step, &a->loop[a->turn], &a->channel[a->turn], setpoint_error(a, s),
+                         a->ticks >= a->stage_ticks);
     if (a->ticks >= a->stage_ticks) {
         if (a->stage == STAGE_STEP)
             return end_step(a, s);
@@ -480,4 +416,38 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     }
     place_setpoints(a, s);
     return ADOPTION_RUNNING;
+}
+
+/* ---- for those who prepare it or show it ---- */
+
+void adoption_prepare(struct adoption *a, uint32_t window, uint32_t back)
+{
+    memset(a, 0, sizeof *a);
+    a->window = window;
+    a->back = back;
+}
+
+void adoption_add_channel(struct adoption *a, const struct adoption_channel *channel)
+{
+    a->channel[a->channels++] = *channel;
+}
+
+enum err adoption_add_loop(struct adoption *a, const struct adoption_loop *loop, bool inner)
+{
+    if (all_loops(a) >= CONFIG_LOOPS)
+        return ERR_FULL;
+    a->loop[all_loops(a)] = *loop;
+    if (inner)
+        a->n_inner++;
+    else
+        a->n++;
+    return ERR_OK;
+}
+
+const char *adoption_culprit(const struct adoption *a, const struct config *config, real_t *peak)
+{
+    bool has_loop = a->culprit < a->n;
+    *peak = has_loop ? a->loop[a->culprit].peak : REAL_C(0.0);
+    return has_loop ? config->loop[a->loop[a->culprit].loop].name
+                    : config->measurement[a->channel[a->culprit].measurement].name;
 }

@@ -10,4 +10,8 @@ MUST_CHECK enum err analysis_begin(struct analysis *a, const struct analysis_con
 /* ERR_BUSY until everything is done; anything else than ERR_OK then is a fault in the plant's numbers. */
 MUST_CHECK enum err analysis_step(struct analysis *a);
 
+/* A result without an analysis: one loop with these settings, and what is predicted of its setpoint step. */
+void analysis_single_loop(struct analysis *a, const struct tuning *tuning, real_t step,
+                          const struct trial_loop *predicted, real_t horizon_s);
+
 #endif

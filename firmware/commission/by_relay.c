@@ -1,12 +1,19 @@
-#include "exchange/config.h"
-
 #include "commission/by_relay.h"
 
-#include <stddef.h>
-#include <string.h>
+#include "commission/adoption.h"
+#include "commission/analysis.h"
+#include "commission/blocking.h"
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/next_test.h"
+#include "commission/requests.h"
+#include "commission/start_stop.h"
+#include "commission/status.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
+#include "commission/tests.h"
 
-#include "base/elapsed.h"
-#include "commission/commission_internal.h"
+#include <string.h>
 
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
@@ -40,46 +47,44 @@ void commission_start_relay(struct commission *c, struct supervisor *s)
     struct relay_test *t = &c->work->relay;
     memset(t, 0, sizeof *t);
     t->resting = true;
-    for (uint8_t j = 0; j < c->outputs; j++)
-        t->limit[j] = commission_limit(&s->plan->config.measurement[c->measurement[j]]);
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
+        t->limit[j] =
+            commission_limit(&s->plan->config.measurement[outputs_measurement(&c->outputs, j)]);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         c->by_relay.mode[i] = (uint8_t)supervisor_mode(s, i);
-    struct steady_config rest = {.outputs = c->outputs,
+    struct steady_config rest = {.outputs = outputs_count(&c->outputs),
                                  .block = window(s) / STEADY_BLOCKS,
                                  .h_s = s->plan->tick_s,
                                  .noise_floor = NOISE_FLOOR,
                                  .motion_limit = REAL_C(3.0),
                                  .variance_limit = REAL_C(4.0)};
-    c->phase = COMMISSION_RELAY;
-    c->phase_ms = c->sample_ms = s->time_ms;
+    status_enter(&c->status, COMMISSION_RELAY, s->time_ms);
+    outputs_mark_sample(&c->outputs, s);
     enum err err = steady_init(&t->steady, &rest);
     if (err)
-        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
+        commission_fail(c, s, (real_t)err);
 }
 
 void commission_begin_relay(struct commission *c, struct supervisor *s)
 {
     const char *what, *wanted;
-    uint8_t loop = c->relay_asked;
+    uint8_t loop = requests_relay_loop(&c->requests);
     /* In another plan the index may be another loop's. */
-    if (s->plan->serial != c->relay_serial || loop >= CONFIG_LOOPS || !s->plan->loop[loop].used ||
-        commission_may_relay(s, loop, &what, &wanted) != ERR_OK) {
-        event_put(c->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, 0.0f, 0);
+    if (s->plan->serial != requests_relay_serial(&c->requests) || loop >= CONFIG_LOOPS ||
+        !s->plan->loop[loop].used || commission_may_relay(s, loop, &what, &wanted) != ERR_OK) {
+        commission_say(c, s, EVENT_REQUEST_REFUSED, NULL, 0.0f);
         return;
     }
     commission_forget(c, s);
-    c->by_relay.on = true;
+    c->by_relay.latest = true;
     c->by_relay.loop = loop;
-    c->round = 1;
-    c->measurement[c->outputs++] = s->plan->loop[loop].pv;
+    outputs_add(&c->outputs, s->plan->loop[loop].pv);
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)
         if (i != s->plan->loop[loop].pv && commission_measurement_is_tested(s, i))
-            c->measurement[c->outputs++] = i;
-    c->inputs = 1;
-    c->input[0].output = s->plan->loop[loop].mv;
-    c->input[0].test_base = commission_test_base(s, c->input[0].output);
-    event_put(c->events, s->time_ms, EVENT_COMMISSION_BEGUN, s->plan->config.loop[loop].name, 1.0f,
-              0);
+            outputs_add(&c->outputs, i);
+    uint8_t mv = s->plan->loop[loop].mv;
+    inputs_add(&c->inputs, mv, commission_test_base(s, mv));
+    commission_say(c, s, EVENT_COMMISSION_BEGUN, s->plan->config.loop[loop].name, 1.0f);
     commission_start_relay(c, s);
 }
 
@@ -96,7 +101,7 @@ static bool relay_at_rest(struct commission *c, const struct supervisor *s,
 {
     const struct relay_test *t = &c->work->relay;
     uint32_t n = window(s);
-    for (uint8_t j = 0; j < c->outputs; j++) {
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         *culprit = j;
         if (steady_look(&t->steady, j, &at[j]) != ERR_OK)
             return false;
@@ -115,12 +120,13 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
                             const struct steady_result *at)
 {
     struct relay_test *t = &c->work->relay;
-    const struct mv_config *o = &s->plan->config.mv[c->input[0].output];
-    real_t room = commission_room(s, c->input[0].output, c->input[0].test_base);
+    const struct tested_input *in = inputs_under_test(&c->inputs);
+    const struct mv_config *o = &s->plan->config.mv[in->output];
+    real_t room = commission_room(s, in->output, in->test_base);
     real_t longest_s = settings(s)->longest_s;
-    for (uint8_t j = 0; j < c->outputs; j++) {
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         bool drifts = real_abs(at[j].slope_per_s) > REAL_C(2.0) * at[j].slope_sd_per_s;
-        c->noise_sd[j] = at[j].noise_sd;
+        outputs_set_noise(&c->outputs, j, at[j].noise_sd);
         t->slope_per_s[j] = drifts ? at[j].slope_per_s : REAL_C(0.0);
         t->rest[j] = at[j].mean + t->slope_per_s[j] * at[j].age_s;
     }
@@ -158,12 +164,12 @@ static bool relay_within_limits(struct commission *c, const struct supervisor *s
 {
     struct relay_test *t = &c->work->relay;
     *share = REAL_C(0.0);
-    for (uint8_t j = 0; j < c->outputs; j++) {
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         real_t carried = t->slope_per_s[j] * s->plan->tick_s * (real_t)t->cycling;
         real_t away = real_abs(steady_away(y[j] - t->rest[j], carried, t->limit[j]));
         if (away > *share * t->limit[j])
             *share = away / t->limit[j];
-        bool over = away > t->limit[j] + PAST_NOISE * c->noise_sd[j];
+        bool over = away > t->limit[j] + PAST_NOISE * outputs_noise(&c->outputs)[j];
         t->over[j] = over ? (uint8_t)(t->over[j] + 1u) : 0;
         if (t->over[j] >= 2) {
             *culprit = j;
@@ -173,33 +179,18 @@ static bool relay_within_limits(struct commission *c, const struct supervisor *s
     return true;
 }
 
-/* The proposal, where the analysis of a whole plant would be: one pair. The relay is in the same memory. */
+/* The proposal takes the place of the analysis of a whole plant; the relay is in the same memory. */
 static void propose(struct commission *c, const struct supervisor *s,
                     const struct relay_result *found, const struct tuning *tuning)
 {
-    struct analysis *a = &c->work->analysis;
-    memset(a, 0, offsetof(struct analysis, work));
-    real_t step = TRIAL_STEP, ku = real_abs(found->gain);
-    a->stage = ANALYSIS_DONE;
-    a->config.step = step;
-    a->plant.outputs = a->plant.inputs = 1;
-    a->verdict = PAIRING_DETERMINED;
-    a->probability = REAL_C(1.0);
-    a->pairs.n = 1;
-    a->loops.pairs = a->pairs;
-    a->loops.tuning[0] = *tuning;
-    a->loops.derivative_filter = REAL_C(8.0);
-    a->decoupler = DECOUPLER_NOT_NEEDED;
-    a->factor = a->factor_least = REAL_C(1.0);
-    a->predicted[0] = (struct trial_loop){.iae = BY_RELAY_IAE * found->period_s * step,
-                                          .peak = BY_RELAY_PEAK,
-                                          .settled_s = BY_RELAY_SETTLES * found->period_s,
-                                          .moved = BY_RELAY_MOVES * ku * step};
-    a->tried[0].iae = a->predicted[0].iae;
-    a->tried[0].moved[0] = a->predicted[0].moved;
-    a->horizon_s = ADOPTION_DURATION * a->predicted[0].settled_s;
-    c->half_least = commission_samples(s, a->predicted[0].settled_s);
-    a->designed = true;
+    real_t step = TRIAL_STEP, settled_s = BY_RELAY_SETTLES * found->period_s;
+    struct trial_loop predicted = {.iae = BY_RELAY_IAE * found->period_s * step,
+                                   .peak = BY_RELAY_PEAK,
+                                   .settled_s = settled_s,
+                                   .moved = BY_RELAY_MOVES * real_abs(found->gain) * step};
+    analysis_single_loop(&c->work->analysis, tuning, step, &predicted,
+                         ADOPTION_DURATION * settled_s);
+    inputs_set_half_least(&c->inputs, commission_samples(s, settled_s));
 }
 
 static void done(struct commission *c, struct supervisor *s)
@@ -209,23 +200,22 @@ static void done(struct commission *c, struct supervisor *s)
     struct tuning tuning;
     if (relay_look(&c->work->relay.relay, &found) != ERR_OK ||
         tuning_tyreus_luyben_pi(found.gain, found.period_s, &tuning, NULL) != ERR_OK) {
-        commission_end(c, s, REASON_NO_CYCLE, name, c->input[0].worst);
+        commission_end(c, s, REASON_NO_CYCLE, name, inputs_under_test(&c->inputs)->worst);
         return;
     }
     if (tuning.gain > GAIN_MOST) { /* and the integral action goes with it */
         tuning.ti_s *= tuning.gain / GAIN_MOST;
         tuning.gain = GAIN_MOST;
     }
-    c->input[0].amplitude = found.amplitude;
-    c->by_relay.result = found;
-    c->by_relay.gain = tuning.action == TUNING_DIRECT ? -tuning.gain : tuning.gain;
-    c->by_relay.ti_s = tuning.ti_s;
-    c->by_relay.found = true;
+    inputs_set_amplitude(&c->inputs, found.amplitude);
+    c->by_relay.finding =
+        (struct relay_finding){.result = found,
+                               .gain = tuning.action == TUNING_DIRECT ? -tuning.gain : tuning.gain,
+                               .ti_s = tuning.ti_s,
+                               .found = true};
     propose(c, s, &found, &tuning);
-    c->phase = COMMISSION_READY;
-    c->analysed = c->unseen = true;
-    c->phase_ms = c->ended_ms = s->time_ms;
-    event_put(c->events, s->time_ms, EVENT_RELAY_DONE, name, (float)found.period_s, 0);
+    status_ready(&c->status, s->time_ms);
+    commission_say(c, s, EVENT_RELAY_DONE, name, (float)found.period_s);
 }
 
 static enum commission_reason reason_of(enum relay_failure failure)
@@ -242,19 +232,16 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
     const char *loop = s->plan->config.loop[c->by_relay.loop].name;
     uint8_t culprit;
     real_t share, before = r->amplitude;
-    uint32_t gone = commission_samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
-    c->sample_ms = s->time_ms;
+    uint32_t gone = outputs_see_sample(&c->outputs, s);
     if (gone > MISSED_MOST + 1u) {
         commission_end(c, s, REASON_SAMPLES, NULL, (real_t)(gone - 1u));
         return;
     }
     t->cycling += gone > 0 ? gone : 1u;
     bool inside = relay_within_limits(c, s, y, &share, &culprit);
-    if (share > c->input[0].worst)
-        c->input[0].worst = share;
+    inputs_raise_worst(&c->inputs, share);
     if (!inside) {
-        commission_end(c, s, REASON_LIMIT,
-                       s->plan->config.measurement[c->measurement[culprit]].name, share);
+        commission_end_by_output(c, s, REASON_LIMIT, culprit, share);
         return;
     }
     enum err err = ERR_OK;
@@ -266,12 +253,11 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         commission_end(c, s, REASON_NUMBERS, loop, (real_t)err);
         return;
     }
-    supervisor_excite(s, c->input[0].output, num_from_float(r->level));
+    supervisor_excite(s, inputs_under_test(&c->inputs)->output, num_from_float(r->level));
     if (r->phase == RELAY_START && (r->started == 1 || r->amplitude > before))
-        event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), r->amplitude,
-                  1);
+        commission_say_of_input(c, s, EVENT_TEST_STEP, r->amplitude, 1);
     if (r->phase == RELAY_FAILED)
-        commission_end(c, s, reason_of(r->failure), loop, c->input[0].worst);
+        commission_end(c, s, reason_of(r->failure), loop, inputs_under_test(&c->inputs)->worst);
     else if (r->phase == RELAY_DONE)
         done(c, s);
 }
@@ -295,13 +281,12 @@ void commission_relay(struct commission *c, struct supervisor *s)
         commission_end(c, s, REASON_HAND, s->plan->config.loop[other].name, REAL_C(0.0));
         return;
     }
-    for (uint8_t j = 0; j < c->outputs; j++)
-        y[j] = num_to_float(s->measurement[c->measurement[j]].value);
+    outputs_read(&c->outputs, s, y);
     if (!t->resting) {
         cycle(c, s, y);
         return;
     }
-    c->sample_ms = s->time_ms;
+    outputs_mark_sample(&c->outputs, s);
     enum err err = steady_step(&t->steady, y);
     t->waited++;
     if (!err && relay_at_rest(c, s, at, &culprit)) {
@@ -309,10 +294,25 @@ void commission_relay(struct commission *c, struct supervisor *s)
         if (!err)
             cycle(c, s, y);
     } else if (!err && t->waited > REST_PATIENCE * window(s) + COMMISSION_HALF_MOST) {
-        commission_end(c, s, REASON_RESTLESS,
-                       s->plan->config.measurement[c->measurement[culprit]].name, REAL_C(0.0));
+        commission_end_by_output(c, s, REASON_RESTLESS, culprit, REAL_C(0.0));
         return;
     }
     if (err)
-        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
+        commission_fail(c, s, (real_t)err);
+}
+
+void by_relay_write(const struct by_relay *r, struct loop_config *l)
+{
+    l->own.gain = (float)real_abs(r->finding.gain);
+    l->own.ti_s = (float)r->finding.ti_s;
+    l->own.td_s = 0.0f;
+    l->own.action = r->finding.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
+}
+
+struct relay_progress relay_test_progress(const struct relay_test *t)
+{
+    return (struct relay_progress){.resting = t->resting,
+                                   .phase = t->relay.phase,
+                                   .periods = t->relay.periods,
+                                   .amplitude = t->relay.amplitude};
 }

@@ -10,8 +10,12 @@
 #ifndef REFLUX_COMMISSION_BY_RELAY_H
 #define REFLUX_COMMISSION_BY_RELAY_H
 
-#include "commission/by_relay_state.h"
+#include "commission/relay_finding.h"
 #include "supervise/supervisor.h"
+
+struct by_relay;
+struct commission;
+struct relay_test;
 
 /* What a trial of these settings is held against: with the margins of every trial (adoption.h) that is what a setpoint step
  * does to any process of first order with dead time of 0.02 to 2 time constants (tests/reference/relay_family.csv). */
@@ -20,9 +24,24 @@
 #define BY_RELAY_SETTLES REAL_C(8.0)  /* Pu */
 #define BY_RELAY_MOVES   REAL_C(0.66) /* largest move of the output: Ku times the step */
 
-/* Whether the test of that loop could begin. *what gets a channel's or loop's name, or NULL. Main loop, under
- * hal_tick_lock. */
-MUST_CHECK enum err commission_may_relay(const struct supervisor *s, uint8_t loop,
-                                         const char **what, const char **wanted);
+/* How far a test has come, as a record. */
+struct relay_progress {
+    bool resting; /* it waits for rest */
+    enum relay_phase phase;
+    uint16_t periods;
+    real_t amplitude; /* fraction of span */
+};
+
+/* Tick. */
+void commission_begin_relay(struct commission *c, struct supervisor *s);
+/* From its start. Tick. */
+void commission_start_relay(struct commission *c, struct supervisor *s);
+/* A tick of it. */
+void commission_relay(struct commission *c, struct supervisor *s);
+
+/* Writes the settings that it has found into the loop. */
+void by_relay_write(const struct by_relay *r, struct loop_config *l);
+/* Under hal_tick_lock. */
+struct relay_progress relay_test_progress(const struct relay_test *t);
 
 #endif

@@ -1,21 +1,19 @@
-#include "commission/by_relay.h"
-#include "commission/commission.h"
-#include "exchange/config.h"
-
-#include "commission/analysis_structure.h"
-#include "commission/commission_internal.h"
-
-#include <string.h>
+#include "commission/channels.h"
 
 #include "base/crc32.h"
-#include "base/elapsed.h"
-#include "exchange/sampling.h"
 
-#define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
-#define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
-#define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
-#define END_SHARE    2.5e-4f       /* of a span, from its end: a step of a converter of 12 bits */
-#define HELD_TICKS   REAL_C(3.5)   /* without a valid reading */
+#define END_SHARE 2.5e-4f /* of a span, from its end: a step of a converter of 12 bits */
+
+uint32_t commission_samples(const struct supervisor *s, real_t seconds)
+{
+    return (uint32_t)(seconds / s->plan->tick_s + REAL_C(0.5));
+}
+
+uint32_t commission_longest(const struct supervisor *s)
+{
+    real_t longest_s = s->plan->config.test.longest_s;
+    return longest_s > REAL_C(0.0) ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST;
+}
 
 real_t commission_test_base(const struct supervisor *s, uint8_t j)
 {
@@ -61,267 +59,14 @@ bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
     return m->name[0] && m->test && s->measurement[i].bound;
 }
 
-static bool is_valid(const struct supervisor *s, uint8_t i)
+bool channel_is_valid(const struct supervisor *s, uint8_t i)
 {
     return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
 }
 
-/* There, or beyond: a sensor that is at its end shows nothing of what the plant does. */
-static bool at_end(const struct supervisor *s, uint8_t i)
+bool channel_is_at_end(const struct supervisor *s, uint8_t i)
 {
     const struct measurement_config *m = &s->plan->config.measurement[i];
     float margin = END_SHARE * (m->hi - m->lo), raw = s->measurement[i].raw;
     return raw <= m->lo + margin || raw >= m->hi - margin;
-}
-
-void commission_watch_spans(struct commission *c, const struct supervisor *s)
-{
-    uint32_t now = 0;
-    for (uint8_t j = 0; j < c->outputs; j++)
-        if (s->measurement[c->measurement[j]].seen && at_end(s, c->measurement[j]))
-            now |= UINT32_C(1) << j;
-    c->at_end_again = c->at_end & now;
-    c->at_end = now;
-}
-
-int commission_at_end(const struct commission *c)
-{
-    for (uint8_t j = 0; j < c->outputs; j++)
-        if (c->at_end_again >> j & 1u)
-            return j;
-    return -1;
-}
-
-/* A reading or two that are not valid are held, and change little; more are a lost measurement. */
-static bool is_lost(const struct supervisor *s, uint8_t i)
-{
-    const struct measurement_state *m = &s->measurement[i];
-    return !is_valid(s, i) && m->alarm &&
-           (m->lost || !quality_usable(m->quality) ||
-            elapsed_ms(s->time_ms, m->valid_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
-}
-
-/* The loop that acts on output j, itself or through others, or PLAN_NONE. */
-static uint8_t acting(const struct supervisor *s, uint8_t j)
-{
-    uint8_t i = s->plan->owner[j];
-    return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
-}
-
-/* Noise, rest and peaks are judged in every base tick: values that only stand there would look quiet. */
-static bool comes_rarely(const struct supervisor *s, uint8_t i)
-{
-    return sampling_every(&s->plan->config.measurement[i]) > 1;
-}
-
-static enum err hindered(const char **what, const char **wanted, const char *name, const char *text)
-{
-    *what = name;
-    *wanted = text;
-    return ERR_STATE;
-}
-
-static bool sequence_runs(const struct supervisor *s)
-{
-#if CONFIG_STEPS
-    return sequence_active(&s->sequence);
-#else
-    (void)s;
-    return false;
-#endif
-}
-
-/* Whatever is tested. */
-static enum err may_test(const struct supervisor *s, const char **what, const char **wanted)
-{
-    *what = NULL;
-    if (sequence_runs(s))
-        return hindered(what, wanted, NULL, commission_reason_text(REASON_SEQUENCE));
-    if (s->state == SUPERVISOR_SAFE)
-        return hindered(
-            what, wanted, NULL,
-            "the plant is in the safe state; bring it to its operating point by hand first");
-    if (supervisor_excited_by(s))
-        return hindered(what, wanted, supervisor_excited_by(s),
-                        commission_reason_text(REASON_EXCITED));
-    return ERR_OK;
-}
-
-enum err commission_may_begin(const struct supervisor *s, const char **what, const char **wanted)
-{
-    const struct config *config = &s->plan->config;
-    unsigned outputs = 0, inputs = 0;
-    enum err err = may_test(s, what, wanted);
-    if (err)
-        return err;
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        if (!commission_measurement_is_tested(s, i))
-            continue;
-        outputs++;
-        if (comes_rarely(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "does not come in every base tick; set its test to off");
-        if (!is_valid(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "is not valid; wait for good readings, or set its test to off");
-        if (at_end(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "reads an end of its span; widen the span, or set its test to off");
-    }
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
-        if (!commission_input_is_tested(s, j))
-            continue;
-        inputs++;
-        uint8_t loop = acting(s, j);
-        if (loop != PLAN_NONE)
-            return hindered(what, wanted, config->loop[loop].name,
-                            "acts; `mode NAME manual` first");
-        if (s->mv[j].interlocked)
-            return hindered(what, wanted, config->mv[j].name, "is held by an interlock");
-        if (commission_room(s, j, commission_test_base(s, j)) < ROOM_LEAST)
-            return hindered(what, wanted, config->mv[j].name,
-                            "stands at its operating limit: no room to step both ways");
-    }
-    if (outputs == 0)
-        return hindered(what, wanted, NULL, "no measurement of the plant is configured for tests");
-    if (inputs == 0)
-        return hindered(what, wanted, NULL, "no manipulated variable is configured for tests");
-    return ERR_OK;
-}
-
-enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const char **what,
-                              const char **wanted)
-{
-    const struct loop_plan *l = &s->plan->loop[loop];
-    const struct loop_config *config = &s->plan->config.loop[loop];
-    enum err err = may_test(s, what, wanted);
-    if (err)
-        return err;
-    if (l->mv == PLAN_NONE)
-        return hindered(what, wanted, config->name, "drives a loop; test that one");
-    if (plan_kind(s->plan, loop)->positions)
-        return hindered(what, wanted, config->name, "has two positions and no settings to find");
-    if (s->loop[loop].mode != LOOP_MANUAL)
-        return hindered(what, wanted, config->name, "acts; `mode NAME manual` first");
-    if (!s->mv[l->mv].bound)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "is not there: the plant does not announce it");
-    if (s->mv[l->mv].interlocked)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name, "is held by an interlock");
-    if (comes_rarely(s, l->pv))
-        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "does not come in every base tick; a relay test needs that");
-    if (!is_valid(s, l->pv))
-        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "is not valid; wait for good readings");
-    if (commission_room(s, l->mv, commission_test_base(s, l->mv)) < ROOM_LEAST)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "stands at its operating limit: no room to step both ways");
-    return ERR_OK;
-}
-
-static uint8_t pair_measurement(const struct commission *c, uint8_t k)
-{
-    return c->measurement[c->work->analysis.pairs.output[k]];
-}
-
-static uint8_t pair_output(const struct commission *c, uint8_t k)
-{
-    return c->input[c->column[c->work->analysis.pairs.input[k]]].output;
-}
-
-/* The command has not been followed for longer than a valve needs. */
-static bool is_not_following(const struct supervisor *s, uint8_t j)
-{
-    return s->mv[j].alarm && elapsed_ms(s->time_ms, s->mv[j].differs_ms) >
-                                 FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
-}
-
-/* A loop moves its output with every sample: a slow one is late all the time, and one whose output reaches nothing far off. */
-static bool is_far_off(const struct supervisor *s, uint8_t j)
-{
-    const struct mv_state *o = &s->mv[j];
-    real_t apart = num_to_float(num_sub(o->constrained, o->readback));
-    return real_abs(apart) > FAR_OFF;
-}
-
-static bool is_gone(const struct supervisor *s, uint8_t i)
-{
-    const struct measurement_state *m = &s->measurement[i];
-    return !m->seen || m->lost || !quality_usable(m->quality);
-}
-
-enum commission_reason commission_hindrance(const struct commission *c, const struct supervisor *s,
-                                            const char **subject)
-{
-    const struct config *config = &s->plan->config;
-    *subject = NULL;
-    if (s->state == SUPERVISOR_SAFE)
-        return REASON_SAFE;
-    if (sequence_runs(s))
-        return REASON_SEQUENCE;
-    *subject = supervisor_excited_by(s);
-    if (*subject)
-        return REASON_EXCITED;
-    for (uint8_t k = 0; k < c->work->analysis.pairs.n; k++) {
-        uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
-        uint8_t inner = analysis_inner_of(&c->work->analysis, k);
-        *subject = config->measurement[i].name;
-        if (is_gone(s, i))
-            return REASON_LOST;
-        if (inner != INTERACT_NONE) {
-            *subject = config->measurement[c->measurement[inner]].name;
-            if (is_gone(s, c->measurement[inner]))
-                return REASON_LOST;
-        }
-        *subject = config->mv[j].name;
-        if (s->mv[j].interlocked)
-            return REASON_INTERLOCK;
-        if (is_not_following(s, j) && (c->phase != COMMISSION_TRIAL || is_far_off(s, j)))
-            return REASON_ACTUATOR;
-    }
-    *subject = NULL;
-    return REASON_NOT;
-}
-
-enum err commission_may_try(const struct commission *c, const struct supervisor *s,
-                            const char **what, const char **wanted)
-{
-    enum commission_reason reason = commission_hindrance(c, s, what);
-    *wanted = commission_reason_text(reason);
-    return reason == REASON_NOT ? ERR_OK : ERR_STATE;
-}
-
-enum commission_reason commission_disturbance(const struct commission *c,
-                                              const struct supervisor *s, const char **subject)
-{
-    const struct config *config = &s->plan->config;
-    *subject = NULL;
-    if (s->plan->serial != c->plan_serial)
-        return REASON_CONFIG;
-    /* Somebody may have left it again within this very tick. */
-    if (s->state == SUPERVISOR_SAFE || s->safe_count != c->safe_count)
-        return REASON_SAFE;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        *subject = config->measurement[c->measurement[j]].name;
-        if (is_lost(s, c->measurement[j]))
-            return REASON_LOST;
-    }
-    int at = commission_at_end(c);
-    if (at >= 0) {
-        *subject = config->measurement[c->measurement[at]].name;
-        return REASON_SPAN;
-    }
-    for (uint8_t k = 0; k < c->inputs; k++) {
-        uint8_t j = c->input[k].output;
-        *subject = config->mv[j].name;
-        if (s->mv[j].interlocked)
-            return REASON_INTERLOCK;
-        if (is_not_following(s, j))
-            return REASON_ACTUATOR;
-        if (acting(s, j) != PLAN_NONE || num_to_float(s->mv[j].manual) != c->input[k].test_base)
-            return REASON_HAND;
-    }
-    *subject = NULL;
-    return REASON_NOT;
 }

@@ -4,64 +4,71 @@
  *                 ^                                        |                                 \--> old set returns
  *                 +--- another round, while not determined-+
  *
- * The tick moves everything: it asks for a job (base/job.h) when there is something to work out, the main loop does it in
+ * The tick moves everything: it asks for a task (background.h) when there is something to work out, the main loop does it in
  * pieces, and its result is taken a declared number of ticks later whatever the processor's speed.
  *
  * While it tests, the loops on the tested manipulated variables stay in manual. Whatever else happens - safe state,
  * interlock, lost measurement, an operator's hand, a new configuration - ends the test, and the manipulated variables
  * go back to where they were held. Nothing is stored.
- */
+ *
+ * Who calls whom, from above (a file uses those below it, never one above):
+ *
+ *     commission                              requests are taken, phases get their tick; the one that others include
+ *     results                                 a fit or the analysis is done: repeat, go on, another round, or ready
+ *     tests  by_relay  acceptance             a phase each, in the tick
+ *     proposal  trial_plan  expected          main loop: the proposal as settings, its trial planned, what tests would take
+ *     next_test  model  analysis_job  blocking  start_stop      helpers that see several parts
+ *     status requests lease background test_outputs test_inputs origin adoption     a part each, with its own state
+ *     experiment  analysis  certainty ...     methods that know nothing of start-up
+ *
+ * In the tick: results tests by_relay acceptance next_test start_stop status test_outputs test_inputs origin adoption trial_step swing
+ * experiment limits progress. In the main loop: interim_fit, analysis, analysis_structure, certainty, combine, test_verdict, words,
+ * proposal, proposal_loops, proposal_structure, trial_plan, expected, lease. In both, as the heads of their headers say: commission,
+ * model, analysis_job, background, blocking, channels, requests, reasons. Only analysis.c, in the main loop, uses plan/. */
 #ifndef REFLUX_COMMISSION_COMMISSION_H
 #define REFLUX_COMMISSION_COMMISSION_H
 
+#include "commission/adoption.h"
+#include "commission/analysis_job.h"
+#include "commission/blocking.h"
+#include "commission/by_relay.h"
+#include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/next_test.h"
+#include "commission/requests.h"
+#include "commission/startup_results.h"
+#include "commission/status.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
 #include "supervise/supervisor.h"
 
 /* w must live as long. */
 void commission_init(struct commission *c, struct event_queue *events, struct workspace *w);
+/* The job that has to be among the firmware's jobs. */
+struct job *commission_job(struct commission *c);
 
-/* Whether `ask` makes sense now; *wanted gets the reason in words where not. Main loop, under hal_tick_lock. */
+/* ERR_STATE: `ask` makes no sense now; *wanted gets the reason in words. Main loop, under hal_tick_lock. */
 MUST_CHECK enum err commission_may(const struct commission *c, enum commission_ask ask,
                                    const char **wanted);
-/* Whether the tests could begin: channels, modes, room. *what gets a channel's or loop's name or NULL. Likewise. */
-MUST_CHECK enum err commission_may_begin(const struct supervisor *s, const char **what,
-                                         const char **wanted);
-/* Whether a trial could. Likewise. */
-MUST_CHECK enum err commission_may_try(const struct commission *c, const struct supervisor *s,
-                                       const char **what, const char **wanted);
 /* Puts it to the tick, one thing at a time; abort takes the place of what the tick has not taken yet. A beginning leases the
  * workspace. Likewise. ERR_STATE, ERR_BUSY; *wanted is NULL where somebody else has the workspace (workspace_refusal()). */
 MUST_CHECK enum err commission_put(struct commission *c, enum commission_ask ask,
                                    const char **wanted);
 
-/* Are tests, model and analysis still in the workspace, and will they be until the main loop next asks for something? Else they
- * are nothing, or may be overwritten in the midst of a look at them. Main loop. */
-bool commission_keeps(const struct commission *c);
-/* ... and is there a result of the analysis, or of a relay test, among them? */
-bool commission_has_results(const struct commission *c);
-/* ... or was there, and what is outside the workspace is of it? */
-bool commission_had_results(const struct commission *c);
-/* Somebody has looked at them. Main loop, under hal_tick_lock. */
+/* Somebody has looked at the results. Main loop, under hal_tick_lock. */
 void commission_seen(struct commission *c);
-/* Gives them up: the workspace is free for others. Likewise. ERR_STATE: under way, or nothing to be given up. */
+/* Gives the results up: the workspace is free for others. Likewise. ERR_STATE: under way, or nothing to be given up. */
 MUST_CHECK enum err commission_discard(struct commission *c, const char **wanted);
 
-/* After commission_init(), where it was under way when the board was reset: it says so. */
+/* A trial runs, is asked for, or its old settings are on their way back. */
+bool commission_is_on_trial(const struct commission *c);
+/* The settings before the trial, from accepting on. */
+struct config *commission_old(struct commission *c);
+
+/* After commission_init(), where start-up was running when the board was reset: it reports that. */
 void commission_was_reset(struct commission *c);
 
-/* Tick context, between validate and control. c->job is to be among the firmware's jobs. */
+/* Tick context, between validate and control. */
 void commission_tick(struct commission *c, struct supervisor *s);
-
-/* Checksum of the names, spans and order of a configuration's channels, which results refer to by index. */
-uint32_t commission_channels(const struct config *config);
-
-/* Half of a double step, s, that would show the end of measurement[j]'s response to input[k], where the latest test did not:
- * until it is over but for a twentieth, as far as its time constant is known; at least twice the latest. */
-real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k);
-
-/* Is there a proposal? */
-bool commission_has_proposal(const struct commission *c);
-
-const char *commission_reason_text(enum commission_reason reason);
 
 #endif

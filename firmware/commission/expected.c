@@ -1,9 +1,10 @@
-#include "exchange/config.h"
-
 #include "commission/expected.h"
 
-#include "base/elapsed.h"
-#include "commission/commission_internal.h"
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/next_test.h"
+#include "commission/status.h"
+#include "commission/test_inputs.h"
 
 #define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
 #define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */
@@ -52,9 +53,9 @@ struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
     real_t widest_s = WINDOW_WIDEST * longest_s;
     widest_s = widest_s > window_s ? widest_s : window_s;
     e.most_s = HALVES_MOST * longest_s + WINDOWS_MOST * widest_s;
-    unsigned again = found ? SMALLER_MOST + GENTLER_TIMES : 0u;
+    unsigned again = found ? LINEAR_RETRIES_MAX + RETRIES_MAX : 0u;
     if (!(o->test_time_s > 0.0f))
-        again += LONGER_MOST;
+        again += LONGER_RETRIES_MAX;
     e.tests_most = (uint16_t)(config->test.rounds + again);
     return e;
 }
@@ -78,31 +79,23 @@ static real_t less(real_t a, real_t b)
     return a > b ? a - b : REAL_C(0.0);
 }
 
-static uint8_t inputs_from(const struct commission *c, uint8_t at)
-{
-    uint8_t n = 0;
-    for (; at < c->inputs; at++)
-        n = (uint8_t)(n + commission_is_due(c, c->order[at]));
-    return n;
-}
-
 struct expected_left expected_left(const struct commission *c, const struct supervisor *s)
 {
-    struct expected_left left = {.planned = c->tests == 0};
+    struct expected_left left = {.planned = inputs_tests(&c->inputs) == 0};
     if (left.planned) {
         struct expected all = expected_of(s);
-        real_t gone_s = elapsed_ms(s->time_ms, c->began_ms) / REAL_C(1000.0);
+        real_t gone_s = status_run_s(&c->status, s->time_ms);
         left.round_s = less(all.least_s, gone_s);
         left.most_s = less(all.most_s, gone_s);
         return left;
     }
-    real_t each_s = c->tested_s / (real_t)c->tests;
-    bool testing = c->phase == COMMISSION_TESTING;
-    real_t gone_s = testing ? elapsed_ms(s->time_ms, c->phase_ms) / REAL_C(1000.0) : REAL_C(0.0);
-    uint8_t next = (uint8_t)(c->at + !testing);
-    unsigned rounds = s->plan->config.test.rounds;
-    unsigned more = rounds > c->round ? rounds - c->round : 0u;
-    left.round_s = less(each_s * (real_t)inputs_from(c, next), gone_s);
-    left.most_s = left.round_s + each_s * (real_t)(more * inputs_from(c, 0));
+    real_t each_s = inputs_mean_test_s(&c->inputs);
+    bool testing = status_phase(&c->status) == COMMISSION_TESTING;
+    real_t gone_s = testing ? status_phase_s(&c->status, s->time_ms) : REAL_C(0.0);
+    uint8_t next = (uint8_t)(inputs_turn(&c->inputs) + !testing);
+    unsigned rounds = s->plan->config.test.rounds, round = inputs_round(&c->inputs);
+    unsigned more = rounds > round ? rounds - round : 0u;
+    left.round_s = less(each_s * (real_t)inputs_due_from(&c->inputs, next), gone_s);
+    left.most_s = left.round_s + each_s * (real_t)(more * inputs_due_from(&c->inputs, 0));
     return left;
 }

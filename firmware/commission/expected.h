@@ -2,9 +2,10 @@
 #ifndef REFLUX_COMMISSION_EXPECTED_H
 #define REFLUX_COMMISSION_EXPECTED_H
 
-#include "commission/commission_state.h"
 #include "num/real.h"
 #include "supervise/supervisor.h"
+
+struct commission;
 
 struct expected_input {
     bool tested;

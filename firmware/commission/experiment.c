@@ -187,7 +187,7 @@ static enum err begin_step(struct experiment *e, const real_t *y)
 static bool slope_matters(const struct experiment *e)
 {
     const struct origin *o = e->config.origin;
-    for (uint8_t j = 0; o && !o->fixed && j < e->config.outputs; j++) {
+    for (uint8_t j = 0; o && !origin_is_fixed(o) && j < e->config.outputs; j++) {
         real_t carries = e->before[j].slope_sd_per_s * e->config.h_s * FIRST_SAMPLES;
         if (carries > FIRST_SHARE * e->config.limit[j])
             return true;
@@ -384,7 +384,7 @@ static enum err keep_sample(struct experiment *e, const real_t *y)
 static void grow_older(struct experiment *e)
 {
     if (e->config.origin)
-        e->config.origin->since_s += e->config.h_s;
+        origin_grow_older(e->config.origin, e->config.h_s);
 }
 
 enum err experiment_missed(struct experiment *e)

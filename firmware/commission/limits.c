@@ -16,7 +16,7 @@
 static real_t left_by_tests(const struct experiment *e, uint8_t j)
 {
     const struct origin *o = e->config.origin;
-    return o ? real_abs(o->channel[j].left) : REAL_C(0.0);
+    return o ? real_abs(origin_left(o, j)) : REAL_C(0.0);
 }
 
 real_t limits_room(const struct experiment *e, uint8_t j)
@@ -215,7 +215,7 @@ static bool again(struct experiment *e, uint8_t j, bool over)
 int limits_strayed(struct experiment *e, const real_t *y)
 {
     const struct origin *o = e->config.origin;
-    for (uint8_t j = 0; o && o->fixed && j < e->config.outputs; j++) {
+    for (uint8_t j = 0; o && origin_is_fixed(o) && j < e->config.outputs; j++) {
         real_t limit = e->config.limit[j], away = real_abs(origin_away(o, j, y[j], limit));
         if (again(e, j, away > ENDS_SHARE * limits_room(e, j)))
             return j;

@@ -1,22 +1,17 @@
 #include "commission/model.h"
 
-#include "commission/analysis.h"
-#include "commission/experiment.h"
-#include "exchange/config.h"
-
 #include "commission/certainty.h"
 #include "commission/combine.h"
-#include "commission/commission_internal.h"
+#include "commission/commission_state.h"
+#include "commission/experiment.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
 #include "commission/test_verdict.h"
 
-#include <string.h>
-
-#define FIT_UNITS   4u            /* evaluations in one piece */
-#define GAIN_FLOOR  REAL_C(0.005) /* a first-order model is not the plant: no gain is known better */
-#define SPREAD_LEFT REAL_C(0.1)   /* of the gain: what levels of three time constants leave */
-#define HOPELESS    REAL_C(1.0)   /* standard deviation over gain from which a fit says nothing */
-#define STEP        REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
-#define CLIMB_SDS   REAL_C(4.0)   /* what goes on climbing stands out of the noise by so much */
+#define FIT_UNITS   4u          /* evaluations in one piece */
+#define SPREAD_LEFT REAL_C(0.1) /* of the gain: what levels of three time constants leave */
+#define HOPELESS    REAL_C(1.0) /* standard deviation over gain from which a fit says nothing */
+#define CLIMB_SDS   REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
 #define BENT_LEAVES                                                                                \
     REAL_C(0.3) /* of the misfit: then it was the drift, and not the shape of the response */
 #define MISFIT_SHARE REAL_C(1.2) /* of what a first-order model leaves: so wrong may its gain be */
@@ -47,32 +42,33 @@ real_t model_unseen(const struct experiment *x, const struct identified *fit)
 
 void model_begin_fit(struct commission *c)
 {
-    c->fit_at = 0;
-    c->fit_running = false;
-    c->job_error = ERR_OK;
+    c->model.output = 0;
+    c->model.running = false;
+    c->model.error = ERR_OK;
 }
 
 /* Has the latest test of input k lasted longer than the one before, to see the end of a response? */
 static bool was_longer(const struct commission *c, uint8_t k)
 {
-    const struct experiment *x = &c->work->test.experiment;
-    return c->input[k].unsettled && x->half >= x->config.half_least &&
+    const struct experiment *x = &c->work->experiment;
+    return inputs_get(&c->inputs, k)->unsettled && x->half >= x->config.half_least &&
            x->config.half_least < x->config.half_most; /* else there was no room for it */
 }
 
 void model_keep(struct commission *c)
 {
-    uint8_t k = c->order[c->at];
-    for (uint8_t j = 0; j < c->outputs; j++) {
+    uint8_t k = inputs_current(&c->inputs);
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         struct element *e = &c->work->element[j][k];
-        if (c->input[k].rounds == 0) {
-            e->fit = c->fitted[j];
-            e->misfit = c->misfit[j];
+        if (inputs_get(&c->inputs, k)->rounds == 0) {
+            e->fit = c->model.fitted[j];
+            e->misfit = c->model.misfit[j];
         } else {
-            real_t misfit = combine_by_gains(e->misfit, &e->fit, c->misfit[j], &c->fitted[j]);
-            model_combine(&e->fit, &c->fitted[j]);
+            real_t misfit =
+                combine_by_gains(e->misfit, &e->fit, c->model.misfit[j], &c->model.fitted[j]);
+            model_combine(&e->fit, &c->model.fitted[j]);
             /* A response that goes on would have grown: what is gone in a longer test was noise. */
-            if (was_longer(c, k) && (c->fitted[j].flags & IDENTIFIED_NO_GAIN))
+            if (was_longer(c, k) && (c->model.fitted[j].flags & IDENTIFIED_NO_GAIN))
                 e->fit.flags &= (uint16_t)~CERTAINTY_OPEN_FLAGS;
             e->misfit = misfit;
         }
@@ -85,9 +81,9 @@ void model_keep(struct commission *c)
 /* One output of the test that has just ended: moments at once, then the fit in pieces. */
 static void begin_output(struct commission *c)
 {
-    const struct experiment *x = &c->work->test.experiment;
-    uint8_t j = c->fit_at;
-    struct element *e = &c->work->element[j][c->order[c->at]];
+    const struct experiment *x = &c->work->experiment;
+    uint8_t j = c->model.output;
+    struct element *e = &c->work->element[j][inputs_current(&c->inputs)];
     struct baseline b;
     struct identified moments;
     enum err err = experiment_baseline(x, j, &b);
@@ -103,11 +99,11 @@ static void begin_output(struct commission *c)
     struct fopdt_fit_options o = {
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
-    c->fit_bent = false;
-    err = fopdt_fit_begin(&c->work->test.experiment.interim_fit.fit, &x->record, j, &o);
+    c->model.bent = false;
+    err = fopdt_fit_begin(&c->work->experiment.interim_fit.fit, &x->record, j, &o);
     if (err)
-        c->job_error = err;
-    c->fit_running = !err;
+        c->model.error = err;
+    c->model.running = !err;
 }
 
 /* What is left of the response itself in the slope after the test: fraction of span per second. */
@@ -175,14 +171,14 @@ static void take_beginning(struct element *e, const struct experiment *x, uint8_
  * disturbed a test does not come again. The mean of both is then the gain, but for terms of third order. */
 static bool is_curved(struct commission *c, const struct test_verdict *v)
 {
-    struct element *e = &c->work->element[c->fit_at][c->order[c->at]];
+    struct element *e = &c->work->element[c->model.output][inputs_current(&c->inputs)];
     real_t now = REAL_C(0.0), before = (real_t)e->asymmetry;
     if (v->asymmetry > REAL_C(0.0) || v->asymmetry < REAL_C(0.0))
         now = ASYMMETRY_UNIT * v->asymmetry / v->level;
     if (!(real_abs(now) < ASYMMETRY_MOST)) /* no gain to speak of */
         now = REAL_C(0.0);
     e->asymmetry = (int16_t)now;
-    if (commission_small_step(c) > REAL_C(0.0))
+    if (inputs_small_step(&c->inputs) > REAL_C(0.0))
         return e->asymmetry != 0;
     real_t ratio = before > REAL_C(0.0) || before < REAL_C(0.0) ? now / before : REAL_C(0.0);
     return ratio > REAL_C(1.0) / ASYMMETRY_AGAIN && ratio < ASYMMETRY_AGAIN;
@@ -192,14 +188,14 @@ static bool is_curved(struct commission *c, const struct test_verdict *v)
 static void verdict_on_climb(struct commission *c, const struct test_verdict *v, real_t bend,
                              const struct identified *fit)
 {
-    const struct experiment *x = &c->work->test.experiment;
+    const struct experiment *x = &c->work->experiment;
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
     real_t explained = CLIMB_SDS * v->change_sd + bend * half_s;
     real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
                 fit->dead_time_s + SLOW_LAGS * lag_s > half_s;
-    c->climbs[c->fit_at] = slow && v->second > explained ? v->climbs : REAL_C(0.0);
+    c->model.climbs[c->model.output] = slow && v->second > explained ? v->climbs : REAL_C(0.0);
 }
 
 /* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
@@ -207,9 +203,10 @@ static void verdict_on_climb(struct commission *c, const struct test_verdict *v,
 static void verdict_on_gain(struct commission *c, const struct test_verdict *v, real_t bend,
                             real_t misfit, real_t share, struct identified *fit)
 {
-    const struct experiment *x = &c->work->test.experiment;
+    const struct experiment *x = &c->work->experiment;
     if (share > NO_NOISE && take_level(x, v, fit)) {
-        take_beginning(&c->work->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
+        take_beginning(&c->work->element[c->model.output][inputs_current(&c->inputs)], x,
+                       c->model.output, fit);
         misfit = REAL_C(0.0); /* the residual is no error of the levels; theirs comes again */
         share = REAL_C(1.0);
     }
@@ -238,7 +235,7 @@ static void verdict_on_gain(struct commission *c, const struct test_verdict *v, 
         fit->time_constant_sd_s =
             real_sqrt(fit->time_constant_sd_s * fit->time_constant_sd_s + lag_sd * lag_sd);
     }
-    c->misfit[c->fit_at] = real_sqrt(again);
+    c->model.misfit[c->model.output] = real_sqrt(again);
     fit->gain_sd = real_sqrt(variance);
 }
 
@@ -269,17 +266,17 @@ static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_resul
 /* The fit of a straight drift is there. Where the drift has turned, once more, with a drift that does. */
 static bool fit_again(struct commission *c, const struct fopdt_fit_result *straight)
 {
-    struct experiment *x = &c->work->test.experiment;
-    struct fopdt_fit_options o = {.bent = true, .start = &c->fitted[c->fit_at]};
-    real_t sd, bend = real_abs(experiment_bend(x, c->fit_at, &sd));
+    struct experiment *x = &c->work->experiment;
+    struct fopdt_fit_options o = {.bent = true, .start = &c->model.fitted[c->model.output]};
+    real_t sd, bend = real_abs(experiment_bend(x, c->model.output, &sd));
     if (!(bend >
           BEND_SDS * sd)) /* how much of it is the response's tail is known only afterwards */
         return false;
-    experiment_baseline_before(x, c->fit_at, &o.baseline);
-    c->fit_squares = straight->squares;
-    c->fit_bent = c->fit_running =
-        fopdt_fit_begin(&x->interim_fit.fit, &x->record, c->fit_at, &o) == ERR_OK;
-    return c->fit_bent;
+    experiment_baseline_before(x, c->model.output, &o.baseline);
+    c->model.squares = straight->squares;
+    c->model.bent = c->model.running =
+        fopdt_fit_begin(&x->interim_fit.fit, &x->record, c->model.output, &o) == ERR_OK;
+    return c->model.bent;
 }
 
 /* Is a drift that turns so much better an explanation? */
@@ -287,7 +284,7 @@ static bool bent_is_better(const struct commission *c, const struct fopdt_fit_re
 {
     real_t r = bent->correlation, variance = bent->residual_sd * bent->residual_sd;
     variance *= (REAL_C(1.0) + r) / (REAL_C(1.0) - r);
-    return c->fit_squares - bent->squares > BENT_BETTER * variance;
+    return c->model.squares - bent->squares > BENT_BETTER * variance;
 }
 
 /* Of the variance that is left the part that is no noise. */
@@ -306,15 +303,15 @@ static void verdict_of_output(const struct experiment *x, uint8_t j, const struc
 /* The fits of an output are there; bent is NULL where its drift has not turned. */
 static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
 {
-    struct experiment *x = &c->work->test.experiment;
-    uint8_t j = c->fit_at;
-    struct identified *kept = &c->fitted[j];
-    struct element *e = &c->work->element[j][c->order[c->at]];
+    struct experiment *x = &c->work->experiment;
+    uint8_t j = c->model.output;
+    struct identified *kept = &c->model.fitted[j];
+    struct element *e = &c->work->element[j][inputs_current(&c->inputs)];
     struct baseline b;
     struct test_verdict v;
     bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
                   (drift_bend(x, j, &bent->element) > REAL_C(0.0) ||
-                   bent->misfit < BENT_LEAVES * c->fit_misfit);
+                   bent->misfit < BENT_LEAVES * c->model.straight_misfit);
     if (usable && bent_is_better(c, bent)) {
         e->plateau_gain = bent->plateau_gain;
         *kept = bent->element;
@@ -329,7 +326,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     }
     real_t bend = drift_bend(x, j, kept);
     bool straight = experiment_baseline(x, j, &b) == ERR_OK;
-    c->climbs[j] = c->misfit[j] = REAL_C(0.0);
+    c->model.climbs[j] = c->model.misfit[j] = REAL_C(0.0);
     if (straight) {
         verdict_of_output(x, j, &b, &v);
         verdict_on_climb(c, &v, bend, kept);
@@ -343,132 +340,46 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     if (straight && usable)
         verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
     else if (straight)
-        verdict_on_gain(c, &v, bend, c->fit_misfit, c->fit_share, kept);
+        verdict_on_gain(c, &v, bend, c->model.straight_misfit, c->model.straight_share, kept);
 }
 
 /* A fit has ended. True while another is to come for this output. */
 static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
 {
-    uint8_t j = c->fit_at;
-    if (c->fit_bent) {
+    uint8_t j = c->model.output;
+    if (c->model.bent) {
         take_fits(c, r);
         return false;
     }
-    c->work->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
-    c->fitted[j] = r->element;
-    c->fit_misfit = r->misfit;
-    c->fit_share = misfit_share(r);
+    c->work->element[j][inputs_current(&c->inputs)].plateau_gain = r->plateau_gain;
+    c->model.fitted[j] = r->element;
+    c->model.straight_misfit = r->misfit;
+    c->model.straight_share = misfit_share(r);
     if (fit_again(c, r))
         return true;
     take_fits(c, NULL);
     return false;
 }
 
-static bool fit_piece(struct commission *c)
+bool model_piece(struct commission *c)
 {
-    if (!c->fit_running) {
-        if (c->fit_at >= c->outputs || c->job_error)
+    if (!c->model.running) {
+        if (c->model.output >= outputs_count(&c->outputs) || c->model.error)
             return false;
         begin_output(c);
         return true;
     }
-    if (!fopdt_fit_run(&c->work->test.experiment.interim_fit.fit, FIT_UNITS))
+    if (!fopdt_fit_run(&c->work->experiment.interim_fit.fit, FIT_UNITS))
         return true;
     struct fopdt_fit_result r;
-    enum err err = fopdt_fit_result(&c->work->test.experiment.interim_fit.fit, &r);
+    enum err err = fopdt_fit_result(&c->work->experiment.interim_fit.fit, &r);
     if (err) {
-        c->job_error = err;
+        c->model.error = err;
         return false;
     }
-    c->fit_running = false;
+    c->model.running = false;
     if (end_fit(c, &r))
         return true;
-    c->fit_at++;
-    return c->fit_at < c->outputs;
-}
-
-/* What is known of the beginning: its dead time goes for the whole of the element, too, which takes as long as before. */
-static void take_early(const struct element *e, struct fopdt *whole, struct beginning *begins)
-{
-    *begins = (struct beginning){0};
-    if (!(e->early_slope > REAL_C(0.0)) || !(real_abs(whole->gain) > REAL_C(0.0)))
-        return;
-    real_t takes_s = whole->time_constant_s + whole->dead_time_s;
-    begins->time_constant_s = real_abs(whole->gain) / e->early_slope;
-    begins->dead_time_s = e->early_dead_s;
-    if (whole->dead_time_s > e->early_dead_s) {
-        whole->dead_time_s = e->early_dead_s;
-        whole->time_constant_s = takes_s - e->early_dead_s;
-    }
-}
-
-/* Notes the measurement that the settings pair with input[k], which is column n of the analysis. */
-static void note_given(struct commission *c, const struct config *config, uint8_t k, uint8_t n)
-{
-    for (unsigned p = 0; p < CONFIG_PAIRS && config->test.pairs == TEST_PAIRS_GIVEN; p++) {
-        const struct pair_config *pair = &config->pair[p];
-        if (!pair->measurement[0] || config_find_mv(config, pair->mv) != c->input[k].output)
-            continue;
-        uint8_t i = config_find_measurement(config, pair->measurement);
-        for (uint8_t j = 0; j < c->outputs; j++)
-            if (c->measurement[j] == i)
-                c->work->analysis.given[j] = (uint8_t)(n + 1u);
-    }
-}
-
-void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s)
-{
-    struct analysis *a = &c->work->analysis;
-    memset(&a->plant, 0, sizeof a->plant);
-    memset(a->given, 0, sizeof a->given);
-    a->plant.outputs = c->outputs;
-    uint8_t n = 0;
-    for (uint8_t k = 0; k < c->inputs; k++) {
-        if (c->input[k].skipped)
-            continue;
-        for (uint8_t j = 0; j < c->outputs; j++) {
-            const struct identified *e = &c->work->element[j][k].fit;
-            a->plant.element[j][n] = (struct fopdt){.gain = e->gain,
-                                                    .dead_time_s = e->dead_time_s,
-                                                    .time_constant_s = e->time_constant_s};
-            a->plant.gain_sd[j][n] = e->gain_sd;
-            a->flags[j][n] = e->flags;
-            take_early(&c->work->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
-        }
-        note_given(c, config, k, n);
-        c->column[n++] = k;
-    }
-    a->plant.inputs = n;
-    c->settings = (struct analysis_config){.h_s = h_s,
-                                           .confidence = config->test.confidence,
-                                           .floor = GAIN_FLOOR,
-                                           .step = STEP,
-                                           .loops_max = CONFIG_LOOPS,
-                                           .noise_sd = c->noise_sd};
-    c->analysis_begun = false;
-    c->job_error = n == 0 ? ERR_EMPTY : ERR_OK;
-}
-
-static bool analysis_piece(struct commission *c)
-{
-    if (c->job_error)
-        return false;
-    enum err err = c->analysis_begun ? analysis_step(&c->work->analysis)
-                                     : analysis_begin(&c->work->analysis, &c->settings);
-    if (err && err != ERR_BUSY)
-        c->job_error = err;
-    bool more = err == ERR_BUSY || (!c->analysis_begun && !err);
-    c->analysis_begun = true;
-    return more;
-}
-
-bool model_work(void *commission)
-{
-    struct commission *c = commission;
-    enum model_job job = (enum model_job)c->doing;
-    if (job == JOB_LOOK)
-        return interim_fit_run(&c->work->test.experiment.interim_fit);
-    if (job == JOB_FIT)
-        return fit_piece(c);
-    return analysis_piece(c);
+    c->model.output++;
+    return c->model.output < outputs_count(&c->outputs);
 }

@@ -1,6 +1,6 @@
-#include "exchange/config.h"
-
 #include "commission/origin.h"
+
+#include "commission/origin_state.h"
 
 #define SURE_SDS   REAL_C(2.0) /* of a slope, and of a level */
 #define DRIFT_SDS  REAL_C(3.0) /* of the slope before the first test */
@@ -78,4 +78,24 @@ void origin_taken(struct origin *o)
 {
     o->fixed = true;
     o->since_s = REAL_C(0.0);
+}
+
+void origin_grow_older(struct origin *o, real_t seconds)
+{
+    o->since_s += seconds;
+}
+
+bool origin_is_fixed(const struct origin *o)
+{
+    return o->fixed;
+}
+
+real_t origin_left(const struct origin *o, uint32_t j)
+{
+    return o->channel[j].left;
+}
+
+real_t origin_moved(const struct origin *o, uint32_t j)
+{
+    return o->channel[j].moved;
 }

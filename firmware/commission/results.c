@@ -1,9 +1,19 @@
-#include "commission/model.h"
-#include "exchange/config.h"
+#include "commission/results.h"
 
+#include "commission/analysis_job.h"
+#include "commission/background.h"
 #include "commission/certainty.h"
-#include "commission/commission_internal.h"
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/experiment.h"
 #include "commission/limits.h"
+#include "commission/model.h"
+#include "commission/next_test.h"
+#include "commission/start_stop.h"
+#include "commission/status.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
+#include "commission/tests.h"
 
 #define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define CLIMBS_TOO REAL_C(0.5) /* ... where the fit thinks so, too */
@@ -11,44 +21,23 @@
 #define ASYMMETRY_MUCH                                                                             \
     REAL_C(0.5) /* gain up less gain down, of their mean: the step was too large */
 #define ASYMMETRY_WANTED REAL_C(0.2)
-#define GENTLER_MOST     REAL_C(0.6) /* times the step that was cut */
-#define GENTLER_LEAST    REAL_C(0.2)
-#define GENTLER_SHARE    REAL_C(0.5) /* of the room, that the response to it may take */
+#define SMALLER_MOST     REAL_C(0.6) /* times the step that was cut */
+#define SMALLER_LEAST    REAL_C(0.2)
+#define SMALLER_SHARE    REAL_C(0.5) /* of the room, that the response to it may take */
 #define UNSEEN_MUCH      REAL_C(0.1) /* of a response that was still to come */
 #define SLOW_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
-
-uint32_t commission_samples(const struct supervisor *s, real_t seconds)
-{
-    return (uint32_t)(seconds / s->plan->tick_s + REAL_C(0.5));
-}
-
-void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks)
-{
-    job_give_up(&c->job); /* an interim fit that the end of its test has overtaken */
-    c->doing = (uint8_t)job;
-    job_ask(&c->job, ticks);
-}
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
 static void analyse(struct commission *c, const struct supervisor *s)
 {
-    c->phase = COMMISSION_ANALYSING;
-    c->phase_ms = s->time_ms;
-    model_begin_analysis(c, &s->plan->config, s->plan->tick_s);
-    commission_ask_for(c, JOB_ANALYSE, 1u + commission_samples(s, REAL_C(20.0)));
-}
-
-bool commission_is_due(const struct commission *c, uint8_t k)
-{
-    return !c->input[k].skipped && (c->input[k].unsettled || !c->only_unsettled);
+    status_enter(&c->status, COMMISSION_ANALYSING, s->time_ms);
+    analysis_job_begin(c, &s->plan->config, s->plan->tick_s);
+    background_ask(&c->background, TASK_ANALYSIS, 1u + commission_samples(s, REAL_C(20.0)));
 }
 
 void commission_next_input(struct commission *c, struct supervisor *s)
 {
-    do
-        c->at++;
-    while (c->at < c->inputs && !commission_is_due(c, c->order[c->at]));
-    if (c->at < c->inputs)
+    if (inputs_next(&c->inputs))
         commission_start_input(c, s);
     else
         analyse(c, s);
@@ -59,99 +48,93 @@ static void want_longer_tests(struct commission *c)
 {
     const struct analysis *a = &c->work->analysis;
     for (uint8_t i = 0; i < a->plant.inputs; i++)
-        c->input[c->column[i]].unsettled = (a->unsettled & (1u << i)) != 0u;
+        inputs_set_unsettled(&c->inputs, analysis_job_input(&c->analysis_job, i),
+                             (a->unsettled & (1u << i)) != 0u);
 }
 
 static void next_round(struct commission *c, struct supervisor *s)
 {
     want_longer_tests(c);
     /* The other inputs are known well enough where nothing else is open. */
-    c->only_unsettled = c->work->analysis.doubts == DOUBT_SHAPE;
-    c->round++;
-    c->at = 0;
-    if (!commission_is_due(c, c->order[0]))
-        commission_next_input(c, s);
-    else
+    if (inputs_next_round(&c->inputs, c->work->analysis.doubts == DOUBT_SHAPE))
         commission_start_input(c, s);
+    else
+        commission_next_input(c, s);
 }
 
 /* An output that looks like an integrator may only be slow: once more with three times the half, as long as that fits and
  * no output was near its limit. */
-static bool test_longer(struct commission *c, struct supervisor *s)
+static bool retry_longer_halves(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work->test.experiment;
-    struct tested_input *in = &c->input[c->order[c->at]];
+    const struct experiment *x = &c->work->experiment;
     if (x->cut || x->config.half > 0 || x->half >= commission_longest(s) ||
-        in->longer == LONGER_MOST)
+        inputs_under_test(&c->inputs)->longer_retries == LONGER_RETRIES_MAX)
         return false;
-    in->longer++;
-    in->half_wanted = LONGER * x->half;
-    event_put(c->events, s->time_ms, EVENT_TEST_LONGER, commission_input_name(c, s),
-              (real_t)in->half_wanted * x->config.h_s, in->longer);
+    uint32_t half = LONGER * x->half;
+    uint8_t retries = inputs_want_longer(&c->inputs, half);
+    commission_say_of_input(c, s, EVENT_TEST_LONGER, (real_t)half * x->config.h_s, retries);
     commission_start_input(c, s);
     return true;
 }
 
 /* Does output j look like an integrator of the input just tested? Not where it came to rest in an earlier round. */
-static bool looks_integrating(const struct commission *c, uint8_t j, uint8_t k)
+static bool looks_integrating(const struct commission *c, uint8_t j)
 {
-    bool fit_says = c->fitted[j].flags & IDENTIFIED_INTEGRATING;
-    return c->input[k].rounds == 0 && c->climbs[j] >= (fit_says ? CLIMBS_TOO : CLIMBS);
+    bool fit_says = model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING;
+    return inputs_under_test(&c->inputs)->rounds == 0 &&
+           model_climbs(&c->model, j) >= (fit_says ? CLIMBS_TOO : CLIMBS);
 }
 
 /* An output that answers a step up and a step down so differently is not linear over so much of its range: the gain is
  * not that at the operating point, and no lag fits both ways. Once more with a smaller step, which grows again where
  * the noise hides what it does. */
-static bool test_smaller(struct commission *c, struct supervisor *s)
+static bool retry_linear_step(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work->test.experiment;
-    uint8_t k = c->order[c->at];
-    struct tested_input *in = &c->input[k];
+    const struct experiment *x = &c->work->experiment;
+    uint8_t k = inputs_current(&c->inputs), outputs = outputs_count(&c->outputs);
+    const struct tested_input *in = inputs_get(&c->inputs, k);
     real_t worst = REAL_C(0.0);
-    for (uint8_t j = 0; j < c->outputs; j++) {
+    for (uint8_t j = 0; j < outputs; j++) {
         real_t asymmetry = real_abs((real_t)c->work->element[j][k].asymmetry) / ASYMMETRY_UNIT;
         if (asymmetry > worst)
             worst = asymmetry;
     }
     bool grown = x->record.input.edges > 3u; /* a smaller one did not stand out of the noise */
     if (worst < ASYMMETRY_MUCH || grown || in->rounds > 0 || x->cut ||
-        x->config.amplitude > REAL_C(0.0) || in->smaller == SMALLER_MOST)
+        x->config.amplitude > REAL_C(0.0) || in->linear_retries == LINEAR_RETRIES_MAX)
         return false;
-    in->smaller++;
-    in->amplitude_wanted = x->amplitude * ASYMMETRY_WANTED / worst;
-    event_put(c->events, s->time_ms, EVENT_TEST_SMALLER, commission_input_name(c, s),
-              in->amplitude_wanted, in->smaller);
+    real_t amplitude = x->amplitude * ASYMMETRY_WANTED / worst;
+    uint8_t retries = inputs_want_linear(&c->inputs, amplitude);
+    commission_say_of_input(c, s, EVENT_TEST_SMALLER, amplitude, retries);
     commission_start_input(c, s);
     return true;
 }
 
 /* The guard has cut the step before its responses were over: what would have come is not known. Once more with one that
  * leaves room for them. An amplitude that is given stays. */
-static bool test_gentler(struct commission *c, struct supervisor *s)
+static bool retry_smaller_step(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work->test.experiment;
-    uint8_t k = c->order[c->at];
-    struct tested_input *in = &c->input[k];
-    real_t a = GENTLER_MOST * x->amplitude;
+    const struct experiment *x = &c->work->experiment;
+    uint8_t k = inputs_current(&c->inputs), outputs = outputs_count(&c->outputs);
+    const struct tested_input *in = inputs_get(&c->inputs, k);
+    real_t a = SMALLER_MOST * x->amplitude;
     bool missing = x->one_sided;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct identified *f = &c->fitted[j];
+    for (uint8_t j = 0; j < outputs; j++) {
+        const struct identified *f = model_fitted(&c->model, j);
         real_t room = limits_room(x, j), most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
         if (f->flags & IDENTIFIED_NO_GAIN)
             continue;
         if (model_unseen(x, f) > UNSEEN_MUCH)
             missing = true;
-        if (!(most * a < GENTLER_SHARE * room))
-            a = GENTLER_SHARE * room / most;
+        if (!(most * a < SMALLER_SHARE * room))
+            a = SMALLER_SHARE * room / most;
     }
-    if (!x->cut || !missing || x->config.amplitude > REAL_C(0.0) || in->gentler == GENTLER_TIMES)
+    if (!x->cut || !missing || x->config.amplitude > REAL_C(0.0) || in->cut_retries == RETRIES_MAX)
         return false;
-    if (a < GENTLER_LEAST * x->amplitude)
-        a = GENTLER_LEAST * x->amplitude;
-    in->gentler++;
-    in->amplitude_most = a;
-    event_put(c->events, s->time_ms, EVENT_TEST_SMALLER, commission_input_name(c, s), a,
-              in->gentler);
+    if (a < SMALLER_LEAST * x->amplitude)
+        a = SMALLER_LEAST * x->amplitude;
+    uint8_t retries = inputs_want_uncut(&c->inputs, a);
+    commission_say_of_input(c, s, EVENT_TEST_SMALLER, a, retries);
     commission_start_input(c, s);
     return true;
 }
@@ -160,7 +143,7 @@ static bool test_gentler(struct commission *c, struct supervisor *s)
  * integrates. */
 static enum commission_reason reason_of_climb(const struct commission *c, uint8_t j)
 {
-    const struct identified *f = &c->fitted[j];
+    const struct identified *f = model_fitted(&c->model, j);
     bool timed = f->time_constant_sd_s > REAL_C(0.0) &&
                  f->time_constant_sd_s < SLOW_KNOWN * f->time_constant_s;
     return timed && !(f->flags & IDENTIFIED_INTEGRATING) ? REASON_TOO_SLOW : REASON_INTEGRATES;
@@ -168,36 +151,36 @@ static enum commission_reason reason_of_climb(const struct commission *c, uint8_
 
 static void take_fit(struct commission *c, struct supervisor *s)
 {
-    uint8_t k = c->order[c->at];
-    if (c->job_error) {
-        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)c->job_error);
+    enum err err = model_error(&c->model);
+    if (err) {
+        commission_fail(c, s, (real_t)err);
         return;
     }
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        if (!looks_integrating(c, j, k))
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
+        if (!looks_integrating(c, j))
             continue;
-        if (test_longer(c, s))
+        if (retry_longer_halves(c, s))
             return;
         /* A step that was cut short says less: there the fit must think so, too. */
-        if (c->work->test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
+        if (c->work->experiment.cut &&
+            !(model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING))
             continue;
-        commission_end(c, s, reason_of_climb(c, j),
-                       s->plan->config.measurement[c->measurement[j]].name, c->input[k].worst);
+        commission_end_by_output(c, s, reason_of_climb(c, j), j,
+                                 inputs_under_test(&c->inputs)->worst);
         return;
     }
-    if (test_gentler(c, s) || test_smaller(c, s))
+    if (retry_smaller_step(c, s) || retry_linear_step(c, s))
         return;
-    const struct experiment *x = &c->work->test.experiment;
+    const struct experiment *x = &c->work->experiment;
     if (x->one_sided) {
-        commission_end(c, s, REASON_REVERSAL,
-                       s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted);
+        commission_end_by_output(c, s, REASON_REVERSAL, x->culprit, x->predicted);
         return;
     }
     model_keep(c);
-    c->input[k].rounds++;
-    uint32_t lasts = commission_samples(s, commission_lasts(c, k));
-    if (lasts > c->half_least && c->round == 1)
-        c->half_least = lasts;
+    inputs_count_round(&c->inputs);
+    uint32_t lasts = commission_samples(s, commission_lasts(c, inputs_current(&c->inputs)));
+    if (lasts > inputs_half_least(&c->inputs) && inputs_round(&c->inputs) == 1)
+        inputs_set_half_least(&c->inputs, lasts);
     commission_next_input(c, s);
 }
 
@@ -219,33 +202,30 @@ static bool more_would_help(const struct analysis *a)
 static void take_analysis(struct commission *c, struct supervisor *s)
 {
     const struct analysis *a = &c->work->analysis;
-    if (c->job_error == ERR_EMPTY) {
-        commission_end(c, s, REASON_NO_INPUT, NULL, REAL_C(0.0));
-        return;
-    }
-    if (c->job_error) {
-        commission_end(c, s, REASON_NUMBERS, NULL, (real_t)c->job_error);
+    enum err err = analysis_job_error(&c->analysis_job);
+    if (err) {
+        bool empty = err == ERR_EMPTY;
+        commission_end(c, s, empty ? REASON_NO_INPUT : REASON_NUMBERS, NULL,
+                       empty ? REAL_C(0.0) : (real_t)err);
         return;
     }
     bool open = a->verdict != PAIRING_DETERMINED;
-    if (open && c->round < s->plan->config.test.rounds && more_would_help(a)) {
-        event_put(c->events, s->time_ms, EVENT_TEST_EXTENDED, NULL, a->probability,
-                  (uint8_t)(c->round + 1u));
+    uint8_t round = inputs_round(&c->inputs);
+    if (open && round < s->plan->config.test.rounds && more_would_help(a)) {
+        commission_say_of_all(c, s, EVENT_TEST_EXTENDED, a->probability, (uint8_t)(round + 1u));
         next_round(c, s);
         return;
     }
-    c->phase = COMMISSION_READY;
-    c->analysed = c->unseen = true;
-    c->phase_ms = c->ended_ms = s->time_ms;
-    event_put(c->events, s->time_ms, open ? EVENT_NOT_DETERMINED : EVENT_PROPOSAL, NULL,
-              a->probability, a->designed);
+    status_ready(&c->status, s->time_ms);
+    commission_say_of_all(c, s, open ? EVENT_NOT_DETERMINED : EVENT_PROPOSAL, a->probability,
+                          a->designed);
 }
 
 void commission_wait_for_job(struct commission *c, struct supervisor *s)
 {
-    if (!job_take(&c->job, c->events, s->time_ms))
+    if (!background_take(&c->background, status_events(&c->status), s->time_ms))
         return;
-    if (c->doing == JOB_FIT)
+    if (background_task(&c->background) == TASK_FIT)
         take_fit(c, s);
     else
         take_analysis(c, s);

@@ -1,6 +1,6 @@
-#include "exchange/config.h"
-
 #include "commission/swing.h"
+
+#include "commission/swing_state.h"
 
 #define SWING_SDS                                                                                  \
     REAL_C(4.0) /* an integral that has turned back by so much of its noise has turned */

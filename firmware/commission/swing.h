@@ -13,22 +13,12 @@
 
 #define SWING_DECAY REAL_C(0.7) /* times the half cycle before, at most: a damping of 0.11 */
 
-/* All 0 before the first sample. Areas in units of the error times a sample. */
-struct swing {
-    real_t integral;
-    real_t extreme;        /* farthest since the turn before, in the direction of now */
-    real_t turned;         /* where that turn was */
-    real_t area, largest;  /* of the half cycle before; of all before */
-    uint32_t since;        /* samples since the extreme */
-    uint32_t length, took; /* samples of the half cycle of now, to its extreme; of the one before */
-    int8_t direction;      /* of the integral; 0: before the first sample */
-    bool grows;            /* a half cycle was not smaller than the one before by that factor */
-};
+struct swing;
 
 /* A sample. noise_sd: of the error; constant: what of it may be there all the time without being a swing (a drift nobody
  * foresaw), magnitude. What these two may add to an area is left out of the account. */
 void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant);
-/* After the last: the half cycle that has not ended counts as far as it has come. */
+/* After the last sample: the half cycle that has not ended counts as far as it has come. */
 void swing_end(struct swing *w, real_t noise_sd, real_t constant);
 
 #endif

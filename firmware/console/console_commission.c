@@ -1,6 +1,7 @@
 /* `commission`: automatic start-up from the console. */
 #include <string.h>
 
+#include "commission/commission.h"
 #include "commission/expected.h"
 #include "console/console.h"
 #include "hal/tick.h"
@@ -37,10 +38,11 @@ static float output_span(const struct mv_config *o)
 /* The test may end, and its memory go to the analysis, at any time. */
 static void test_line(const struct commission *c, const struct config *config, struct text *line)
 {
-    const struct experiment *experiment = &c->work->test.experiment;
+    const struct experiment *experiment = &c->work->experiment;
     hal_tick_lock();
-    bool testing = c->phase == COMMISSION_TESTING;
-    uint8_t at = c->at;
+    bool testing = status_phase(&c->status) == COMMISSION_TESTING;
+    uint8_t turn = inputs_turn(&c->inputs);
+    const struct tested_input *in = inputs_under_test(&c->inputs);
     struct {
         enum experiment_phase phase;
         uint8_t worst_output;
@@ -49,20 +51,21 @@ static void test_line(const struct commission *c, const struct config *config, s
     hal_tick_unlock();
     if (!testing)
         return;
-    const struct mv_config *o = &config->mv[c->input[c->order[at]].output];
+    const struct mv_config *o = &config->mv[in->output];
     text_str(line, "input ");
     text_str(line, o->name);
-    text_quantity(line, " (", (float)(at + 1u), " of ");
-    text_u32(line, c->inputs);
+    text_quantity(line, " (", (float)(turn + 1u), " of ");
+    text_u32(line, inputs_count(&c->inputs));
     text_str(line, "), round ");
-    text_u32(line, c->round);
+    text_u32(line, inputs_round(&c->inputs));
     text_str(line, ": ");
     text_str(line, stages[now.phase]);
     text_quantity(line, ", amplitude ", (float)now.amplitude * output_span(o), " ");
     text_str(line, o->unit);
     if (now.worst > REAL_C(0.0)) {
         text_str(line, ", worst ");
-        text_str(line, config->measurement[c->measurement[now.worst_output]].name);
+        text_str(line,
+                 config->measurement[outputs_measurement(&c->outputs, now.worst_output)].name);
         text_quantity(line, " at ", (float)now.worst, " of its limit");
     }
 }
@@ -72,8 +75,9 @@ static void time_left_line(const struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
     hal_tick_lock();
-    bool testing = m->phase == COMMISSION_TESTING || m->phase == COMMISSION_FITTING ||
-                   m->phase == COMMISSION_ANALYSING;
+    enum commission_phase phase = status_phase(&m->status);
+    bool testing =
+        phase == COMMISSION_TESTING || phase == COMMISSION_FITTING || phase == COMMISSION_ANALYSING;
     struct expected_left left = {.planned = false};
     if (testing)
         left = expected_left(m, c->service->supervisor);
@@ -91,17 +95,17 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
 {
     const struct commission *m = c->service->commission;
     const struct config *config = console_settings(c);
+    enum commission_phase phase = status_phase(&m->status);
     if (n == 0) {
         text_str(line, "phase ");
-        text_str(line, phases[m->phase]);
-        if (m->phase != COMMISSION_IDLE) {
+        text_str(line, phases[phase]);
+        if (phase != COMMISSION_IDLE) {
             text_str(line, ", outputs ");
-            text_u32(line, m->outputs);
+            text_u32(line, outputs_count(&m->outputs));
             text_str(line, ", inputs ");
-            text_u32(line, m->inputs);
-            uint64_t to = m->ended_ms ? m->ended_ms : service_time_ms(c->service);
+            text_u32(line, inputs_count(&m->inputs));
             text_str(line, ", plant time s ");
-            text_seconds(line, to > m->began_ms ? to - m->began_ms : 0); /* time may be set back */
+            text_seconds(line, status_duration_ms(&m->status, service_time_ms(c->service)));
         }
         return true;
     }
@@ -109,23 +113,24 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
         time_left_line(c, line);
     if (n > 1)
         return n == 2;
-    if (m->phase == COMMISSION_TESTING) {
+    if (phase == COMMISSION_TESTING) {
         test_line(m, config, line);
-    } else if (m->phase == COMMISSION_RELAY) {
+    } else if (phase == COMMISSION_RELAY) {
         commission_relay_now(c, line);
-    } else if (m->phase == COMMISSION_READY) {
+    } else if (phase == COMMISSION_READY) {
         text_str(line, commission_has_proposal(m)
                            ? "a proposal waits: `commission proposal`, then accept, edit or reject"
                            : "no proposal: `commission pairing` says why");
-    } else if (m->reason != REASON_NOT) {
-        text_str(line, m->subject[0] ? m->subject : "-");
+    } else if (status_reason(&m->status) != REASON_NOT) {
+        const char *subject = status_subject(&m->status);
+        text_str(line, subject[0] ? subject : "-");
         text_char(line, ' ');
-        text_str(line, commission_reason_text(m->reason));
-    } else if (m->phase == COMMISSION_TRIAL) {
+        text_str(line, commission_reason_text(status_reason(&m->status)));
+    } else if (phase == COMMISSION_TRIAL) {
         text_str(line, "loop ");
-        text_u32(line, m->adoption.at + 1u);
+        text_u32(line, adoption_turn(&m->adoption) + 1u);
         text_str(line, " of ");
-        text_u32(line, m->adoption.n);
+        text_u32(line, adoption_loops(&m->adoption));
         text_str(line, " on trial");
     }
     return true;

@@ -1,16 +1,18 @@
 /* What automatic start-up has found, as listings: one fact a line, `name value unit`, for people and programs alike. */
-#include "commission/proposal.h"
+#include "commission/commission.h"
 #include "commission/words.h"
 #include "console/console.h"
 
 const struct measurement_config *commission_measurement(const struct console *c, unsigned j)
 {
-    return &console_settings(c)->measurement[c->service->commission->measurement[j]];
+    return &console_settings(c)
+                ->measurement[outputs_measurement(&c->service->commission->outputs, (uint8_t)j)];
 }
 
 const struct mv_config *commission_output(const struct console *c, unsigned k)
 {
-    return &console_settings(c)->mv[c->service->commission->input[k].output];
+    return &console_settings(c)
+                ->mv[inputs_get(&c->service->commission->inputs, (uint8_t)k)->output];
 }
 
 static void unit(struct text *t, const char *text)
@@ -36,7 +38,7 @@ void commission_flags(struct text *t, unsigned bits)
 
 static bool input_line(const struct console *c, unsigned k, struct text *line)
 {
-    const struct tested_input *in = &c->service->commission->input[k];
+    const struct tested_input *in = inputs_get(&c->service->commission->inputs, (uint8_t)k);
     const struct mv_config *o = commission_output(c, k);
     float span = o->hi - o->lo;
     text_str(line, "input ");
@@ -110,9 +112,10 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
 bool commission_model_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    if (m->inputs == 0 || m->ask == COMMISSION_ASK_BEGIN || m->ask == COMMISSION_ASK_RELAY)
+    unsigned inputs = inputs_count(&m->inputs), outputs = outputs_count(&m->outputs);
+    if (inputs == 0 || requests_begin(&m->requests))
         return false; /* or may be overwritten at any time */
-    if (m->by_relay.on)
+    if (by_relay_is_latest(&m->by_relay))
         return commission_relay_line(c, n, line); /* of one loop, and no model */
     if (!commission_keeps(m)) {
         if (n == 0)
@@ -121,26 +124,26 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
     }
     if (n == 0)
         operate_startup_shown(&c->session);
-    if (n < m->inputs)
+    if (n < inputs)
         return input_line(c, n, line);
-    n -= m->inputs;
-    if (n < m->outputs) {
+    n -= inputs;
+    if (n < outputs) {
         const struct measurement_config *y = commission_measurement(c, n);
         text_str(line, "output ");
         text_str(line, y->name);
-        text_named_float(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
+        text_named_float(line, "noise", (float)outputs_noise(&m->outputs)[n] * (y->hi - y->lo));
         text_char(line, ' ');
         unit(line, y->unit);
         /* Its rest, from the operating point: all of it, and what no drift explains. */
-        text_named_float(line, "moved", (float)m->origin.channel[n].moved * (y->hi - y->lo));
-        text_named_float(line, "left", (float)m->origin.channel[n].left * (y->hi - y->lo));
+        text_named_float(line, "moved", (float)origin_moved(&m->origin, n) * (y->hi - y->lo));
+        text_named_float(line, "left", (float)origin_left(&m->origin, n) * (y->hi - y->lo));
         return true;
     }
-    n -= m->outputs;
-    unsigned j = n / 2u % m->outputs, k = n / 2u / m->outputs;
-    if (k >= m->inputs)
+    n -= outputs;
+    unsigned j = n / 2u % outputs, k = n / 2u / outputs;
+    if (k >= inputs)
         return false;
-    if (m->input[k].rounds == 0)
+    if (inputs_get(&m->inputs, (uint8_t)k)->rounds == 0)
         return true;
     if (n % 2u == 0)
         element_line(c, j, k, line);
@@ -152,13 +155,14 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
 bool commission_has_nothing(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    if (commission_has_results(m) && !m->by_relay.on) {
+    if (commission_has_results(m) && !by_relay_is_latest(&m->by_relay)) {
         if (n == 0)
             operate_startup_shown(&c->session);
         return false;
     }
     if (n == 0)
-        text_str(line, m->by_relay.on ? "the latest test was by relay: `commission relay`"
+        text_str(line, by_relay_is_latest(&m->by_relay)
+                           ? "the latest test was by relay: `commission relay`"
                        : commission_had_results(m) ? COMMISSION_GONE
                                                    : "nothing yet: `commission begin` first");
     return true;
@@ -191,8 +195,10 @@ static void null_line(const struct console *c, bool outputs, struct text *line)
     text_str(line, outputs ? "null outputs" : "null inputs");
     for (unsigned i = 0; i < n; i++) {
         text_char(line, ' ');
-        text_str(line, outputs ? commission_measurement(c, i)->name
-                               : commission_output(c, m->column[i])->name);
+        text_str(
+            line,
+            outputs ? commission_measurement(c, i)->name
+                    : commission_output(c, analysis_job_input(&m->analysis_job, (uint8_t)i))->name);
         text_char(line, ' ');
         text_float(line, (float)(outputs ? a->null_output[i] : a->null_input[i]));
     }
@@ -220,7 +226,8 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
         text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
         for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
             text_char(line, ' ');
-            text_str(line, commission_output(c, m->column[k])->name);
+            text_str(line,
+                     commission_output(c, analysis_job_input(&m->analysis_job, (uint8_t)k))->name);
         }
         return true;
     }
@@ -269,7 +276,8 @@ static void proposed_loop_line(const struct console *c, unsigned k, struct text 
     text_str(line, "loop ");
     text_str(line, y->name);
     text_char(line, ' ');
-    text_str(line, commission_output(c, m->column[a->pairs.input[k]])->name);
+    text_str(line,
+             commission_output(c, analysis_job_input(&m->analysis_job, a->pairs.input[k]))->name);
     text_named_float(line, "gain", (float)t->gain);
     text_named_float(line, "ti", (float)t->ti_s);
     text_named_float(line, "td", (float)t->td_s);
@@ -283,7 +291,7 @@ static void proposed_loop_line(const struct console *c, unsigned k, struct text 
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
 {
     const struct analysis *a = &c->service->commission->work->analysis;
-    if (c->service->commission->by_relay.on)
+    if (by_relay_is_latest(&c->service->commission->by_relay))
         return commission_relay_line(c, n, line);
     if (commission_has_nothing(c, n, line))
         return n == 0;

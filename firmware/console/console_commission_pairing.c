@@ -19,7 +19,9 @@ static void names(const struct console *c, unsigned j, unsigned i, struct text *
 {
     text_str(line, commission_measurement(c, j)->name);
     text_char(line, ' ');
-    text_str(line, commission_output(c, c->service->commission->column[i])->name);
+    text_str(line, commission_output(
+                       c, analysis_job_input(&c->service->commission->analysis_job, (uint8_t)i))
+                       ->name);
 }
 
 /* Of an element: what its tests left open. */
@@ -32,8 +34,8 @@ static void doubt_element_line(const struct console *c, unsigned j, unsigned i, 
     text_str(line, "doubt element ");
     names(c, j, i, line);
     if (bits & CERTAINTY_OPEN_FLAGS) {
-        uint8_t k = m->column[i];
-        text_named_float(line, "half", (float)m->input[k].half_s);
+        uint8_t k = analysis_job_input(&m->analysis_job, (uint8_t)i);
+        text_named_float(line, "half", (float)inputs_get(&m->inputs, k)->half_s);
         text_named_float(line, "s needs", (float)commission_half_needed(m, (uint8_t)j, k));
         text_str(line, " s");
     }
@@ -77,11 +79,11 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
         return true;
     }
     n -= a->plant.outputs;
-    if (n >= m->inputs)
+    if (n >= inputs_count(&m->inputs))
         return false;
-    const char *reason = m->input[n].skipped ? "its test was skipped" : "";
+    const char *reason = inputs_get(&m->inputs, (uint8_t)n)->skipped ? "its test was skipped" : "";
     for (uint8_t i = 0; i < a->plant.inputs; i++)
-        if (m->column[i] == n)
+        if (analysis_job_input(&m->analysis_job, i) == n)
             reason = words_of_left(certainty_input_left(a, i));
     if (reason[0])
         left_line("input", commission_output(c, n)->name, reason, line);
@@ -153,9 +155,11 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         text_named_float(line, "share", (float)a->share[n]);
         if (a->rival[n] != INTERACT_NONE) {
             text_str(line, " rival ");
-            text_str(line, a->rival[n] < a->plant.inputs
-                               ? commission_output(c, m->column[a->rival[n]])->name
-                               : "-"); /* none of them */
+            text_str(
+                line,
+                a->rival[n] < a->plant.inputs
+                    ? commission_output(c, analysis_job_input(&m->analysis_job, a->rival[n]))->name
+                    : "-"); /* none of them */
         }
     }
     return true;

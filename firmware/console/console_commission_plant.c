@@ -93,18 +93,20 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct config *config = console_settings(c);
-    const struct adoption *t = &m->adoption;
-    bool was = m->phase == COMMISSION_TRIAL || m->phase == COMMISSION_KEPT ||
-               m->phase == COMMISSION_RETURNED || m->phase == COMMISSION_ENDED;
-    if (!was || t->n == 0 || !commission_had_results(m)) {
+    unsigned loops = adoption_loops(&m->adoption);
+    enum commission_phase phase = status_phase(&m->status);
+    bool was = phase == COMMISSION_TRIAL || phase == COMMISSION_KEPT ||
+               phase == COMMISSION_RETURNED || phase == COMMISSION_ENDED;
+    if (!was || loops == 0 || !commission_had_results(m)) {
         if (n == 0)
             text_str(line, "no trial yet: `commission accept` begins one");
         return n == 0;
     }
-    if (n >= t->n)
+    if (n >= loops)
         return false;
-    const struct adoption_loop *l = &t->loop[n];
-    const struct measurement_config *y = &config->measurement[t->channel[n].measurement];
+    const struct adoption_loop *l = adoption_loop(&m->adoption, (uint8_t)n);
+    uint8_t measurement = adoption_channel(&m->adoption, (uint8_t)n)->measurement;
+    const struct measurement_config *y = &config->measurement[measurement];
     float span = y->hi - y->lo;
     bool back = l->step < REAL_C(0.0);
     float scale = (float)(back ? -l->step : l->step) / (float)l->size;

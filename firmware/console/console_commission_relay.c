@@ -6,10 +6,10 @@
 #include "hal/tick.h"
 
 /* The latest test; the tick may begin another at any time. */
-static struct by_relay latest(const struct console *c)
+static struct relay_finding latest(const struct console *c)
 {
     hal_tick_lock();
-    struct by_relay r = c->service->commission->by_relay;
+    struct relay_finding r = *by_relay_finding(&c->service->commission->by_relay);
     hal_tick_unlock();
     return r;
 }
@@ -17,21 +17,16 @@ static struct by_relay latest(const struct console *c)
 void commission_relay_now(struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct relay *relay = &m->work->relay.relay;
     hal_tick_lock();
-    bool going_on = m->phase == COMMISSION_RELAY, resting = going_on && m->work->relay.resting;
-    uint8_t loop = m->by_relay.loop;
-    struct {
-        enum relay_phase phase;
-        uint16_t periods;
-        real_t amplitude;
-    } r = {relay->phase, relay->periods, relay->amplitude};
+    bool going_on = status_phase(&m->status) == COMMISSION_RELAY;
+    uint8_t loop = by_relay_loop(&m->by_relay);
+    struct relay_progress r = relay_test_progress(&m->work->relay);
     hal_tick_unlock();
     if (!going_on)
         return;
     text_str(line, "loop ");
     text_str(line, console_settings(c)->loop[loop].name);
-    if (resting) {
+    if (r.resting) {
         text_str(line, " waits for rest");
     } else if (r.phase == RELAY_START) {
         text_named_float(line, "waits for an answer to", (float)r.amplitude);
@@ -43,11 +38,12 @@ void commission_relay_now(struct console *c, struct text *line)
     }
 }
 
-static void found_line(const struct console *c, const struct by_relay *r, struct text *line)
+static void found_line(const struct console *c, const struct relay_finding *r, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct measurement_config *y = &console_settings(c)->measurement[m->measurement[0]];
-    const struct mv_config *u = &console_settings(c)->mv[m->input[0].output];
+    const struct measurement_config *y =
+        &console_settings(c)->measurement[outputs_measurement(&m->outputs, 0)];
+    const struct mv_config *u = &console_settings(c)->mv[inputs_get(&m->inputs, 0)->output];
     const struct relay_result *x = &r->result;
     text_str(line, "relay ");
     text_str(line, y->name);
@@ -62,15 +58,15 @@ static void found_line(const struct console *c, const struct by_relay *r, struct
     text_named_float(line, "spread", (float)x->spread);
     text_str(line, " periods ");
     text_u32(line, x->periods);
-    text_named_float(line, "worst", (float)m->input[0].worst);
+    text_named_float(line, "worst", (float)inputs_get(&m->inputs, 0)->worst);
 }
 
 bool commission_relay_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    struct by_relay r = latest(c);
-    if (!r.on || !r.found || !commission_had_results(m)) {
-        if (n == 0 && m->phase == COMMISSION_RELAY)
+    struct relay_finding r = latest(c);
+    if (!r.found || !commission_had_results(m)) {
+        if (n == 0 && status_phase(&m->status) == COMMISSION_RELAY)
             commission_relay_now(c, line);
         else if (n == 0)
             text_str(line, "no relay test has been done: `commission relay LOOP`");

@@ -13,7 +13,8 @@ static const struct analysis *analysis(const struct console *c)
 static const char *input(const struct console *c, uint8_t k)
 {
     const struct commission *m = c->service->commission;
-    return console_settings(c)->mv[m->input[m->column[analysis(c)->pairs.input[k]]].output].name;
+    uint8_t i = analysis_job_input(&m->analysis_job, analysis(c)->pairs.input[k]);
+    return commission_output(c, i)->name;
 }
 
 /* Names of pair k. */

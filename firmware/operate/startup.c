@@ -1,8 +1,9 @@
 /* Automatic start-up: what it is told, and the old settings' way back. */
 #include <string.h>
 
-#include "commission/by_relay.h"
+#include "commission/commission.h"
 #include "commission/proposal.h"
+#include "commission/trial_plan.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
 #include "storage/storage.h"
@@ -94,10 +95,8 @@ enum err operate_relay(struct session *session, uint8_t loop, struct answer *ans
     err = commission_may_relay(s->supervisor, loop, &subject, &wanted);
     if (!err)
         err = commission_put(m, COMMISSION_ASK_RELAY, &wanted);
-    if (!err) {
-        m->relay_asked = loop;
-        m->relay_serial = s->supervisor->plan->serial;
-    }
+    if (!err)
+        requests_put_relay(&m->requests, loop, s->supervisor->plan->serial);
     hal_tick_unlock();
     return err ? refuse_begin(session, answer, err, subject, wanted)
                : startup_done(session, "relay");
@@ -128,10 +127,10 @@ static enum err may_try(struct service *s, struct answer *answer)
 {
     const char *wanted = "", *subject = NULL;
     service_flush(s);
-    bool changed = commission_channels(&service_plan(s)->config) != s->commission->channels;
+    bool changed = !outputs_are_those_of(&s->commission->outputs, &service_plan(s)->config);
     hal_tick_lock();
     enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
-    if (!err && s->commission->ask != COMMISSION_ASK_NONE) {
+    if (!err && requests_pending(&s->commission->requests) != COMMISSION_ASK_NONE) {
         err = ERR_BUSY;
         wanted = "what was asked before waits for the next sample";
     }
@@ -167,8 +166,7 @@ static enum err begin_trial(struct session *session, struct config *config, stru
         return err;
     operate_transaction_over(session->door, true);
     hal_tick_lock();
-    m->trial_serial = service_plan(s)->serial;
-    m->ask = COMMISSION_ASK_TRIAL;
+    requests_put_trial(&m->requests, service_plan(s)->serial);
     hal_tick_unlock();
     return startup_done(session, "accept");
 }
@@ -229,10 +227,10 @@ struct startup_reading operate_startup_reading(const struct session *session)
     const struct commission *m = session->door->service->commission;
     struct startup_reading r;
     hal_tick_lock();
-    r.phase = m->phase;
+    r.phase = status_phase(&m->status);
     r.proposal = commission_has_proposal(m);
-    r.reason = m->reason;
-    memcpy(r.subject, m->subject, sizeof r.subject);
+    r.reason = status_reason(&m->status);
+    memcpy(r.subject, status_subject(&m->status), sizeof r.subject);
     hal_tick_unlock();
     return r;
 }
@@ -241,12 +239,12 @@ bool operate_poll(struct operate *door)
 {
     struct service *s = door->service;
     struct config_fault fault;
-    if (!s->commission->wants_old || !operate_settings_are_free(s))
+    if (!requests_want_old(&s->commission->requests) || !operate_settings_are_free(s))
         return false;
     enum err err = service_apply(s, commission_old(s->commission), &fault);
     if (err && !fault.group)
         return true; /* no room for it at the moment */
-    s->commission->wants_old = false;
+    requests_set_want_old(&s->commission->requests, false);
     if (err)
         service_record(s, EVENT_CONFIG_REFUSED, fault.group, (float)err, 0);
     return true;
@@ -259,8 +257,7 @@ bool operate_is_in_acceptance(const struct session *session)
 
 bool operate_start_up_on_trial(const struct service *s)
 {
-    const struct commission *m = s->commission;
-    return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
+    return commission_is_on_trial(s->commission);
 }
 
 #else

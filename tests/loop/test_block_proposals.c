@@ -377,10 +377,10 @@ static void it_waits_while_start_up_puts_its_settings_on_trial(void)
     ask_ok("begin");
     proposes(GAIN, 3);
     gives(PROPOSAL_AT_ONCE);
-    start_up->ask = COMMISSION_ASK_TRIAL;
+    start_up->requests.ask = COMMISSION_ASK_TRIAL;
     ask_ok("abandon");
     is_set("loop1.gain = 1 fraction/fraction");
-    start_up->ask = COMMISSION_ASK_NONE;
+    start_up->requests.ask = COMMISSION_ASK_NONE;
     board_run();
     samples(1);
     is_set("loop1.gain = 3 fraction/fraction");

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 
@@ -15,18 +14,18 @@ static struct experiment *x;
 #define NEAR(wanted, value) TEST_ASSERT_DOUBLE_WITHIN(2e-6, wanted, (double)(value))
 
 /* The main loop has, and the next tick takes it. */
-static inline void has_done(enum model_job what)
+static inline void has_done(enum background_task what)
 {
-    c.doing = (uint8_t)what;
-    job_ask(&c.job, 1);
-    c.job.done = true;
+    c.background.task = (uint8_t)what;
+    job_ask(&c.background.job, 1);
+    c.background.job.done = true;
 }
 
 /* The firmware's jobs: start-up's alone. */
 static inline struct jobs jobs_of_it(void)
 {
     struct jobs jobs = {0};
-    TEST_ASSERT_EQUAL_INT(ERR_OK, jobs_add(&jobs, &c.job));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, jobs_add(&jobs, &c.background.job));
     return jobs;
 }
 
@@ -35,31 +34,31 @@ static inline void fitted(void)
 {
     commission_init(&c, &bench.events, commission_fresh_region());
     commission_lease(&c);
-    c.plan_serial = bench.s.plan->serial;
-    c.safe_count = bench.s.safe_count;
-    c.outputs = c.inputs = 2;
-    c.measurement[1] = c.input[1].output = c.order[1] = 1;
-    c.input[0].test_base = REAL_C(0.5);
-    c.input[1].test_base = REAL_C(0.5);
-    c.round = 1;
-    c.phase = COMMISSION_FITTING;
+    c.outputs.plan_serial = bench.s.plan->serial;
+    c.outputs.safe_count = bench.s.safe_count;
+    c.outputs.n = c.inputs.n = 2;
+    c.outputs.measurement[1] = c.inputs.input[1].output = c.inputs.order[1] = 1;
+    c.inputs.input[0].test_base = REAL_C(0.5);
+    c.inputs.input[1].test_base = REAL_C(0.5);
+    c.inputs.round = 1;
+    c.status.phase = COMMISSION_FITTING;
     for (unsigned j = 0; j < 2; j++)
-        c.fitted[j] = (struct identified){.gain = REAL_C(0.5),
-                                          .gain_sd = REAL_C(0.01),
-                                          .time_constant_s = 20,
-                                          .time_constant_sd_s = 1,
-                                          .dead_time_s = 10};
-    c.fitted[2] = (struct identified){.gain = 50, .time_constant_s = 1000}; /* of no output */
-    c.climbs[2] = 9;
+        c.model.fitted[j] = (struct identified){.gain = REAL_C(0.5),
+                                                .gain_sd = REAL_C(0.01),
+                                                .time_constant_s = 20,
+                                                .time_constant_sd_s = 1,
+                                                .dead_time_s = 10};
+    c.model.fitted[2] = (struct identified){.gain = 50, .time_constant_s = 1000}; /* of no output */
+    c.model.climbs[2] = 9;
     c.work->element[2][0].asymmetry = 5000;
-    x = &c.work->test.experiment;
+    x = &c.work->experiment;
     x->config.outputs = 2;
     x->config.h_s = 2;
     x->config.limit[0] = x->config.limit[1] = REAL_C(0.2);
     x->half = 100;
     x->amplitude = REAL_C(0.1);
     x->record.input.edges = 3;
-    has_done(JOB_FIT);
+    has_done(TASK_FIT);
     bench_forget_events();
 }
 

@@ -4,13 +4,22 @@
 
 #include <string.h>
 
+#include "commission/acceptance.h"
 #include "commission/analysis.h"
-#include "commission/by_relay.h"
+#include "commission/analysis_structure.h"
+#include "commission/background.h"
+#include "commission/certainty.h"
 #include "commission/combine.h"
 #include "commission/commission.h"
 #include "commission/experiment.h"
+#include "commission/lease.h"
 #include "commission/model.h"
 #include "commission/proposal.h"
+#include "commission/proposal_loops.h"
+#include "commission/results.h"
+#include "commission/start_stop.h"
+#include "commission/tests.h"
+#include "commission/trial_plan.h"
 #include "unity.h"
 
 static struct commission_work commission_space;
@@ -28,8 +37,8 @@ static inline struct workspace *commission_fresh_region(void)
 static inline void commission_lease(struct commission *c)
 {
     void *memory;
-    c->workspace = commission_fresh_region();
-    TEST_ASSERT_EQUAL_INT(ERR_OK, workspace_lease(c->workspace, COMMISSION_HOLDER,
+    c->lease.workspace = commission_fresh_region();
+    TEST_ASSERT_EQUAL_INT(ERR_OK, workspace_lease(c->lease.workspace, COMMISSION_HOLDER,
                                                   "commission abort", sizeof *c->work, &memory));
     c->work = memory;
 }

@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "commission/adoption.h"
+#include "commission/adoption_state.h"
 #include "commission/by_relay.h"
+#include "commission/origin_state.h"
 #include "csv.h"
 #include "fopdt_plant.h"
 #include "step_records.h"
@@ -69,7 +71,6 @@ static void predict(void)
     a.channel[2] = (struct adoption_channel){.measurement = T5, .output = 2, .limit = REAL_C(0.05)};
     a.window = WINDOW;
     operating = (struct origin){0};
-    a.origin = &operating;
     a.back = BACK;
     for (uint8_t k = 0; k < 2; k++) {
         struct trial_config c = {
@@ -135,7 +136,7 @@ static void begin(double times, double slower)
     }
     predict();
     adoption_hold(&a, &bench.s);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &operating, &rest));
 }
 
 static enum adoption_result one_tick(void)
@@ -391,16 +392,16 @@ static void a_trial_begins_with_nothing_found_of_any_loop(void)
     begin(1, 1);
     for (unsigned k = 0; k < 2; k++)
         a.loop[k].iae = a.loop[k].peak = 9;
-    a.at = a.culprit = a.repeats = 1;
+    a.turn = a.culprit = a.repeats = 1;
     a.drifting = a.placed = true;
     a.since = 77;
     a.result = a.doubt = ADOPTION_SLOW;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &operating, &rest));
     for (unsigned k = 0; k < 2; k++) {
         TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a.loop[k].iae);
         TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a.loop[k].peak);
     }
-    TEST_ASSERT_EQUAL_UINT8(0, a.at + a.culprit + a.repeats);
+    TEST_ASSERT_EQUAL_UINT8(0, a.turn + a.culprit + a.repeats);
     TEST_ASSERT_FALSE(a.drifting || a.placed);
     TEST_ASSERT_EQUAL_UINT32(0, a.since);
     TEST_ASSERT_EQUAL_UINT8(3, a.patience);
@@ -470,10 +471,10 @@ static void as_many_channels_as_there_are_are_taken_and_no_more(void)
 {
     begin(1, 1);
     a.channels = CHANNEL_MAX + 1;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &operating, &rest));
     a.channels = 2;
     a.window = STEADY_BLOCKS - 1;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &operating, &rest));
 }
 
 /* reference/relay_family.csv: what settings by relay do to lags with dead time of 0.02 to 2 of them. */

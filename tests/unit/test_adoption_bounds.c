@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "commission/adoption.h"
+#include "commission/adoption_state.h"
+#include "commission/origin_state.h"
 #include "supervisor_bench.h"
 
 #define REST     0.45
@@ -57,7 +59,6 @@ static void begin(void)
     }
     memset(&a, 0, sizeof a);
     operating = (struct origin){0};
-    a.origin = &operating;
     a.n = a.channels = 1;
     a.window = 48;
     a.back = 50;
@@ -66,7 +67,7 @@ static void begin(void)
     a.loop[0].predicted.iae = (real_t)(STEP * RISE);
     a.channel[0] = (struct adoption_channel){.noise_sd = (real_t)noise_sd, .limit = (real_t)LIMIT};
     adoption_hold(&a, &bench.s);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &operating, &rest));
 }
 
 /* Value of the measurement so many samples after the setpoint has gone away, or back. */
@@ -183,7 +184,7 @@ static void half_cycles_of_07_of_those_before_are_the_largest(void)
             part[2].error = 0.2;
             part[3].error = -0.2 * (0.7 + 0.04 * side);
             TEST_ASSERT_EQUAL_INT(side < 0 ? ADOPTION_PASSED : ADOPTION_SWINGS, run());
-            TEST_ASSERT_EQUAL_UINT8(side < 0 ? 1 : 0, a.at);
+            TEST_ASSERT_EQUAL_UINT8(side < 0 ? 1 : 0, a.turn);
         }
 }
 

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "commission/adoption.h"
+#include "commission/adoption_state.h"
+#include "commission/origin_state.h"
 #include "supervisor_bench.h"
 
 #define WINDOW 48
@@ -29,7 +31,6 @@ void setUp(void)
     bench.plan[bench.current].tick_s = 2;
     memset(&a, 0, sizeof a);
     operating = (struct origin){0};
-    a.origin = &operating;
     a.n = a.channels = 2;
     a.window = WINDOW;
     a.back = 50;
@@ -43,7 +44,7 @@ void setUp(void)
         reads(k, 0.4);
     }
     adoption_hold(&a, &bench.s);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &operating, &rest));
 }
 void tearDown(void) {}
 
@@ -90,7 +91,7 @@ static void the_line_at_rest_counts_from_its_end_where_it_matters(void)
                 TEST_ASSERT_EQUAL_INT(LOOP_AUTO, bench.s.loop[k].mode);
         }
     setUp(); /* the end of it all, where the others are looked at, has its time */
-    a.at = 2;
+    a.turn = 2;
     line(WINDOW, 1e-5);
     TEST_ASSERT_EQUAL_UINT32(28, a.stage_ticks);
 }
@@ -131,7 +132,7 @@ static void is_bent(bool bent)
         TEST_ASSERT_EQUAL_UINT32(3, a.stage_ticks);
     } else {
         TEST_ASSERT_EQUAL_INT(ADOPTION_SLOW, a.result);
-        TEST_ASSERT_EQUAL_UINT8(a.at, a.culprit);
+        TEST_ASSERT_EQUAL_UINT8(a.turn, a.culprit);
     }
 }
 

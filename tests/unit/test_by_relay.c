@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 
@@ -35,8 +34,8 @@ void setUp(void)
     commission_lease(&c);
     t = &c.work->relay;
     r = &c.work->relay.relay.config;
-    c.relay_serial = bench.s.plan->serial;
-    c.relay_asked = TOP;
+    c.requests.relay_serial = bench.s.plan->serial;
+    c.requests.relay_loop = TOP;
     bench_forget_events();
 }
 void tearDown(void) {}
@@ -45,7 +44,7 @@ static void begin(void)
 {
     setUp();
     commission_begin_relay(&c, &bench.s);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
 }
 
 /* The next sample, so many ticks after the one before. */
@@ -61,7 +60,7 @@ static void sample(unsigned ticks)
 static unsigned rests(double climb0, double climb1, double swing, unsigned most)
 {
     double from[2] = {y[0], y[1]};
-    for (unsigned n = 1; n <= most && c.phase == COMMISSION_RELAY; n++) {
+    for (unsigned n = 1; n <= most && c.status.phase == COMMISSION_RELAY; n++) {
         y[0] = from[0] + climb0 * n + (n % 2 ? swing : -swing);
         y[1] = from[1] + climb1 * n;
         sample(1);
@@ -73,10 +72,10 @@ static unsigned rests(double climb0, double climb1, double swing, unsigned most)
 
 static void ended(enum commission_reason reason, const char *subject, double value)
 {
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(reason, c.reason);
-    TEST_ASSERT_EQUAL_STRING(subject, c.subject);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, value, (double)c.value);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);
+    TEST_ASSERT_EQUAL_INT(reason, c.status.reason);
+    TEST_ASSERT_EQUAL_STRING(subject, c.status.subject);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, value, (double)c.status.value);
 }
 
 /* ---- the beginning ---- */
@@ -84,21 +83,21 @@ static void ended(enum commission_reason reason, const char *subject, double val
 static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
 {
     memset(c.work, 0xA5, sizeof *c.work); /* whatever was there before */
-    c.outputs = c.inputs = 3;
-    c.analysed = true;
+    c.outputs.n = c.inputs.n = 3;
+    c.status.analysed = true;
     bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* it is no hand that this one acts already */
     cf->measurement[T1].test = 1;
     cf->measurement[FEED].test = 1;
     commission_begin_relay(&c, &bench.s);
-    TEST_ASSERT_TRUE(c.by_relay.on);
+    TEST_ASSERT_TRUE(c.by_relay.latest);
     TEST_ASSERT_EQUAL_UINT8(TOP, c.by_relay.loop);
-    TEST_ASSERT_EQUAL_UINT8(1, c.round);
-    TEST_ASSERT_EQUAL_UINT8(3, c.outputs);
-    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){T1, T10, FEED}), c.measurement, 3);
-    TEST_ASSERT_EQUAL_UINT8(1, c.inputs);
-    TEST_ASSERT_EQUAL_UINT8(REFLUX, c.input[0].output);
-    NEAR(0.5, c.input[0].test_base);
-    TEST_ASSERT_FALSE(c.analysed);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.round);
+    TEST_ASSERT_EQUAL_UINT8(3, c.outputs.n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){T1, T10, FEED}), c.outputs.measurement, 3);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.n);
+    TEST_ASSERT_EQUAL_UINT8(REFLUX, c.inputs.input[0].output);
+    NEAR(0.5, c.inputs.input[0].test_base);
+    TEST_ASSERT_FALSE(c.status.analysed);
     TEST_ASSERT_EQUAL_UINT8(LOOP_MANUAL, c.by_relay.mode[TOP]);
     TEST_ASSERT_EQUAL_UINT8(LOOP_AUTO, c.by_relay.mode[BOTTOM]);
     TEST_ASSERT_TRUE(t->resting);
@@ -107,8 +106,8 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     NEAR(0.0, t->slope_per_s[0]);
     NEAR(0.0, t->limit[3]);
     NEAR(0.2, t->limit[2]);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.sample_ms);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.status.phase_ms);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.outputs.sample_ms);
     TEST_ASSERT_EQUAL_UINT32(2, t->steady.config.block);
     NEAR(3.0, t->steady.config.motion_limit);
     NEAR(4.0, t->steady.config.variance_limit);
@@ -130,7 +129,7 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
     commission_begin_relay(&c, &bench.s);
     sample(1);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
 }
 
 static void what_has_changed_since_it_was_asked_for_is_refused(void)
@@ -138,16 +137,16 @@ static void what_has_changed_since_it_was_asked_for_is_refused(void)
     for (unsigned n = 0; n < 4; n++) {
         setUp();
         if (n == 0)
-            c.relay_serial++;
+            c.requests.relay_serial++;
         else if (n == 1)
-            c.relay_asked = CONFIG_LOOPS;
+            c.requests.relay_loop = CONFIG_LOOPS;
         else if (n == 2)
-            c.relay_asked = 5; /* there is none */
+            c.requests.relay_loop = 5; /* there is none */
         else
             bench.s.loop[TOP].mode = LOOP_AUTO;
         commission_begin_relay(&c, &bench.s);
-        TEST_ASSERT_EQUAL_INT(COMMISSION_IDLE, c.phase);
-        TEST_ASSERT_FALSE(c.by_relay.on);
+        TEST_ASSERT_EQUAL_INT(COMMISSION_IDLE, c.status.phase);
+        TEST_ASSERT_FALSE(c.by_relay.latest);
         TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_REQUEST_REFUSED, ""));
     }
 }
@@ -193,7 +192,7 @@ static void what_does_not_come_to_rest_ends_it(void)
         double climb = 0.065 / WINDOW;
         unsigned n = 0;
         double from = y[j] = -1.5;
-        for (; c.phase == COMMISSION_RELAY && n < 2000; n++) {
+        for (; c.status.phase == COMMISSION_RELAY && n < 2000; n++) {
             y[j] = from + climb * (n + 1);
             sample(1);
         }
@@ -264,7 +263,7 @@ static void the_relay_is_made_for_what_is_set(void)
     rests(0, 0, 0, 100);
     NEAR(0.25, r->amplitude);
     begin();
-    c.input[0].test_base = REAL_C(0.03);
+    c.inputs.input[0].test_base = REAL_C(0.03);
     cf->mv[REFLUX].test_step = 2;
     rests(0, 0, 0, 100);
     NEAR(0.03, r->most);
@@ -296,15 +295,15 @@ static void a_measurement_past_its_limit_for_two_samples_ends_it(void)
             sample(1);
             y[j] = 0.25; /* a spike */
             sample(1);
-            TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.00115, (double)c.input[0].worst);
+            TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.00115, (double)c.inputs.input[0].worst);
             y[j] = 0.25 + sign * (most + 2e-5);
             sample(1);
-            TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
+            TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
             y[j] = 0.25 + sign * 0.3;
             sample(1);
             ended(REASON_LIMIT, j ? "T10" : "T1", 1.5);
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.5, (double)c.input[0].worst);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.5, (double)c.inputs.input[0].worst);
         }
 }
 
@@ -314,13 +313,13 @@ static void the_largest_share_of_all_is_remembered(void)
     y[0] = 0.27;
     y[1] = 0.21;
     sample(1);
-    NEAR(0.2, c.input[0].worst);
+    NEAR(0.2, c.inputs.input[0].worst);
     y[1] = 0.27;
     sample(1);
-    NEAR(0.2, c.input[0].worst);
+    NEAR(0.2, c.inputs.input[0].worst);
     y[0] = 0.31;
     sample(1);
-    NEAR(0.3, c.input[0].worst);
+    NEAR(0.3, c.inputs.input[0].worst);
 }
 
 static void a_drift_is_taken_off_for_the_time_that_has_gone(void)
@@ -333,13 +332,13 @@ static void a_drift_is_taken_off_for_the_time_that_has_gone(void)
         y[1] = from + climb * n;
         sample(1);
     }
-    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
     TEST_ASSERT_EQUAL_UINT32(101, t->cycling);
-    TEST_ASSERT_TRUE(c.input[0].worst < REAL_C(0.02));
+    TEST_ASSERT_TRUE(c.inputs.input[0].worst < REAL_C(0.02));
     y[1] += climb * 3;
     sample(3);
     TEST_ASSERT_EQUAL_UINT32(104, t->cycling);
-    TEST_ASSERT_TRUE(c.input[0].worst < REAL_C(0.02));
+    TEST_ASSERT_TRUE(c.inputs.input[0].worst < REAL_C(0.02));
 }
 
 static void eight_samples_may_be_missing(void)
@@ -347,7 +346,7 @@ static void eight_samples_may_be_missing(void)
     at_work();
     uint32_t before = t->relay.half;
     sample(9);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.status.phase);
     TEST_ASSERT_EQUAL_UINT32(before + 9, t->relay.half);
     sample(10);
     ended(REASON_SAMPLES, "", 9.0);
@@ -380,7 +379,7 @@ static void no_answer_within_its_patience_makes_the_relay_larger(void)
     NEAR(first, bench.seen[bench.n_seen - 1].value);
     TEST_ASSERT_EQUAL_UINT8(1, bench.seen[bench.n_seen - 1].detail);
     NEAR((double)t->relay.level, D(bench.s.mv[REFLUX].excitation));
-    for (n = 0; c.phase == COMMISSION_RELAY && n < 5000; n++)
+    for (n = 0; c.status.phase == COMMISSION_RELAY && n < 5000; n++)
         sample(1);
     ended(REASON_NO_ANSWER, "top", 0.0);
     TEST_ASSERT_TRUE(happened(EVENT_TEST_STEP, "reflux") >= 4);
@@ -395,11 +394,11 @@ static void numbers_that_are_none_end_it(void)
     begin();
     cf->test.noise_multiple = -1e9f;
     cf->measurement[T1].test_limit = 0;
-    c.input[0].test_base = 0; /* no room */
+    c.inputs.input[0].test_base = 0; /* no room */
     rests(0, 0, 0, 100);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);
-    TEST_ASSERT_EQUAL_STRING("reflux", c.subject);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);
+    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.status.reason);
+    TEST_ASSERT_EQUAL_STRING("reflux", c.status.subject);
 }
 
 /* ---- the proposal ---- */
@@ -409,28 +408,28 @@ static void cycles(double slope)
 {
     double before[3] = {0};
     begin();
-    for (unsigned n = 0; c.phase == COMMISSION_RELAY && n < 5000; n++) {
+    for (unsigned n = 0; c.status.phase == COMMISSION_RELAY && n < 5000; n++) {
         before[2] = before[1];
         before[1] = before[0];
         before[0] = D(bench.s.mv[REFLUX].excitation);
         y[0] -= slope * before[2]; /* the loop is direct */
         sample(1);
     }
-    TEST_ASSERT_EQUAL_INT(COMMISSION_READY, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_READY, c.status.phase);
 }
 
 static void a_cycle_becomes_a_proposal_for_one_pair(void)
 {
     cycles(0.02);
     const struct analysis *a = &c.work->analysis;
-    const struct relay_result *found = &c.by_relay.result;
+    const struct relay_result *found = &c.by_relay.finding.result;
     double ku = fabs((double)found->gain), pu = (double)found->period_s;
-    TEST_ASSERT_TRUE(c.by_relay.found && c.analysed && a->designed);
+    TEST_ASSERT_TRUE(c.by_relay.finding.found && c.status.analysed && a->designed);
     TEST_ASSERT_TRUE(found->gain < 0 && ku > 5.0 && ku < 60.0);
     TEST_ASSERT_TRUE(pu > 10.0 && pu < 60.0);
-    NEAR(-ku / 3.2, c.by_relay.gain);
-    NEAR(2.2 * pu, c.by_relay.ti_s);
-    NEAR((double)found->amplitude, c.input[0].amplitude);
+    NEAR(-ku / 3.2, c.by_relay.finding.gain);
+    NEAR(2.2 * pu, c.by_relay.finding.ti_s);
+    NEAR((double)found->amplitude, c.inputs.input[0].amplitude);
     TEST_ASSERT_EQUAL_INT(ANALYSIS_DONE, a->stage);
     TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a->verdict);
     TEST_ASSERT_EQUAL_INT(DECOUPLER_NOT_NEEDED, a->decoupler);
@@ -457,34 +456,35 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     NEAR(0.66 * ku * 0.05, a->predicted[0].moved);
     NEAR(0.66 * ku * 0.05, a->tried[0].moved[0]);
     NEAR(12.0 * pu, a->horizon_s);
-    TEST_ASSERT_EQUAL_UINT32((uint32_t)(8.0 * pu / 2.0 + 0.5), c.half_least);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.ended_ms);
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(8.0 * pu / 2.0 + 0.5), c.inputs.half_least);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.status.phase_ms);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.status.ended_ms);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_RELAY_DONE, "top"));
     NEAR(pu, bench.seen[bench.n_seen - 1].value);
     NEAR(0.0, D(bench.s.mv[REFLUX].excitation));
     struct config written = *cf;
     written.loop[TOP].own.td_s = 9;
     written.loop[TOP].own.action = LOOP_REVERSE;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, by_relay_write(&c, &written));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &written));
     NEAR(ku / 3.2, written.loop[TOP].own.gain);
     NEAR(2.2 * pu, written.loop[TOP].own.ti_s);
     NEAR(0.0, written.loop[TOP].own.td_s);
     TEST_ASSERT_EQUAL_UINT8(LOOP_DIRECT, written.loop[TOP].own.action);
-    c.by_relay.gain = -c.by_relay.gain;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, by_relay_write(&c, &written));
+    c.by_relay.finding.gain = -c.by_relay.finding.gain;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &written));
     TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, written.loop[TOP].own.action);
     strcpy(written.loop[TOP].pv, "T10");
-    TEST_ASSERT_EQUAL_INT(ERR_UNKNOWN, by_relay_write(&c, &written));
+    TEST_ASSERT_EQUAL_INT(ERR_UNKNOWN, proposal_write(&c, &written));
 }
 
 static void no_gain_is_more_than_a_loop_takes(void)
 {
     cycles(0.0006);
-    double ku = fabs((double)c.by_relay.result.gain), pu = (double)c.by_relay.result.period_s;
+    double ku = fabs((double)c.by_relay.finding.result.gain),
+           pu = (double)c.by_relay.finding.result.period_s;
     TEST_ASSERT_TRUE(ku > 330.0);
-    NEAR(-100.0, c.by_relay.gain);
-    NEAR(2.2 * pu * ku / 320.0, c.by_relay.ti_s);
+    NEAR(-100.0, c.by_relay.finding.gain);
+    NEAR(2.2 * pu * ku / 320.0, c.by_relay.finding.ti_s);
 }
 
 int main(void)

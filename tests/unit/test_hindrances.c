@@ -1,8 +1,7 @@
-/* commission/channels.c: what stands in the way of a test and of a trial, one thing after the other, on either side of each
+/* commission/blocking.c, channels.c and test_outputs.c: what stands in the way of a test and of a trial, one thing after the other, on either side of each
  * bound. */
 #include <string.h>
 
-#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "plan/plan_build.h"
 #include "supervisor_bench.h"
@@ -27,11 +26,11 @@ void setUp(void)
     bench.s.time_ms = 1000000;
     commission_init(&c, &bench.events, commission_fresh_region());
     commission_lease(&c);
-    c.plan_serial = bench.s.plan->serial;
-    c.safe_count = bench.s.safe_count;
-    c.outputs = c.inputs = 2;
-    c.measurement[1] = c.input[1].output = 1;
-    c.input[0].test_base = c.input[1].test_base = REAL_C(0.5);
+    c.outputs.plan_serial = bench.s.plan->serial;
+    c.outputs.safe_count = bench.s.safe_count;
+    c.outputs.n = c.inputs.n = 2;
+    c.outputs.measurement[1] = c.inputs.input[1].output = 1;
+    c.inputs.input[0].test_base = c.inputs.input[1].test_base = REAL_C(0.5);
     what = wanted = NULL;
 }
 void tearDown(void) {}
@@ -96,19 +95,19 @@ static void a_measurement_at_the_end_of_its_span_for_two_samples_is_told(void)
         for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
             setUp();
             bench.s.measurement[j].raw = (float)cases[n].raw;
-            commission_watch_spans(&c, &bench.s);
-            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
-            commission_watch_spans(&c, &bench.s);
-            TEST_ASSERT_EQUAL_INT(cases[n].end ? (int)j : -1, commission_at_end(&c));
+            outputs_watch_spans(&c.outputs, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
+            outputs_watch_spans(&c.outputs, &bench.s);
+            TEST_ASSERT_EQUAL_INT(cases[n].end ? (int)j : -1, outputs_at_end(&c.outputs));
             bench.s.measurement[j].raw = 100;
-            commission_watch_spans(&c, &bench.s);
-            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            outputs_watch_spans(&c.outputs, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
             bench.s.measurement[j].raw = (float)cases[n].raw;
-            commission_watch_spans(&c, &bench.s);
-            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            outputs_watch_spans(&c.outputs, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
             bench.s.measurement[j].seen = false;
-            commission_watch_spans(&c, &bench.s);
-            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            outputs_watch_spans(&c.outputs, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
         }
     for (int side = -1; side <= 1;
          side += 2) { /* there, or beyond: a 4000th of the span, on both at once */
@@ -116,19 +115,19 @@ static void a_measurement_at_the_end_of_its_span_for_two_samples_is_told(void)
         float margin = 2.5e-4f * 100.0f;
         bench.s.measurement[0].raw = bench.s.measurement[1].raw =
             side < 0 ? 60.0f + margin : 160.0f - margin;
-        commission_watch_spans(&c, &bench.s);
-        commission_watch_spans(&c, &bench.s);
-        TEST_ASSERT_EQUAL_HEX32(3, c.at_end_again);
+        outputs_watch_spans(&c.outputs, &bench.s);
+        outputs_watch_spans(&c.outputs, &bench.s);
+        TEST_ASSERT_EQUAL_HEX32(3, c.outputs.ends_again);
     }
     setUp();
-    c.measurement[2] = T5; /* of no test */
+    c.outputs.measurement[2] = T5; /* of no test */
     bench.s.measurement[T5].raw = 60;
-    commission_watch_spans(&c, &bench.s);
-    commission_watch_spans(&c, &bench.s);
-    TEST_ASSERT_EQUAL_HEX32(0, c.at_end);
-    TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
-    c.at_end_again = 4;
-    TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+    outputs_watch_spans(&c.outputs, &bench.s);
+    outputs_watch_spans(&c.outputs, &bench.s);
+    TEST_ASSERT_EQUAL_HEX32(0, c.outputs.ends);
+    TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
+    c.outputs.ends_again = 4;
+    TEST_ASSERT_EQUAL_INT(-1, outputs_at_end(&c.outputs));
 }
 
 /* ---- before the tests ---- */
@@ -274,7 +273,7 @@ static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_
     disturbs(REASON_LOST, "T10");
     bench.s.measurement[T1] = *m;
     disturbs(REASON_LOST, "T1");
-    c.outputs = 0; /* of no test */
+    c.outputs.n = 0; /* of no test */
     disturbs(REASON_NOT, NULL);
 }
 
@@ -301,14 +300,14 @@ static void whatever_else_happens_ends_a_test(void)
     disturbs(REASON_INTERLOCK, "heat");
     bench.s.mv[REFLUX].interlocked = true;
     disturbs(REASON_INTERLOCK, "reflux");
-    c.at_end_again = 1;
+    c.outputs.ends_again = 1;
     disturbs(REASON_SPAN, "T1");
     bench.s.safe_count++;
     disturbs(REASON_SAFE, NULL);
     bench.s.safe_count--;
     bench.s.state = SUPERVISOR_SAFE;
     disturbs(REASON_SAFE, NULL);
-    c.plan_serial++;
+    c.outputs.plan_serial++;
     disturbs(REASON_CONFIG, NULL);
 }
 
@@ -316,7 +315,7 @@ static void whatever_else_happens_ends_a_test(void)
 
 static void hinders(enum commission_reason reason, const char *name)
 {
-    TEST_ASSERT_EQUAL_INT(reason, commission_hindrance(&c, &bench.s, &what));
+    TEST_ASSERT_EQUAL_INT(reason, blocking_reason(&c, &bench.s, &what));
     if (name)
         TEST_ASSERT_EQUAL_STRING(name, what);
     else
@@ -330,10 +329,10 @@ static void hinders(enum commission_reason reason, const char *name)
 static void pairs(void)
 {
     struct analysis *a = &c.work->analysis;
-    c.outputs = 3;
-    c.measurement[2] = T5;
-    c.column[0] = 1;
-    c.column[1] = 0;
+    c.outputs.n = 3;
+    c.outputs.measurement[2] = T5;
+    c.analysis_job.column[0] = 1;
+    c.analysis_job.column[1] = 0;
     a->pairs.n = 2;
     a->pairs.output[1] = 1;
     a->pairs.input[1] = 1;
@@ -351,7 +350,8 @@ static void what_stands_in_the_way_of_a_trial(void)
     o->alarm = true;
     o->differs_ms = bench.s.time_ms - 10001;
     hinders(REASON_ACTUATOR, "heat");
-    c.phase = COMMISSION_TRIAL; /* its loops move it all the time: it must be far off as well */
+    c.status.phase =
+        COMMISSION_TRIAL; /* its loops move it all the time: it must be far off as well */
     o->constrained = N(0.5);
     o->readback = N(0.599);
     hinders(REASON_NOT, NULL);

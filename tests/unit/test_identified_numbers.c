@@ -276,31 +276,30 @@ static void says_of_the_fit(uint8_t j, bool bent, bool with_baseline)
 
 static void fit_of_the_test(const struct plant_case *p, unsigned round)
 {
-    c.outputs = config.outputs;
-    c.inputs = 1;
-    c.work->test.experiment = experiment;
+    c.outputs.n = config.outputs;
+    c.inputs.n = 1;
+    c.work->experiment = experiment;
     model_begin_fit(&c);
-    c.doing = JOB_FIT;
-    while (model_work(&c))
+    while (model_piece(&c))
         ;
     kept_line("# %s, fit %u", p->name, round);
-    kept_line("error %d", c.job_error);
-    if (c.job_error)
+    kept_line("error %d", c.model.error);
+    if (c.model.error)
         return;
-    for (uint8_t j = 0; j < c.outputs; j++) {
+    for (uint8_t j = 0; j < c.outputs.n; j++) {
         kept_line("output %u is gain %.6g T %.6g L %.6g", j, p->element[j].gain, p->element[j].lag,
                   p->element[j].dead);
-        says("fitted", &c.fitted[j]);
-        kept_line("misfit %.6g climbs %.6g unseen %.6g", (double)c.misfit[j], (double)c.climbs[j],
-                  (double)model_unseen(&experiment, &c.fitted[j]));
+        says("fitted", &c.model.fitted[j]);
+        kept_line("misfit %.6g climbs %.6g unseen %.6g", (double)c.model.misfit[j],
+                  (double)c.model.climbs[j], (double)model_unseen(&experiment, &c.model.fitted[j]));
         says_of_the_record(j);
         if (round == 1)
             for (unsigned way = 0; way < 3; way++)
                 says_of_the_fit(j, way == 1, way < 2);
     }
     model_keep(&c);
-    c.input[0].rounds++;
-    for (uint8_t j = 0; j < c.outputs; j++) {
+    c.inputs.input[0].rounds++;
+    for (uint8_t j = 0; j < c.outputs.n; j++) {
         const struct element *e = &c.work->element[j][0];
         says("kept", &e->fit);
         kept_line("moments %.6g %.6g %.6g flags %x asymmetry %d early %.6g %.6g plateau %.6g "
@@ -316,10 +315,10 @@ static void analysis_of_the_tests(void)
 {
     static struct config settings;
     settings.test.confidence = 0.95f;
-    model_begin_analysis(&c, &settings, REAL_C(1.0));
+    analysis_job_begin(&c, &settings, REAL_C(1.0));
     const struct analysis *a = &c.work->analysis;
     kept_line("plant %u by %u", a->plant.outputs, a->plant.inputs);
-    for (uint8_t j = 0; j < c.outputs; j++) {
+    for (uint8_t j = 0; j < c.outputs.n; j++) {
         const struct fopdt *e = &a->plant.element[j][0];
         kept_line("element %.6g T %.6g L %.6g sd %.6g flags %x begins T %.6g L %.6g",
                   (double)e->gain, (double)e->time_constant_s, (double)e->dead_time_s,

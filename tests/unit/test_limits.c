@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commission/limits.h"
+#include "commission/origin_state.h"
 #include "unity.h"
 
 #define LIMIT 0.25

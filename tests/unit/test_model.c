@@ -122,17 +122,16 @@ static void tested(uint8_t k)
 {
     bench_run();
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
-    c.outputs = config.outputs;
-    c.inputs = 2;
-    c.order[0] = 0;
-    c.order[1] = 1;
-    c.at = k;
-    c.work->test.experiment = experiment;
+    c.outputs.n = config.outputs;
+    c.inputs.n = 2;
+    c.inputs.order[0] = 0;
+    c.inputs.order[1] = 1;
+    c.inputs.turn = k;
+    c.work->experiment = experiment;
     model_begin_fit(&c);
-    c.doing = JOB_FIT;
-    for (unsigned n = 0; model_work(&c); n++)
+    for (unsigned n = 0; model_piece(&c); n++)
         TEST_ASSERT_TRUE(n < 10000);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, c.model.error);
 }
 
 static void a_test_gives_every_output_its_element(void)
@@ -167,7 +166,7 @@ static void a_second_round_joins_the_first(void)
     config.amplitude = REAL_C(0.03);
     tested(0);
     model_keep(&c);
-    c.input[0].rounds = 1;
+    c.inputs.input[0].rounds = 1;
     double sd = (double)c.work->element[0][0].fit.gain_sd;
     real_t first = c.work->element[0][0].fit.gain;
     bench.k = bench.edges = 0;
@@ -196,7 +195,7 @@ static void what_is_no_lag_is_not_believed_to_be_one(void)
     config.amplitude = REAL_C(0.02);
     config.half = 80;
     tested(0);
-    const struct identified *e = &c.fitted[0];
+    const struct identified *e = &c.model.fitted[0];
     /* nothing there, or a gain that is no surer than its own size */
     TEST_ASSERT_TRUE((e->flags & IDENTIFIED_NO_GAIN) ||
                      e->gain_sd > REAL_C(0.3) * real_abs(e->gain));
@@ -226,11 +225,11 @@ static void a_drift_that_turns_within_the_test_spoils_no_gain(void)
         config.amplitude = REAL_C(0.05);
         config.half = 200;
         tested(0);
-        const struct identified *e = &c.fitted[0];
+        const struct identified *e = &c.model.fitted[0];
         TEST_ASSERT_DOUBLE_WITHIN(3.5 * (double)e->gain_sd, 0.8, (double)e->gain);
         TEST_ASSERT_TRUE((double)e->gain_sd <
                          0.08); /* it would be 0.4 without a model of the turn */
-        TEST_ASSERT_TRUE((double)c.climbs[0] < 0.5);
+        TEST_ASSERT_TRUE((double)c.model.climbs[0] < 0.5);
         /* levels on either side of a turn say nothing of the gain */
         TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.work->element[0][0].plateau_gain);
     }
@@ -254,11 +253,11 @@ static void a_response_of_another_shape_is_doubted_in_every_round(void)
     config.amplitude = REAL_C(0.05);
     config.half = 400;
     tested(0);
-    double misfit = (double)c.misfit[0];
+    double misfit = (double)c.model.misfit[0];
     TEST_ASSERT_TRUE(misfit > 0.005);
     for (uint8_t round = 0; round < 8; round++) {
         model_keep(&c);
-        c.input[0].rounds = (uint8_t)(round + 1u);
+        c.inputs.input[0].rounds = (uint8_t)(round + 1u);
         TEST_ASSERT_TRUE((double)c.work->element[0][0].fit.gain_sd >= misfit);
     }
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * misfit, 1.0, (double)c.work->element[0][0].fit.gain);
@@ -274,7 +273,7 @@ static void a_dead_time_of_most_of_a_level_is_no_integrator(void)
     config.half = 67;
     config.half_least = 60;
     tested(0);
-    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.climbs[0]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.model.climbs[0]);
 }
 
 static void an_output_of_noise_has_no_gain(void)
@@ -289,8 +288,8 @@ static void an_output_of_noise_has_no_gain(void)
         config.half = 150;
         bench.element[0] = (struct test_element){0.0, 1, 0};
         tested(0);
-        seen += !(c.fitted[0].flags & IDENTIFIED_NO_GAIN) &&
-                real_abs(c.fitted[0].gain) > 4 * c.fitted[0].gain_sd;
+        seen += !(c.model.fitted[0].flags & IDENTIFIED_NO_GAIN) &&
+                real_abs(c.model.fitted[0].gain) > 4 * c.model.fitted[0].gain_sd;
     }
     TEST_ASSERT_TRUE(seen <= 1);
 }
@@ -301,31 +300,31 @@ static void inputs_that_were_skipped_are_no_columns(void)
 {
     static struct config settings;
     settings.test.confidence = 0.95f;
-    c.outputs = 2;
-    c.inputs = 3;
+    c.outputs.n = 2;
+    c.inputs.n = 3;
     for (uint8_t j = 0; j < 2; j++)
         for (uint8_t k = 0; k < 3; k++) {
             c.work->element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
-            c.input[k].rounds = 1;
+            c.inputs.input[k].rounds = 1;
             c.work->element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
         }
-    c.input[1].skipped = true;
+    c.inputs.input[1].skipped = true;
     memset(&c.work->analysis.plant, 0x55, sizeof c.work->analysis.plant); /* of a job before */
-    model_begin_analysis(&c, &settings, 1);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
+    analysis_job_begin(&c, &settings, 1);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, c.model.error);
     const struct interact_plant *p = &c.work->analysis.plant;
     TEST_ASSERT_EQUAL_UINT8(2, p->outputs);
     TEST_ASSERT_EQUAL_UINT8(2, p->inputs);
-    TEST_ASSERT_EQUAL_UINT8(0, c.column[0]);
-    TEST_ASSERT_EQUAL_UINT8(2, c.column[1]);
+    TEST_ASSERT_EQUAL_UINT8(0, c.analysis_job.column[0]);
+    TEST_ASSERT_EQUAL_UINT8(2, c.analysis_job.column[1]);
     TEST_ASSERT_EQUAL_FLOAT(22.0f, (float)p->element[1][1].gain);
     TEST_ASSERT_EQUAL_FLOAT(102.0f, (float)p->element[1][1].time_constant_s);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)p->element[2][0].gain);
-    TEST_ASSERT_EQUAL_FLOAT(0.005f, (float)c.settings.floor);
-    TEST_ASSERT_EQUAL_FLOAT(0.05f, (float)c.settings.step);
-    TEST_ASSERT_EQUAL_FLOAT(0.95f, (float)c.settings.confidence);
-    TEST_ASSERT_EQUAL_UINT8(CONFIG_LOOPS, c.settings.loops_max);
-    TEST_ASSERT_EQUAL_PTR(c.noise_sd, c.settings.noise_sd);
+    TEST_ASSERT_EQUAL_FLOAT(0.005f, (float)c.analysis_job.config.floor);
+    TEST_ASSERT_EQUAL_FLOAT(0.05f, (float)c.analysis_job.config.step);
+    TEST_ASSERT_EQUAL_FLOAT(0.95f, (float)c.analysis_job.config.confidence);
+    TEST_ASSERT_EQUAL_UINT8(CONFIG_LOOPS, c.analysis_job.config.loops_max);
+    TEST_ASSERT_EQUAL_PTR(c.outputs.noise_sd, c.analysis_job.config.noise_sd);
 }
 
 /* ---- the beginning of a response ---- */
@@ -335,11 +334,11 @@ static void begins(double slope, double dead, double gain)
     static struct config settings;
     memset(&c, 0, sizeof c);
     commission_lease(&c);
-    c.outputs = c.inputs = 1;
+    c.outputs.n = c.inputs.n = 1;
     c.work->element[0][0].fit = element(gain, 0.01, 100, 10);
     c.work->element[0][0].early_slope = (real_t)slope;
     c.work->element[0][0].early_dead_s = (real_t)dead;
-    model_begin_analysis(&c, &settings, 1);
+    analysis_job_begin(&c, &settings, 1);
 }
 
 static void what_is_known_of_the_beginning_goes_into_the_analysis(void)
@@ -370,14 +369,13 @@ static void with_a_look(double slope, double dead, double dead_sd)
 {
     memset(&c, 0, sizeof c);
     commission_lease(&c);
-    c.outputs = c.inputs = 1;
-    c.work->test.experiment = experiment;
-    c.work->test.experiment.early[0].slope = (real_t)slope;
-    c.work->test.experiment.early[0].dead_s = (real_t)dead;
-    c.work->test.experiment.early[0].dead_sd_s = (real_t)dead_sd;
+    c.outputs.n = c.inputs.n = 1;
+    c.work->experiment = experiment;
+    c.work->experiment.early[0].slope = (real_t)slope;
+    c.work->experiment.early[0].dead_s = (real_t)dead;
+    c.work->experiment.early[0].dead_sd_s = (real_t)dead_sd;
     model_begin_fit(&c);
-    c.doing = JOB_FIT;
-    while (model_work(&c))
+    while (model_piece(&c))
         ;
 }
 
@@ -387,8 +385,8 @@ static void a_beginning_is_taken_where_it_is_steeper_and_its_dead_time_twice_as_
     config.amplitude = REAL_C(0.05);
     config.half = 400;
     tested(0);
-    double sd = (double)c.fitted[0].dead_time_sd_s;
-    double slope = fabs((double)c.fitted[0].gain / (double)c.fitted[0].time_constant_s);
+    double sd = (double)c.model.fitted[0].dead_time_sd_s;
+    double slope = fabs((double)c.model.fitted[0].gain / (double)c.model.fitted[0].time_constant_s);
     const struct element *e = &c.work->element[0][0];
     with_a_look(1.01 * slope, 3, 0.49 * sd);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.01 * slope, (double)e->early_slope);
@@ -446,20 +444,20 @@ static void what_a_half_has_not_seen_of_a_response(void)
 
 static void misfits_of_several_rounds_count_by_how_well_each_knows_the_gain(void)
 {
-    c.outputs = c.inputs = 2;
-    c.fitted[1] = element(1.0, 0.1, 100, 20);
-    c.misfit[1] = REAL_C(0.04);
-    c.misfit[2] = 9;
+    c.outputs.n = c.inputs.n = 2;
+    c.model.fitted[1] = element(1.0, 0.1, 100, 20);
+    c.model.misfit[1] = REAL_C(0.04);
+    c.model.misfit[2] = 9;
     model_keep(&c);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.04, (double)c.work->element[1][0].misfit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, (double)c.work->element[1][0].fit.gain_sd);
-    c.input[0].rounds = 1;
-    c.fitted[1].gain_sd = REAL_C(0.2); /* weights 100 and 25 */
-    c.misfit[1] = REAL_C(0.09);
+    c.inputs.input[0].rounds = 1;
+    c.model.fitted[1].gain_sd = REAL_C(0.2); /* weights 100 and 25 */
+    c.model.misfit[1] = REAL_C(0.09);
     model_keep(&c);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, (double)c.work->element[1][0].misfit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, sqrt(1.0 / 125.0), (double)c.work->element[1][0].fit.gain_sd);
-    c.misfit[1] = REAL_C(0.9);
+    c.model.misfit[1] = REAL_C(0.9);
     model_keep(&c); /* of 0.05 by 125 and 0.9 by 25 */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.work->element[1][0].misfit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.work->element[1][0].fit.gain_sd);
@@ -470,12 +468,11 @@ static void nothing_is_analysed_where_every_input_was_skipped(void)
 {
     static struct config settings;
     settings.test.confidence = 0.95f;
-    c.outputs = c.inputs = 1;
-    c.input[0].skipped = true;
-    model_begin_analysis(&c, &settings, 1);
-    TEST_ASSERT_EQUAL_INT(ERR_EMPTY, c.job_error);
-    c.doing = JOB_ANALYSE;
-    TEST_ASSERT_FALSE(model_work(&c));
+    c.outputs.n = c.inputs.n = 1;
+    c.inputs.input[0].skipped = true;
+    analysis_job_begin(&c, &settings, 1);
+    TEST_ASSERT_EQUAL_INT(ERR_EMPTY, c.analysis_job.error);
+    TEST_ASSERT_FALSE(analysis_job_piece(&c));
 }
 
 static void a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillation(void)
@@ -503,15 +500,15 @@ static void a_longer_test_that_sees_no_response_resolves_it_and_one_as_long_does
                  {false, 200, 200, 250, false}, /* of another reason than to see the end */
                  {true, 199, 200, 250, false},  /* cut by the guard */
                  {true, 200, 200, 200, false}}; /* the longest there is */
-    struct experiment *x = &c.work->test.experiment;
-    c.outputs = c.inputs = 1;
+    struct experiment *x = &c.work->experiment;
+    c.outputs.n = c.inputs.n = 1;
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
         c.work->element[0][0].fit = element(0.1, 0.1, 100, 20);
         c.work->element[0][0].fit.flags = IDENTIFIED_SHORT | IDENTIFIED_OSCILLATORY;
-        c.fitted[0] = element(0.01, 0.02, 0, 0);
-        c.fitted[0].flags = IDENTIFIED_NO_GAIN;
-        c.input[0].rounds = 1;
-        c.input[0].unsettled = cases[n].unsettled;
+        c.model.fitted[0] = element(0.01, 0.02, 0, 0);
+        c.model.fitted[0].flags = IDENTIFIED_NO_GAIN;
+        c.inputs.input[0].rounds = 1;
+        c.inputs.input[0].unsettled = cases[n].unsettled;
         x->half = cases[n].half;
         x->config.half_least = cases[n].least;
         x->config.half_most = cases[n].most;

@@ -1,8 +1,7 @@
-/* commission/tests.c and expected.[ch]: with what the next test of an input is made, on either side of each bound, from what
+/* commission/next_test.c, tests.c and expected.c: with what the next test of an input is made, on either side of each bound, from what
  * is configured and what the tests before have found. All of that is made up. */
 #include <string.h>
 
-#include "commission/commission_internal.h"
 #include "commission/expected.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
@@ -33,39 +32,39 @@ void setUp(void)
     }
     commission_init(&c, &bench.events, commission_fresh_region());
     commission_lease(&c);
-    c.outputs = c.inputs = 2;
-    c.measurement[1] = c.input[1].output = c.order[1] = 1;
-    c.input[0].test_base = REAL_C(0.5);
-    c.input[1].test_base = REAL_C(0.1);
-    x = &c.work->test.experiment.config;
+    c.outputs.n = c.inputs.n = 2;
+    c.outputs.measurement[1] = c.inputs.input[1].output = c.inputs.order[1] = 1;
+    c.inputs.input[0].test_base = REAL_C(0.5);
+    c.inputs.input[1].test_base = REAL_C(0.1);
+    x = &c.work->experiment.config;
 }
 void tearDown(void) {}
 
 static void start(uint8_t k)
 {
-    c.at = k;
+    c.inputs.turn = k;
     commission_start_input(&c, &bench.s);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
 }
 
 /* Input 0 has had a test, of so much for 200 s. Its responses are over after 310 s. */
 static void tested(double amplitude, double gain, double sd)
 {
-    c.input[0].rounds = 1;
-    c.input[0].amplitude = (real_t)amplitude;
-    c.input[0].half_s = 200;
+    c.inputs.input[0].rounds = 1;
+    c.inputs.input[0].amplitude = (real_t)amplitude;
+    c.inputs.input[0].half_s = 200;
     c.work->element[2][0].fit =
         (struct identified){.gain = 9, .dead_time_s = 999}; /* of no output */
     c.work->element[2][0].misfit = 9;
-    c.noise_sd[2] = REAL_C(1e-6);
+    c.outputs.noise_sd[2] = REAL_C(1e-6);
     c.work->element[0][0].fit = (struct identified){.gain = (real_t)gain,
                                                     .gain_sd = (real_t)sd,
                                                     .time_constant_s = 100,
                                                     .time_constant_sd_s = 1,
                                                     .dead_time_s = 10};
     c.work->element[1][0].fit = (struct identified){.flags = IDENTIFIED_NO_GAIN, .gain_sd = 1e-6f};
-    c.noise_sd[0] = REAL_C(0.002);
-    c.noise_sd[1] = REAL_C(0.001);
+    c.outputs.noise_sd[0] = REAL_C(0.002);
+    c.outputs.noise_sd[1] = REAL_C(0.001);
 }
 
 /* ---- nothing known ---- */
@@ -121,18 +120,18 @@ static void an_amplitude_and_a_half_that_are_given_hold(void)
     NEAR(0.5, x->amplitude_max);
     TEST_ASSERT_EQUAL_UINT32(51, x->half); /* to the nearest tick */
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
-    c.input[0].test_base = REAL_C(0.06);
+    c.inputs.input[0].test_base = REAL_C(0.06);
     start(0);
     NEAR(0.06, x->amplitude);
-    c.input[0].amplitude_most = REAL_C(0.05);
+    c.inputs.input[0].amplitude_most = REAL_C(0.05);
     start(0);
     NEAR(0.05, x->amplitude);
     NEAR(0.05, x->amplitude_max);
-    c.input[0].amplitude_most = 0;
+    c.inputs.input[0].amplitude_most = 0;
     cf->mv[0].test_step = 0.6f;
     start(0);
     NEAR(0.06, x->amplitude);
-    c.input[0].amplitude_most = REAL_C(0.07); /* no room for it */
+    c.inputs.input[0].amplitude_most = REAL_C(0.07); /* no room for it */
     start(0);
     NEAR(0.06, x->amplitude_max);
     cf->test.longest_s = 90; /* what is given for the input counts more */
@@ -168,57 +167,57 @@ static void what_the_inputs_before_have_taken_is_a_measure(void)
                  {163, 40, 81, 489},   {164, 41, 82, 492},     {333, 83, 166, 999},
                  {334, 83, 167, 1000}, {1900, 475, 950, 1000}, {4000, 1000, 1001, 1001}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
-        c.half_least = cases[n].before;
+        c.inputs.half_least = cases[n].before;
         start(0);
         TEST_ASSERT_EQUAL_UINT32(cases[n].window, x->window);
         TEST_ASSERT_EQUAL_UINT32(cases[n].least, x->half_least);
         TEST_ASSERT_EQUAL_UINT32(cases[n].most, x->half_most);
     }
-    c.half_least = 100;
-    c.input[1].amplitude_wanted = REAL_C(0.01); /* not linear: all of it */
+    c.inputs.half_least = 100;
+    c.inputs.input[1].amplitude_wanted = REAL_C(0.01); /* not linear: all of it */
     start(0);
     TEST_ASSERT_EQUAL_UINT32(100, x->half_least);
 }
 
 static void a_longer_half_that_is_wished_for_comes_true(void)
 {
-    c.half_least = 100;
-    c.input[0].half_wanted = 301;
+    c.inputs.half_least = 100;
+    c.inputs.input[0].half_wanted = 301;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(301, x->half_least);
     TEST_ASSERT_EQUAL_UINT32(301, x->half_most);
-    c.input[0].half_wanted = 1001;
+    c.inputs.input[0].half_wanted = 1001;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_least);
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
-    c.input[0].half_wanted = 299;
+    c.inputs.input[0].half_wanted = 299;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(299, x->half_least);
     TEST_ASSERT_EQUAL_UINT32(300, x->half_most);
-    c.input[0].half_wanted = 49;
+    c.inputs.input[0].half_wanted = 49;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(50, x->half_least);
 }
 
 static void the_smallest_step_that_was_wanted_is_the_first_of_all_inputs(void)
 {
-    NEAR(0.0, commission_small_step(&c));
-    c.input[1].amplitude_wanted = REAL_C(0.01);
-    NEAR(0.01, commission_small_step(&c));
+    NEAR(0.0, inputs_small_step(&c.inputs));
+    c.inputs.input[1].amplitude_wanted = REAL_C(0.01);
+    NEAR(0.01, inputs_small_step(&c.inputs));
     start(0);
     NEAR(0.01, x->amplitude_first);
-    c.input[0].amplitude_wanted = REAL_C(0.015);
-    NEAR(0.01, commission_small_step(&c));
-    c.input[1].amplitude_wanted = 0; /* none is wanted */
-    NEAR(0.015, commission_small_step(&c));
-    c.input[0].amplitude_wanted = REAL_C(0.005);
+    c.inputs.input[0].amplitude_wanted = REAL_C(0.015);
+    NEAR(0.01, inputs_small_step(&c.inputs));
+    c.inputs.input[1].amplitude_wanted = 0; /* none is wanted */
+    NEAR(0.015, inputs_small_step(&c.inputs));
+    c.inputs.input[0].amplitude_wanted = REAL_C(0.005);
     start(0);
     NEAR(0.005, x->amplitude_first);
-    c.input[0].amplitude_wanted = REAL_C(0.00006); /* the floor of the noise is the least */
+    c.inputs.input[0].amplitude_wanted = REAL_C(0.00006); /* the floor of the noise is the least */
     start(0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 7e-5, (double)x->amplitude_first);
-    c.inputs = 0;
-    NEAR(0.0, commission_small_step(&c));
+    c.inputs.n = 0;
+    NEAR(0.0, inputs_small_step(&c.inputs));
 }
 
 static void pair(unsigned n, const char *measurement, const char *output, double time_s,
@@ -272,8 +271,8 @@ static void what_is_not_known_takes_no_time(void)
 {
     bench.plan[bench.current].tick_s = 0.001f; /* a window is 0.04 s */
     tested(0.02, 0.5, 0.01);
-    c.input[0].rounds = 0; /* the test was thrown away: nothing of it counts */
-    c.input[0].unsettled = true;
+    c.inputs.input[0].rounds = 0; /* the test was thrown away: nothing of it counts */
+    c.inputs.input[0].unsettled = true;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
@@ -331,28 +330,28 @@ static void the_times_that_are_known_are_the_length(void)
     NEAR(310.0, commission_lasts(&c, 0));
     e->flags = IDENTIFIED_NO_GAIN;
     NEAR(305.0, commission_lasts(&c, 0));
-    c.outputs = 1;
+    c.outputs.n = 1;
     NEAR(0.0, commission_lasts(&c, 0));
 }
 
 static void what_was_not_known_takes_no_longer_than_it_did(void)
 {
     tested(0.02, 0.5, 0.2);
-    c.half_least = 60;
+    c.inputs.half_least = 60;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(100, x->half_most); /* 200 s */
     TEST_ASSERT_EQUAL_UINT32(40, x->half_least); /* half of 60, or a window */
-    c.half_least = 90;
+    c.inputs.half_least = 90;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(45, x->half_least);
-    c.half_least = 32;
+    c.inputs.half_least = 32;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(96, x->half_most); /* three times what the others take */
-    c.half_least = 0;
-    c.input[0].half_s = 80; /* a window */
+    c.inputs.half_least = 0;
+    c.inputs.input[0].half_s = 80; /* a window */
     start(0);
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
-    c.input[0].half_s = 82;
+    c.inputs.input[0].half_s = 82;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(41, x->half_most);
     tested(0.02, 0.5, 0.01); /* known, but faster than a window */
@@ -368,12 +367,12 @@ static void what_was_not_known_takes_no_longer_than_it_did(void)
 static void what_an_analysis_left_open_gets_twice_as_long(void)
 {
     tested(0.02, 0.5, 0.01);
-    c.input[0].half_s = 300;
-    c.input[0].unsettled = true;
+    c.inputs.input[0].half_s = 300;
+    c.inputs.input[0].unsettled = true;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(300, x->half_least);
     TEST_ASSERT_EQUAL_UINT32(375, x->half_most);
-    c.input[0].half_s = 150; /* it is longer by itself */
+    c.inputs.input[0].half_s = 150; /* it is longer by itself */
     start(0);
     TEST_ASSERT_EQUAL_UINT32(155, x->half_least);
 }
@@ -388,7 +387,7 @@ static void shape(bool decides)
 static void a_response_of_another_shape_takes_what_it_took(void)
 {
     tested(0.02, -0.5, 0.04);
-    c.input[0].half_s = 350;
+    c.inputs.input[0].half_s = 350;
     shape(false);
     c.work->element[0][0].misfit = REAL_C(0.0199); /* half of its deviation */
     shape(false);
@@ -399,19 +398,19 @@ static void a_response_of_another_shape_takes_what_it_took(void)
     shape(false);
     c.work->element[0][0].misfit = REAL_C(0.0101);
     shape(true);
-    c.half_least = 174; /* or what is slow by another input */
+    c.inputs.half_least = 174; /* or what is slow by another input */
     shape(true);
-    c.half_least = 176;
+    c.inputs.half_least = 176;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(176, x->half_least);
-    c.half_least = 0;
-    c.input[0].half_s = 300;
+    c.inputs.half_least = 0;
+    c.inputs.input[0].half_s = 300;
     shape(false);
-    c.input[0].half_s = 350;
+    c.inputs.input[0].half_s = 350;
     c.work->element[1][0].misfit = c.work->element[0][0].misfit; /* of any output */
     c.work->element[0][0].misfit = 0;
     shape(true);
-    c.input[0].rounds = 0; /* nothing was tested before */
+    c.inputs.input[0].rounds = 0; /* nothing was tested before */
     start(0);
     TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
 }
@@ -430,14 +429,14 @@ static void a_later_step_takes_06_of_the_room_and_stands_out_forty_times(void)
     NEAR(0.04, first());
     tested(0.06, -2, 0.1);
     NEAR(0.12 / 2.2, first());
-    c.noise_sd[0] = REAL_C(0.004);
+    c.outputs.noise_sd[0] = REAL_C(0.004);
     tested(0.05, 2, 0.1);
-    c.noise_sd[0] = REAL_C(0.004); /* it does not stand out so far */
+    c.outputs.noise_sd[0] = REAL_C(0.004); /* it does not stand out so far */
     NEAR(0.12 / 2.2, first());
     tested(0.01, 2, 0.1);
     NEAR(0.03, first()); /* three times the one before */
     tested(0.05, 2, 0.1);
-    c.noise_sd[0] = REAL_C(0.004);
+    c.outputs.noise_sd[0] = REAL_C(0.004);
     c.origin.channel[0].left = REAL_C(-0.1);
     NEAR(0.06 / 2.2, first());
     c.origin.channel[0].left = REAL_C(0.25); /* nothing is left */
@@ -447,27 +446,27 @@ static void a_later_step_takes_06_of_the_room_and_stands_out_forty_times(void)
     NEAR(0.05, first());
     tested(0.2, 0.01, 0.001);
     NEAR(0.25, first());
-    c.input[0].test_base = REAL_C(0.22);
+    c.inputs.input[0].test_base = REAL_C(0.22);
     NEAR(0.22, first());
     tested(0.2, 0.01, 0.001);
     c.work->element[1][0].fit = c.work->element[0][0].fit; /* by the one that stands out most */
     c.work->element[1][0].fit.gain = REAL_C(-0.41);
-    c.noise_sd[1] = REAL_C(0.001);
-    c.input[0].test_base = REAL_C(0.5);
+    c.outputs.noise_sd[1] = REAL_C(0.001);
+    c.inputs.input[0].test_base = REAL_C(0.5);
     NEAR(0.2, first());
-    c.input[0].amplitude = REAL_C(0.05);
+    c.inputs.input[0].amplitude = REAL_C(0.05);
     NEAR(40.0 * 0.001 / 0.41, first());
 }
 
 static void what_a_round_has_reached_a_later_one_does_not_exceed(void)
 {
     tested(0.05, 2, 0.1);
-    c.noise_sd[0] = REAL_C(0.004);
-    c.input[0].worst = REAL_C(0.73); /* of 0.8 at 0.05 */
+    c.outputs.noise_sd[0] = REAL_C(0.004);
+    c.inputs.input[0].worst = REAL_C(0.73); /* of 0.8 at 0.05 */
     NEAR(0.12 / 2.2, first());
-    c.input[0].worst = REAL_C(0.74);
+    c.inputs.input[0].worst = REAL_C(0.74);
     NEAR(0.04 / 0.74, first());
-    c.input[0].worst = REAL_C(0.9);
+    c.inputs.input[0].worst = REAL_C(0.9);
     NEAR(0.04 / 0.9, first());
 }
 
@@ -477,7 +476,7 @@ static void a_response_of_another_shape_gets_a_smaller_step(void)
     NEAR(0.12, first());
     c.work->element[0][0].misfit = REAL_C(0.05);
     NEAR(0.1, first());
-    c.noise_sd[0] = REAL_C(0.0004); /* 0.02, but no less than 0.35 times the one before */
+    c.outputs.noise_sd[0] = REAL_C(0.0004); /* 0.02, but no less than 0.35 times the one before */
     NEAR(0.042, first());
 }
 
@@ -494,21 +493,21 @@ static void a_given_amplitude_stays_in_later_rounds(void)
 static void time_without_a_sample_ages_the_operating_point(void)
 {
     c.origin.fixed = true;
-    c.sample_ms = bench.s.time_ms;
+    c.outputs.sample_ms = bench.s.time_ms;
     bench.s.time_ms += 5000;
     start(0);
     NEAR(5.0, c.origin.since_s);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.status.phase_ms);
     start(0);
     NEAR(5.0, c.origin.since_s);
     bench.s.time_ms += 250;
-    commission_age_origin(&c, &bench.s);
+    outputs_age_origin(&c.outputs, &c.origin, &bench.s);
     NEAR(5.25, c.origin.since_s);
     c.origin.fixed = false;
     bench.s.time_ms += 1000;
-    commission_age_origin(&c, &bench.s);
+    outputs_age_origin(&c.outputs, &c.origin, &bench.s);
     NEAR(5.25, c.origin.since_s);
-    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.sample_ms);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.outputs.sample_ms);
 }
 
 /* So many ticks later. */
@@ -520,33 +519,33 @@ static void sample_after(unsigned n)
 
 static void eight_samples_may_be_missing_in_a_row(void)
 {
-    c.sample_ms = bench.s.time_ms;
+    c.outputs.sample_ms = bench.s.time_ms;
     start(0);
     sample_after(30); /* nothing has begun before the first */
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT32(1, c.work->test.experiment.waited);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT32(1, c.work->experiment.waited);
     sample_after(1);
-    TEST_ASSERT_EQUAL_UINT32(2, c.work->test.experiment.waited);
+    TEST_ASSERT_EQUAL_UINT32(2, c.work->experiment.waited);
     sample_after(9);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT32(11, c.work->test.experiment.waited);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT32(11, c.work->experiment.waited);
     NEAR(11 * 2.0, c.origin.since_s);
     sample_after(10);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(REASON_SAMPLES, c.reason);
-    NEAR(9.0, c.value);
-    TEST_ASSERT_EQUAL_STRING("", c.subject);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);
+    TEST_ASSERT_EQUAL_INT(REASON_SAMPLES, c.status.reason);
+    NEAR(9.0, c.status.value);
+    TEST_ASSERT_EQUAL_STRING("", c.status.subject);
 }
 
 static void a_number_that_is_none_ends_it(void)
 {
     cf->test.noise_multiple = 0;
-    c.at = 1;
+    c.inputs.turn = 1;
     commission_start_input(&c, &bench.s);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);
-    TEST_ASSERT_EQUAL_STRING("heat", c.subject);
-    NEAR((double)ERR_RANGE, c.value);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);
+    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.status.reason);
+    TEST_ASSERT_EQUAL_STRING("heat", c.status.subject);
+    NEAR((double)ERR_RANGE, c.status.value);
 }
 
 /* ---- the beginning ---- */
@@ -560,39 +559,41 @@ static void critical_inputs_come_first(void)
     cf = &bench.plan[bench.current].config;
     bench.s.mv[2].manual = N(0.3);
     bench.s.time_ms = 123000;
-    c.round = 7;
-    job_ask(&c.job, 1);
+    c.inputs.round = 7;
+    job_ask(&c.background.job, 1);
     bench.s.safe_count = 5;
     c.adoption.n = 3;
     commission_begin(&c, &bench.s);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(2, c.outputs);
-    TEST_ASSERT_EQUAL_UINT8(3, c.inputs);
-    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){2, 0, 1}), c.order, 3);
-    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){0, 1}), c.measurement, 2);
-    TEST_ASSERT_EQUAL_UINT8(2, c.input[2].output);
-    NEAR(0.5, c.input[0].test_base);
-    NEAR(0.3, c.input[2].test_base);
-    TEST_ASSERT_EQUAL_UINT8(1, c.round);
-    TEST_ASSERT_FALSE(job_is_asked(&c.job));
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT8(2, c.outputs.n);
+    TEST_ASSERT_EQUAL_UINT8(3, c.inputs.n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){2, 0, 1}), c.inputs.order, 3);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){0, 1}), c.outputs.measurement, 2);
+    TEST_ASSERT_EQUAL_UINT8(2, c.inputs.input[2].output);
+    NEAR(0.5, c.inputs.input[0].test_base);
+    NEAR(0.3, c.inputs.input[2].test_base);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.round);
+    TEST_ASSERT_FALSE(job_is_asked(&c.background.job));
     TEST_ASSERT_EQUAL_UINT8(0, c.adoption.n);
-    TEST_ASSERT_EQUAL_UINT64(123000, c.began_ms);
-    TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, c.plan_serial);
-    TEST_ASSERT_EQUAL_UINT32(bench.s.safe_count, c.safe_count);
-    TEST_ASSERT_EQUAL_UINT32(commission_channels(cf), c.channels);
-    TEST_ASSERT_EQUAL_PTR(&bench.events, c.events);
-    TEST_ASSERT_EQUAL_STRING("spare", commission_input_name(&c, &bench.s));
+    TEST_ASSERT_EQUAL_UINT64(123000, c.status.began_ms);
+    TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, c.outputs.plan_serial);
+    TEST_ASSERT_EQUAL_UINT32(bench.s.safe_count, c.outputs.safe_count);
+    TEST_ASSERT_EQUAL_UINT32(commission_channels(cf), c.outputs.channels);
+    TEST_ASSERT_EQUAL_PTR(&bench.events, c.status.events);
+    TEST_ASSERT_EQUAL_UINT8(inputs_get(&c.inputs, inputs_current(&c.inputs))->output,
+                            inputs_under_test(&c.inputs)->output);
+    TEST_ASSERT_EQUAL_STRING("spare", cf->mv[inputs_under_test(&c.inputs)->output].name);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_COMMISSION_BEGUN, NULL));
 }
 
 static void what_cannot_begin_is_refused_and_leaves_what_was_found(void)
 {
-    c.round = 7;
+    c.inputs.round = 7;
     mode(TOP, LOOP_AUTO);
     bench_forget_events();
     commission_begin(&c, &bench.s);
-    TEST_ASSERT_EQUAL_INT(COMMISSION_IDLE, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(7, c.round);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_IDLE, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT8(7, c.inputs.round);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_REQUEST_REFUSED, "top"));
 }
 
@@ -674,18 +675,18 @@ static void how_long_it_may_still_take_is_told_by_the_plan_and_then_by_the_tests
     left_is(500.0, 2 * 10 * 8500.0 - 300.0);
     bench.s.time_ms += 600000;
     left_is(0.0, 2 * 10 * 8500.0 - 900.0);
-    c.tests = 1; /* of 900 s; two inputs, three rounds */
-    c.tested_s = 900;
-    c.phase = COMMISSION_FITTING;
+    c.inputs.tests = 1; /* of 900 s; two inputs, three rounds */
+    c.inputs.tested_s = 900;
+    c.status.phase = COMMISSION_FITTING;
     left_is(900.0, 900.0 + 2 * 2 * 900.0);
-    c.at = 1;
-    c.phase = COMMISSION_TESTING;
-    c.phase_ms = bench.s.time_ms;
+    c.inputs.turn = 1;
+    c.status.phase = COMMISSION_TESTING;
+    c.status.phase_ms = bench.s.time_ms;
     bench.s.time_ms += 300000;
     left_is(600.0, 600.0 + 2 * 2 * 900.0);
-    c.input[0].skipped = true;
+    c.inputs.input[0].skipped = true;
     left_is(600.0, 600.0 + 2 * 900.0);
-    c.round = 3;
+    c.inputs.round = 3;
     left_is(600.0, 600.0);
     bench.s.time_ms += 900000; /* longer than the others */
     left_is(0.0, 0.0);

@@ -4,6 +4,7 @@
  *   what a drift as fast as the one before the first test carries, either way, is not left; all else is, and adds up
  */
 #include "commission/origin.h"
+#include "commission/origin_state.h"
 #include "unity.h"
 
 static struct origin origin;

@@ -11,27 +11,27 @@ void tearDown(void) {}
 static void is_kept(void)
 {
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(1, c.at); /* the next input's turn */
-    TEST_ASSERT_EQUAL_UINT8(1, c.input[0].rounds);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.turn); /* the next input's turn */
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.input[0].rounds);
     NEAR(0.5, c.work->element[0][0].fit.gain);
 }
 
 static void is_again(void)
 {
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(0, c.at);
-    TEST_ASSERT_EQUAL_UINT8(0, c.input[0].rounds);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT8(0, c.inputs.turn);
+    TEST_ASSERT_EQUAL_UINT8(0, c.inputs.input[0].rounds);
 }
 
 static void ends(enum commission_reason reason, const char *subject, double value)
 {
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(reason, c.reason);
-    TEST_ASSERT_EQUAL_STRING(subject, c.subject);
-    NEAR(value, c.value);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);
+    TEST_ASSERT_EQUAL_INT(reason, c.status.reason);
+    TEST_ASSERT_EQUAL_STRING(subject, c.status.subject);
+    NEAR(value, c.status.value);
     TEST_ASSERT_EQUAL_UINT8((uint8_t)reason, said(EVENT_COMMISSION_ENDED)->detail);
 }
 
@@ -39,40 +39,40 @@ static void ends(enum commission_reason reason, const char *subject, double valu
 
 static void a_result_is_taken_when_it_is_due_and_done(void)
 {
-    c.job.due = 3;
+    c.background.job.due = 3;
     goes_on();
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.phase);
-    c.job.done = false;
+    TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.status.phase);
+    c.background.job.done = false;
     goes_on();
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.phase);
-    c.job.done = true;
+    TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.status.phase);
+    c.background.job.done = true;
     is_kept();
-    TEST_ASSERT_FALSE(job_is_asked(&c.job));
+    TEST_ASSERT_FALSE(job_is_asked(&c.background.job));
 }
 
 static void the_next_sample_waits_for_what_is_due_then(void)
 {
     struct jobs jobs = jobs_of_it();
-    c.job.due = 3;
-    c.job.done = false;
-    c.job.ticks = 1;
+    c.background.job.due = 3;
+    c.background.job.done = false;
+    c.background.job.ticks = 1;
     TEST_ASSERT_FALSE(jobs_wait(&jobs));
-    c.job.ticks = 2;
+    c.background.job.ticks = 2;
     TEST_ASSERT_TRUE(jobs_wait(&jobs));
-    c.job.done = true;
+    c.background.job.done = true;
     TEST_ASSERT_FALSE(jobs_wait(&jobs));
-    c.job.done = false;
-    job_give_up(&c.job);
+    c.background.job.done = false;
+    job_give_up(&c.background.job);
     TEST_ASSERT_FALSE(jobs_wait(&jobs));
 }
 
 static void a_fit_that_fails_ends_it(void)
 {
-    c.job_error = ERR_RANGE;
+    c.model.error = ERR_RANGE;
     ends(REASON_NUMBERS, "reflux", (double)ERR_RANGE);
-    TEST_ASSERT_EQUAL_UINT(0, c.input[0].rounds);
+    TEST_ASSERT_EQUAL_UINT(0, c.inputs.input[0].rounds);
 }
 
 static void samples_are_the_nearest_number_of_ticks(void)
@@ -87,15 +87,15 @@ static void samples_are_the_nearest_number_of_ticks(void)
 static void how_long_the_slowest_response_takes_is_a_measure_for_the_next(void)
 {
     is_kept();
-    TEST_ASSERT_EQUAL_UINT32(35, c.half_least); /* 10 and three times 20 s */
+    TEST_ASSERT_EQUAL_UINT32(35, c.inputs.half_least); /* 10 and three times 20 s */
     fitted();
-    c.half_least = 36;
+    c.inputs.half_least = 36;
     is_kept();
-    TEST_ASSERT_EQUAL_UINT32(36, c.half_least);
+    TEST_ASSERT_EQUAL_UINT32(36, c.inputs.half_least);
     fitted();
-    c.round = 2; /* of the first round only */
+    c.inputs.round = 2; /* of the first round only */
     is_kept();
-    TEST_ASSERT_EQUAL_UINT32(0, c.half_least);
+    TEST_ASSERT_EQUAL_UINT32(0, c.inputs.half_least);
 }
 
 static void what_goes_on_climbing_gets_three_times_as_long(void)
@@ -104,47 +104,47 @@ static void what_goes_on_climbing_gets_three_times_as_long(void)
         for (unsigned j = 0; j < 2; j++) {
             fitted();
             if (flagged)
-                c.fitted[j].flags = IDENTIFIED_INTEGRATING;
-            c.climbs[j] = flagged ? REAL_C(0.49) : REAL_C(0.69);
+                c.model.fitted[j].flags = IDENTIFIED_INTEGRATING;
+            c.model.climbs[j] = flagged ? REAL_C(0.49) : REAL_C(0.69);
             is_kept();
             fitted();
             if (flagged)
-                c.fitted[j].flags = IDENTIFIED_INTEGRATING;
-            c.climbs[j] = flagged ? REAL_C(0.51) : REAL_C(0.71);
+                c.model.fitted[j].flags = IDENTIFIED_INTEGRATING;
+            c.model.climbs[j] = flagged ? REAL_C(0.51) : REAL_C(0.71);
             is_again();
-            TEST_ASSERT_EQUAL_UINT32(300, c.input[0].half_wanted);
-            TEST_ASSERT_EQUAL_UINT8(1, c.input[0].longer);
+            TEST_ASSERT_EQUAL_UINT32(300, c.inputs.input[0].half_wanted);
+            TEST_ASSERT_EQUAL_UINT8(1, c.inputs.input[0].longer_retries);
             NEAR(600.0, said(EVENT_TEST_LONGER)->value);
             TEST_ASSERT_EQUAL_UINT8(1, said(EVENT_TEST_LONGER)->detail);
             TEST_ASSERT_EQUAL_STRING("reflux", said(EVENT_TEST_LONGER)->subject);
         }
     fitted();
-    c.climbs[0] = REAL_C(0.9);
-    c.input[0].rounds = 1; /* it came to rest in an earlier round */
+    c.model.climbs[0] = REAL_C(0.9);
+    c.inputs.input[0].rounds = 1; /* it came to rest in an earlier round */
     goes_on();
-    TEST_ASSERT_EQUAL_UINT8(2, c.input[0].rounds);
+    TEST_ASSERT_EQUAL_UINT8(2, c.inputs.input[0].rounds);
 }
 
 static void three_times_a_half_is_made_longer(void)
 {
-    c.climbs[1] = REAL_C(0.9);
-    c.input[0].longer = 2;
+    c.model.climbs[1] = REAL_C(0.9);
+    c.inputs.input[0].longer_retries = 2;
     is_again();
     fitted();
-    c.climbs[1] = REAL_C(0.9);
-    c.input[0].longer = 3;
-    c.input[0].worst = REAL_C(0.4);
+    c.model.climbs[1] = REAL_C(0.9);
+    c.inputs.input[0].longer_retries = 3;
+    c.inputs.input[0].worst = REAL_C(0.4);
     ends(REASON_TOO_SLOW, "T10", 0.4);
     fitted();
-    c.climbs[1] = REAL_C(0.9);
+    c.model.climbs[1] = REAL_C(0.9);
     x->half = 999;
     is_again();
     fitted();
-    c.climbs[1] = REAL_C(0.9);
+    c.model.climbs[1] = REAL_C(0.9);
     x->half = 1000;
     ends(REASON_TOO_SLOW, "T10", 0.0);
     fitted();
-    c.climbs[1] = REAL_C(0.9);
+    c.model.climbs[1] = REAL_C(0.9);
     x->config.half = 1; /* given */
     ends(REASON_TOO_SLOW, "T10", 0.0);
 }
@@ -162,22 +162,22 @@ static void slow_is_what_has_a_time_constant_that_is_known_within_half(void)
                  {1, IDENTIFIED_SHORT, REASON_TOO_SLOW}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
         fitted();
-        c.climbs[0] = REAL_C(0.9);
-        c.input[0].longer = 3;
-        c.fitted[0].time_constant_sd_s = (real_t)cases[n].sd;
-        c.fitted[0].flags = (uint16_t)cases[n].flags;
+        c.model.climbs[0] = REAL_C(0.9);
+        c.inputs.input[0].longer_retries = 3;
+        c.model.fitted[0].time_constant_sd_s = (real_t)cases[n].sd;
+        c.model.fitted[0].flags = (uint16_t)cases[n].flags;
         ends(cases[n].reason, "T1", 0.0);
     }
 }
 
 static void of_a_step_that_was_cut_the_fit_must_say_so_too(void)
 {
-    c.climbs[0] = REAL_C(0.9);
+    c.model.climbs[0] = REAL_C(0.9);
     x->cut = true;
     is_kept();
     fitted();
-    c.climbs[0] = REAL_C(0.9);
-    c.fitted[0].flags = IDENTIFIED_INTEGRATING;
+    c.model.climbs[0] = REAL_C(0.9);
+    c.model.fitted[0].flags = IDENTIFIED_INTEGRATING;
     x->cut = true;
     ends(REASON_INTEGRATES, "T1", 0.0);
 }
@@ -187,7 +187,7 @@ static void cut(double unseen)
 {
     fitted();
     x->cut = true;
-    c.fitted[0].time_constant_s = (real_t)(190.0 / -log(unseen));
+    c.model.fitted[0].time_constant_s = (real_t)(190.0 / -log(unseen));
 }
 
 static void what_the_guard_has_cut_is_tried_with_less(void)
@@ -196,24 +196,24 @@ static void what_the_guard_has_cut_is_tried_with_less(void)
     is_kept();
     cut(0.101);
     is_again();
-    NEAR(0.06, c.input[0].amplitude_most);
-    TEST_ASSERT_EQUAL_UINT8(1, c.input[0].gentler);
+    NEAR(0.06, c.inputs.input[0].amplitude_most);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.input[0].cut_retries);
     NEAR(0.06, said(EVENT_TEST_SMALLER)->value);
     TEST_ASSERT_EQUAL_UINT8(1, said(EVENT_TEST_SMALLER)->detail);
     cut(0.5);
     x->cut = false;
     is_kept();
     cut(0.5);
-    c.fitted[0].flags = IDENTIFIED_NO_GAIN;
+    c.model.fitted[0].flags = IDENTIFIED_NO_GAIN;
     is_kept();
     cut(0.5);
     x->config.amplitude = REAL_C(0.1); /* given */
     is_kept();
     cut(0.5);
-    c.input[0].gentler = 2;
+    c.inputs.input[0].cut_retries = 2;
     is_again();
     cut(0.5);
-    c.input[0].gentler = 3;
+    c.inputs.input[0].cut_retries = 3;
     is_kept();
 }
 
@@ -230,10 +230,10 @@ static void the_smaller_step_leaves_half_of_the_room(void)
         struct origin origin = {.fixed = true};
         origin.channel[1].left = (real_t)cases[n].left;
         x->config.origin = &origin;
-        c.fitted[1].gain = (real_t)cases[n].gain;
-        c.fitted[1].gain_sd = (real_t)cases[n].sd;
+        c.model.fitted[1].gain = (real_t)cases[n].gain;
+        c.model.fitted[1].gain_sd = (real_t)cases[n].sd;
         is_again();
-        NEAR(cases[n].most, c.input[0].amplitude_most);
+        NEAR(cases[n].most, c.inputs.input[0].amplitude_most);
     }
 }
 
@@ -245,7 +245,7 @@ static void where_the_reversal_has_no_room_it_says_so_in_the_end(void)
     x->cut = x->one_sided = true;
     x->culprit = 1;
     x->predicted = REAL_C(-0.3);
-    c.input[0].gentler = 3;
+    c.inputs.input[0].cut_retries = 3;
     ends(REASON_REVERSAL, "T10", -0.3);
 }
 
@@ -263,21 +263,21 @@ static void what_is_not_linear_is_tried_with_less(void)
             is_kept();
             asymmetric(j, sign * 500);
             is_again();
-            NEAR(0.04, c.input[0].amplitude_wanted); /* to 0.2 */
-            TEST_ASSERT_EQUAL_UINT8(1, c.input[0].smaller);
+            NEAR(0.04, c.inputs.input[0].amplitude_wanted); /* to 0.2 */
+            TEST_ASSERT_EQUAL_UINT8(1, c.inputs.input[0].linear_retries);
             NEAR(0.04, said(EVENT_TEST_SMALLER)->value);
         }
     asymmetric(0, 800);
     c.work->element[1][0].asymmetry = 700;
     is_again();
-    NEAR(0.025, c.input[0].amplitude_wanted);
+    NEAR(0.025, c.inputs.input[0].amplitude_wanted);
     asymmetric(0, 800);
     x->record.input.edges = 4; /* it has grown: a smaller one does not stand out */
     is_kept();
     asymmetric(0, 800);
-    c.input[0].rounds = 1;
+    c.inputs.input[0].rounds = 1;
     goes_on();
-    TEST_ASSERT_EQUAL_UINT8(2, c.input[0].rounds);
+    TEST_ASSERT_EQUAL_UINT8(2, c.inputs.input[0].rounds);
     asymmetric(0, 800);
     x->cut = true;
     is_kept();
@@ -285,7 +285,7 @@ static void what_is_not_linear_is_tried_with_less(void)
     x->config.amplitude = REAL_C(0.1);
     is_kept();
     asymmetric(0, 800);
-    c.input[0].smaller = 1;
+    c.inputs.input[0].linear_retries = 1;
     is_kept();
 }
 
@@ -293,17 +293,17 @@ static void what_is_not_linear_is_tried_with_less(void)
 
 static void after_the_last_input_all_is_analysed(void)
 {
-    c.input[1].skipped = true;
+    c.inputs.input[1].skipped = true;
     bench.s.time_ms = 77000;
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_ANALYSING, c.phase);
-    TEST_ASSERT_TRUE(job_is_asked(&c.job));
-    TEST_ASSERT_EQUAL_UINT8(JOB_ANALYSE, c.doing);
-    TEST_ASSERT_EQUAL_UINT32(11, c.job.due); /* 20 s, and one */
-    TEST_ASSERT_EQUAL_UINT32(0, c.job.ticks);
-    TEST_ASSERT_FALSE(c.job.done);
-    TEST_ASSERT_EQUAL_UINT32(2, c.job.number);
-    TEST_ASSERT_EQUAL_UINT64(77000, c.phase_ms);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ANALYSING, c.status.phase);
+    TEST_ASSERT_TRUE(job_is_asked(&c.background.job));
+    TEST_ASSERT_EQUAL_UINT8(TASK_ANALYSIS, c.background.task);
+    TEST_ASSERT_EQUAL_UINT32(11, c.background.job.due); /* 20 s, and one */
+    TEST_ASSERT_EQUAL_UINT32(0, c.background.job.ticks);
+    TEST_ASSERT_FALSE(c.background.job.done);
+    TEST_ASSERT_EQUAL_UINT32(2, c.background.job.number);
+    TEST_ASSERT_EQUAL_UINT64(77000, c.status.phase_ms);
     TEST_ASSERT_EQUAL_UINT8(1, c.work->analysis.plant.inputs);
 }
 
@@ -313,11 +313,11 @@ static struct analysis *analysed(void)
     struct analysis *a = &c.work->analysis;
     fitted();
     commission_lease(&c);
-    c.at = 2;
-    c.input[0].rounds = c.input[1].rounds = 1;
-    c.column[1] = 1;
-    has_done(JOB_ANALYSE);
-    c.phase = COMMISSION_ANALYSING;
+    c.inputs.turn = 2;
+    c.inputs.input[0].rounds = c.inputs.input[1].rounds = 1;
+    c.analysis_job.column[1] = 1;
+    has_done(TASK_ANALYSIS);
+    c.status.phase = COMMISSION_ANALYSING;
     a->verdict = PAIRING_UNDETERMINED;
     a->doubts = DOUBT_DRAWS;
     a->probability = REAL_C(0.75);
@@ -335,9 +335,9 @@ static struct analysis *analysed(void)
 static void goes_round(bool again)
 {
     goes_on();
-    TEST_ASSERT_EQUAL_INT(again ? COMMISSION_TESTING : COMMISSION_READY, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(again ? 2 : 1, c.round);
-    TEST_ASSERT_EQUAL(!again, c.analysed);
+    TEST_ASSERT_EQUAL_INT(again ? COMMISSION_TESTING : COMMISSION_READY, c.status.phase);
+    TEST_ASSERT_EQUAL_UINT8(again ? 2 : 1, c.inputs.round);
+    TEST_ASSERT_EQUAL(!again, c.status.analysed);
     TEST_ASSERT_EQUAL_UINT(again, happened(EVENT_TEST_EXTENDED, NULL));
     TEST_ASSERT_EQUAL_UINT(!again, happened(EVENT_NOT_DETERMINED, NULL));
     const struct event *e = said(again ? EVENT_TEST_EXTENDED : EVENT_NOT_DETERMINED);
@@ -381,18 +381,18 @@ static void inputs_that_a_longer_test_may_resolve_are_remembered(void)
     struct analysis *a = analysed();
     a->doubts = DOUBT_SHAPE;
     a->unsettled = 1 << 1;
-    c.column[0] = 1; /* the other way round */
-    c.column[1] = 0;
-    c.input[1].unsettled = true;
+    c.analysis_job.column[0] = 1; /* the other way round */
+    c.analysis_job.column[1] = 0;
+    c.inputs.input[1].unsettled = true;
     goes_on();
-    TEST_ASSERT_TRUE(c.input[0].unsettled);
-    TEST_ASSERT_FALSE(c.input[1].unsettled);
-    TEST_ASSERT_EQUAL_UINT8(0, c.at);
+    TEST_ASSERT_TRUE(c.inputs.input[0].unsettled);
+    TEST_ASSERT_FALSE(c.inputs.input[1].unsettled);
+    TEST_ASSERT_EQUAL_UINT8(0, c.inputs.turn);
     a = analysed();
     a->doubts = DOUBT_SHAPE | DOUBT_DRAWS;
-    c.input[0].skipped = true;
+    c.inputs.input[0].skipped = true;
     goes_on();
-    TEST_ASSERT_EQUAL_UINT8(1, c.at);
+    TEST_ASSERT_EQUAL_UINT8(1, c.inputs.turn);
 }
 
 static void where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_tested_again(void)
@@ -401,9 +401,9 @@ static void where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_te
         struct analysis *a = analysed();
         a->doubts = (uint8_t)(DOUBT_SHAPE | (open ? DOUBT_DRAWS : 0));
         a->unsettled = 1 << 1;
-        c.input[0].skipped = false;
+        c.inputs.input[0].skipped = false;
         goes_on();
-        TEST_ASSERT_EQUAL_UINT8(open ? 0 : 1, c.at);
+        TEST_ASSERT_EQUAL_UINT8(open ? 0 : 1, c.inputs.turn);
     }
 }
 
@@ -416,24 +416,24 @@ static void a_pairing_that_is_determined_is_proposed(void)
     a->plant.gain_sd[0][0] = 1;
     bench.s.time_ms = 99000;
     goes_on();
-    TEST_ASSERT_EQUAL_INT(COMMISSION_READY, c.phase);
-    TEST_ASSERT_TRUE(c.analysed);
-    TEST_ASSERT_EQUAL_UINT64(99000, c.phase_ms);
-    TEST_ASSERT_EQUAL_UINT64(99000, c.ended_ms);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_READY, c.status.phase);
+    TEST_ASSERT_TRUE(c.status.analysed);
+    TEST_ASSERT_EQUAL_UINT64(99000, c.status.phase_ms);
+    TEST_ASSERT_EQUAL_UINT64(99000, c.status.ended_ms);
     NEAR(0.75, said(EVENT_PROPOSAL)->value);
     TEST_ASSERT_EQUAL_UINT8(1, said(EVENT_PROPOSAL)->detail);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
-    c.phase = COMMISSION_ENDED;
+    c.status.phase = COMMISSION_ENDED;
     TEST_ASSERT_FALSE(commission_has_proposal(&c));
 }
 
 static void an_analysis_that_fails_ends_it(void)
 {
     analysed();
-    c.job_error = ERR_EMPTY;
+    c.analysis_job.error = ERR_EMPTY;
     ends(REASON_NO_INPUT, "", 0.0);
     analysed();
-    c.job_error = ERR_RANGE;
+    c.analysis_job.error = ERR_RANGE;
     ends(REASON_NUMBERS, "", (double)ERR_RANGE);
 }
 

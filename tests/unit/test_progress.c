@@ -2,6 +2,7 @@
  * bound, from models and samples that are made up. */
 #include <string.h>
 
+#include "commission/origin_state.h"
 #include "commission/progress.h"
 #include "unity.h"
 

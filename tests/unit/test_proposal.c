@@ -50,17 +50,17 @@ static void begin(unsigned outputs, unsigned inputs)
 {
     memset(&c, 0, sizeof c);
     commission_lease(&c);
-    c.outputs = (uint8_t)outputs;
-    c.inputs = (uint8_t)inputs;
+    c.outputs.n = (uint8_t)outputs;
+    c.inputs.n = (uint8_t)inputs;
     for (uint8_t i = 0; i < outputs; i++)
-        c.measurement[i] = i;
+        c.outputs.measurement[i] = i;
     for (uint8_t i = 0; i < inputs; i++) {
-        c.input[i].output = c.column[i] = i;
-        c.input[i].rounds = 1;
+        c.inputs.input[i].output = c.analysis_job.column[i] = i;
+        c.inputs.input[i].rounds = 1;
     }
-    c.work->analysis.plant.outputs = c.outputs;
-    c.work->analysis.plant.inputs = c.inputs;
-    c.channels = commission_channels(&bench.config);
+    c.work->analysis.plant.outputs = c.outputs.n;
+    c.work->analysis.plant.inputs = c.inputs.n;
+    c.outputs.channels = commission_channels(&bench.config);
 }
 
 static void analyse(double h_s)
@@ -75,8 +75,8 @@ static void analyse(double h_s)
     while ((err = analysis_step(&c.work->analysis)) == ERR_BUSY)
         ;
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
-    c.phase = COMMISSION_READY;
-    c.analysed = true;
+    c.status.phase = COMMISSION_READY;
+    c.status.analysed = true;
 }
 
 /* Diagonal of first order, a little of it everywhere else. */
@@ -282,9 +282,9 @@ static void a_skipped_input_keeps_its_loop(void)
     channels(2, 2);
     put_all(pairs);
     simple(1);
-    c.inputs = 2;
-    c.input[1].output = 1;
-    c.input[1].skipped = true;
+    c.inputs.n = 2;
+    c.inputs.input[1].output = 1;
+    c.inputs.input[1].skipped = true;
     writes();
     TEST_ASSERT_EQUAL_STRING("old", config.loop[0].name);
     builds(&config);
@@ -469,11 +469,11 @@ static void nothing_is_written_without_a_proposal(void)
     simple(2);
     config = bench.config;
     for (unsigned k = 0; k < sizeof phases / sizeof phases[0]; k++) {
-        c.phase = phases[k];
+        c.status.phase = phases[k];
         TEST_ASSERT_EQUAL_INT(ERR_STATE, proposal_write(&c, &config));
     }
-    c.phase = COMMISSION_READY;
-    c.ask = COMMISSION_ASK_BEGIN; /* it is about to be overwritten */
+    c.status.phase = COMMISSION_READY;
+    c.requests.ask = COMMISSION_ASK_BEGIN; /* it is about to be overwritten */
     TEST_ASSERT_EQUAL_INT(ERR_STATE, proposal_write(&c, &config));
     TEST_ASSERT_EQUAL_MEMORY(&bench.config, &config, sizeof config);
 }
@@ -487,7 +487,7 @@ static void prepared(double held, double y, double limit)
     snprintf(value, sizeof value, "%g", limit * 50.0);
     put("meas1.test_limit", value);
     simple(2);
-    c.noise_sd[0] = REAL_C(0.002);
+    c.outputs.noise_sd[0] = REAL_C(0.002);
     writes();
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
@@ -538,7 +538,7 @@ static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
                 .gain = (real_t)gains[j][i], .time_constant_s = 300, .dead_time_s = 30};
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
-    c.noise_sd[0] = REAL_C(0.1);
+    c.outputs.noise_sd[0] = REAL_C(0.1);
     put("meas1.test_limit", "50");
     put("mv2.min", "1.8"); /* 5 % below where it is held */
     prepare();

@@ -1,4 +1,4 @@
-/* commission/proposal_structure.[ch]: inner loops and feedforwards in a proposal, and their part in a trial. What is
+/* commission/proposal_structure.c and trial_plan.c: inner loops and feedforwards in a proposal, and their part in a trial. What is
  * proposed when: test_analysis_structure.c; whatever is proposed is a configuration: test_proposal.c. */
 #include <math.h>
 #include <string.h>
@@ -36,15 +36,15 @@ static void channels(unsigned outputs, unsigned inputs)
     commission_lease(&c);
     parameters_defaults(&bench.config);
     put_all(all);
-    c.outputs = (uint8_t)outputs;
-    c.inputs = (uint8_t)inputs;
+    c.outputs.n = (uint8_t)outputs;
+    c.inputs.n = (uint8_t)inputs;
     for (uint8_t i = 0; i < 2; i++) {
-        c.measurement[i] = c.input[i].output = c.column[i] = i;
-        c.input[i].rounds = 1;
-        c.input[i].test_base = REAL_C(0.25);
+        c.outputs.measurement[i] = c.inputs.input[i].output = c.analysis_job.column[i] = i;
+        c.inputs.input[i].rounds = 1;
+        c.inputs.input[i].test_base = REAL_C(0.25);
     }
-    c.work->analysis.plant.outputs = c.outputs;
-    c.work->analysis.plant.inputs = c.inputs;
+    c.work->analysis.plant.outputs = c.outputs.n;
+    c.work->analysis.plant.inputs = c.inputs.n;
 }
 
 static void analyse(void)
@@ -54,14 +54,14 @@ static void analyse(void)
                                        .floor = REAL_C(0.01),
                                        .step = REAL_C(0.05),
                                        .loops_max = CONFIG_LOOPS};
-    c.channels = commission_channels(&bench.config);
+    c.outputs.channels = commission_channels(&bench.config);
     TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&c.work->analysis, &settings));
     enum err err;
     while ((err = analysis_step(&c.work->analysis)) == ERR_BUSY)
         ;
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
-    c.phase = COMMISSION_READY;
-    c.analysed = true;
+    c.status.phase = COMMISSION_READY;
+    c.status.analysed = true;
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
     config = bench.config;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commission/swing.h"
+#include "commission/swing_state.h"
 #include "step_records.h"
 #include "unity.h"
 

@@ -1,8 +1,7 @@
-/* commission/proposal.c: how large the steps of a trial are and how long they last, on either side of each bound, from a design
+/* commission/trial_plan.c: how large the steps of a trial are and how long they last, on either side of each bound, from a design
  * that is made up. */
 #include <string.h>
 
-#include "commission/commission_internal.h"
 #include "commission/proposal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
@@ -26,14 +25,14 @@ void setUp(void)
     commission_lease(&c);
     a = &c.work->analysis;
     t = &c.adoption;
-    c.channels = commission_channels(cf);
-    c.outputs = 3;
-    c.inputs = 2;
-    c.measurement[0] = T5; /* in another order than the pairs */
-    c.measurement[1] = T1;
-    c.measurement[2] = T10;
-    c.input[1].output = 1;
-    c.column[1] = 1;
+    c.outputs.channels = commission_channels(cf);
+    c.outputs.n = 3;
+    c.inputs.n = 2;
+    c.outputs.measurement[0] = T5; /* in another order than the pairs */
+    c.outputs.measurement[1] = T1;
+    c.outputs.measurement[2] = T10;
+    c.inputs.input[1].output = 1;
+    c.analysis_job.column[1] = 1;
     a->plant.outputs = 3;
     a->plant.inputs = a->pairs.n = 2;
     a->pairs.output[0] = 1;
@@ -46,8 +45,8 @@ void setUp(void)
         a->tried[k].iae = (real_t)(1 + k);
         a->tried[k].left = REAL_C(0.001);
     }
-    c.half_least = 100;
-    c.noise_sd[1] = REAL_C(0.001);
+    c.inputs.half_least = 100;
+    c.outputs.noise_sd[1] = REAL_C(0.001);
     for (unsigned i = 0; i < 4; i++)
         bench.s.measurement[i].value = N(0.4);
 }
@@ -103,7 +102,7 @@ static void rest_is_looked_for_over_a_window_that_sees_the_slowest_response(void
                                         {100, 40, 100}, {39, 40, 40},     {0, 15, 16},
                                         {17, 15, 17},   {9999, 40, 9999}, {10001, 40, 10000}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
-        c.half_least = cases[n][0];
+        c.inputs.half_least = cases[n][0];
         cf->test.window = (uint16_t)cases[n][1];
         prepare();
         TEST_ASSERT_EQUAL_UINT32(cases[n][0], t->back);
@@ -114,11 +113,11 @@ static void rest_is_looked_for_over_a_window_that_sees_the_slowest_response(void
 static void a_step_stands_out_of_the_noise_within_the_limit(void)
 {
     NEAR(0.05, step()); /* a quarter of the limit */
-    c.noise_sd[1] = REAL_C(0.01);
+    c.outputs.noise_sd[1] = REAL_C(0.01);
     NEAR(0.08, step()); /* eight deviations */
-    c.noise_sd[1] = REAL_C(0.02);
+    c.outputs.noise_sd[1] = REAL_C(0.02);
     NEAR(0.1, step()); /* half of the limit at most */
-    c.noise_sd[1] = REAL_C(0.001);
+    c.outputs.noise_sd[1] = REAL_C(0.001);
     cf->measurement[T1].test_limit = 3; /* of 100 */
     NEAR(0.01, step());
     cf->measurement[T1].test_limit = 1.8f;
@@ -154,7 +153,7 @@ static void a_step_leaves_a_fifth_of_the_room_of_every_input(void)
     bench.s.mv[REFLUX].manual = N(0.5);
     bench.s.mv[HEAT].manual = N(0.5);
     cf->measurement[T1].test_limit = 100;
-    c.noise_sd[1] = 1;
+    c.outputs.noise_sd[1] = 1;
     NEAR(0.5, step());
 }
 
@@ -178,9 +177,9 @@ static void a_step_leaves_what_no_loop_holds_within_07_of_its_limit(void)
 
 static void other_channels_and_loops_that_are_not_there_have_no_trial(void)
 {
-    c.channels++;
+    c.outputs.channels++;
     TEST_ASSERT_EQUAL_INT(ERR_CONFLICT, proposal_prepare_trial(&c, &bench.s, cf));
-    c.channels--;
+    c.outputs.channels--;
     strcpy(cf->loop[BOTTOM].pv, "T5");
     TEST_ASSERT_EQUAL_INT(ERR_UNKNOWN, proposal_prepare_trial(&c, &bench.s, cf));
 }
@@ -193,9 +192,9 @@ static void loops_on_other_outputs_keep_their_places_however_short_their_names(v
     strcpy(bench.config.loop[TOP].name, "x");
     strcpy(bench.config.loop[TOP].out, "spare");
     struct config written = bench.config;
-    c.channels = commission_channels(&written);
-    c.phase = COMMISSION_READY;
-    c.analysed = a->designed = true;
+    c.outputs.channels = commission_channels(&written);
+    c.status.phase = COMMISSION_READY;
+    c.status.analysed = a->designed = true;
     a->decoupler = DECOUPLER_NOT_NEEDED;
     a->loops.tuning[0] = (struct tuning){.gain = 3, .ti_s = 50, .action = TUNING_DIRECT};
     a->loops.tuning[1] = (struct tuning){.gain = 4, .ti_s = 60, .td_s = 7};

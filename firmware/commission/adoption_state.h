@@ -1,0 +1,65 @@
+/* The state of adoption.c. */
+#ifndef REFLUX_COMMISSION_ADOPTION_STATE_H
+#define REFLUX_COMMISSION_ADOPTION_STATE_H
+
+#include "commission/trial_records.h"
+#include "commission/trial_step_state.h"
+
+struct adoption {
+    uint8_t n;        /* loops with a setpoint to step */
+    uint8_t n_inner;  /* inner loops, behind the others in loop[] */
+    uint8_t turn;     /* loop under trial */
+    uint8_t channels; /* in channel[] */
+    uint32_t window;  /* samples over which rest is judged */
+    uint32_t back;    /* samples that a response takes to be over */
+    struct adoption_channel channel[CHANNEL_MAX];
+    struct adoption_loop loop[CONFIG_LOOPS];
+    enum adoption_result result;
+    enum adoption_result doubt; /* verdict on the step before the rest */
+    uint8_t culprit;            /* in channel[] */
+    uint8_t stage, repeats, patience;
+    bool drifting; /* a measurement has drifted: rest between any two steps */
+    bool placed;   /* the setpoints are written */
+    uint32_t ticks, stage_ticks;
+    uint32_t since;             /* ticks since the lines were fitted */
+    real_t asked[CONFIG_LOOPS]; /* setpoints, as written */
+    struct trial_step step;     /* of the loop under trial */
+    struct steady *steady;      /* work */
+    struct origin *origin;
+};
+
+/* The setpoint step of loop k becomes another. */
+static inline void adoption_set_step(struct adoption *a, uint8_t k, real_t step)
+{
+    a->loop[k].step = step;
+}
+
+/* Number of loops with a setpoint to step. */
+static inline uint8_t adoption_loops(const struct adoption *a)
+{
+    return a->n;
+}
+
+/* The loop under trial. */
+static inline uint8_t adoption_turn(const struct adoption *a)
+{
+    return a->turn;
+}
+
+static inline const struct adoption_loop *adoption_loop(const struct adoption *a, uint8_t k)
+{
+    return &a->loop[k];
+}
+
+/* Channel k is that of loop k; there are as many as outputs were tested. */
+static inline const struct adoption_channel *adoption_channel(const struct adoption *a, uint8_t k)
+{
+    return &a->channel[k];
+}
+
+static inline uint8_t adoption_channels(const struct adoption *a)
+{
+    return a->channels;
+}
+
+#endif

@@ -1,0 +1,39 @@
+/* The state of model.c. */
+#ifndef REFLUX_COMMISSION_MODEL_STATE_H
+#define REFLUX_COMMISSION_MODEL_STATE_H
+
+#include "base/error.h"
+#include "exchange/config.h"
+#include "identify/identified.h"
+
+/* The fits of the latest test. The main loop's while the task is under way, else the tick's. */
+struct model_fits {
+    struct identified fitted[CHANNEL_MAX]; /* by output */
+    real_t misfit[CHANNEL_MAX];            /* of the gain, by what is not noise */
+    real_t climbs[CHANNEL_MAX];            /* how it went on climbing: test_verdict.h */
+    /* Residuals of the fit with a straight drift. */
+    real_t squares, straight_misfit, straight_share;
+    enum err error;
+    uint8_t output; /* under work */
+    bool running;
+    bool bent; /* the fit under work has a drift that turns */
+};
+
+static inline enum err model_error(const struct model_fits *m)
+{
+    return m->error;
+}
+
+/* The fit of output j. */
+static inline const struct identified *model_fitted(const struct model_fits *m, uint8_t j)
+{
+    return &m->fitted[j];
+}
+
+/* How output j went on climbing: test_verdict.h; 0 where it came to rest. */
+static inline real_t model_climbs(const struct model_fits *m, uint8_t j)
+{
+    return m->climbs[j];
+}
+
+#endif

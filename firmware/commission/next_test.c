@@ -1,0 +1,217 @@
+#include "commission/next_test.h"
+
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
+
+#define AGAIN_NOISE REAL_C(2.0) /* times the noise multiple, in later rounds */
+#define AGAIN_SHARE REAL_C(0.6) /* of a limit, in later rounds */
+#define REACHED_SHARE                                                                              \
+    REAL_C(0.8) /* of a limit, that a later round may use by what the one before has */
+#define AGAIN_MOST       REAL_C(3.0) /* times the amplitude of the round before */
+#define SHAPE_SMALLER    REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
+#define SHAPE_COUNTS     REAL_C(0.02) /* of a gain */
+#define LONGEST_SHARE    3u /* times what the inputs before have taken: no half is longer at first */
+#define SHARE_LEAST      REAL_C(0.5) /* no half is shorter than this share of the longest before */
+#define UNSETTLED_LONGER REAL_C(2.0) /* times the half that did not show the end of a response */
+#define OVER             REAL_C(3.0) /* time constants: a twentieth is left */
+#define TIME_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
+
+real_t commission_lasts(const struct commission *c, uint8_t k)
+{
+    real_t longest_s = REAL_C(0.0);
+    for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
+        const struct identified *e = &c->work->element[j][k].fit;
+        real_t time_s = e->dead_time_s + OVER * e->time_constant_s;
+        bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
+                     e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
+                     e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
+        if (known && time_s > longest_s)
+            longest_s = time_s;
+    }
+    return longest_s;
+}
+
+real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
+{
+    const struct identified *e = &c->work->element[j][k].fit;
+    real_t needed_s = UNSETTLED_LONGER * inputs_get(&c->inputs, k)->half_s;
+    real_t over_s = e->dead_time_s + OVER * e->time_constant_s;
+    bool timed = !(e->flags & IDENTIFIED_INTEGRATING) &&
+                 e->time_constant_sd_s < TIME_KNOWN * e->time_constant_s;
+    return timed && over_s > needed_s ? over_s : needed_s;
+}
+
+/* Is some response to input k no lag's, and that, not noise, what its gain is unsure by? A shorter half would see
+ * less of what comes late, and be wrong by more; and what is slow by one input is mostly so by another, too. */
+static bool shape_decides(const struct commission *c, uint8_t k)
+{
+    for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
+        const struct element *e = &c->work->element[j][k];
+        if (e->misfit > REAL_C(0.5) * e->fit.gain_sd &&
+            e->misfit > SHAPE_COUNTS * real_abs(e->fit.gain))
+            return true;
+    }
+    return false;
+}
+
+/* Shortest half by what the operator and earlier rounds know of the times of this input, samples. */
+static uint32_t least_half(const struct commission *c, const struct supervisor *s, uint8_t k,
+                           struct experiment_config *x)
+{
+    const struct config *config = &s->plan->config;
+    const struct tested_input *in = inputs_get(&c->inputs, k);
+    uint32_t half_least = inputs_half_least(&c->inputs);
+    uint8_t outputs = outputs_count(&c->outputs);
+    real_t longest_s = REAL_C(0.0);
+    for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
+        const struct pair_config *pair = &config->pair[p];
+        if (!pair->measurement[0] || config_find_mv(config, pair->mv) != in->output)
+            continue;
+        uint8_t i = config_find_measurement(config, pair->measurement);
+        const struct measurement_config *m = &config->measurement[i];
+        const struct mv_config *o = &config->mv[in->output];
+        if (pair->time_s * REAL_C(4.0) > longest_s)
+            longest_s = pair->time_s * REAL_C(4.0);
+        real_t gain = real_abs(pair->gain) * (o->hi - o->lo) / (m->hi - m->lo);
+        /* A first amplitude that brings the output a quarter of the way to its limit. */
+        for (uint8_t j = 0; gain > REAL_C(0.0) && j < outputs; j++)
+            if (outputs_measurement(&c->outputs, j) == i)
+                x->amplitude_first = x->limit[j] * REAL_C(0.25) / gain;
+    }
+    real_t found_s = in->rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
+    if (found_s > longest_s)
+        longest_s = found_s;
+    if (in->rounds > 0 && shape_decides(c, k)) {
+        real_t slowest_s = (real_t)half_least * x->h_s;
+        real_t took_s = in->half_s;
+        if (slowest_s > took_s)
+            took_s = slowest_s;
+        if (took_s > longest_s)
+            longest_s = took_s;
+    }
+    if (in->rounds > 0 && in->unsettled && longest_s < UNSETTLED_LONGER * in->half_s)
+        longest_s = UNSETTLED_LONGER * in->half_s;
+    uint32_t known = commission_samples(s, longest_s);
+    /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
+    if (in->rounds > 0 && known > x->window) {
+        uint32_t most = known + known / 4u;
+        x->half_most = most < x->half_most ? most : x->half_most;
+        return known;
+    }
+    /* Nothing is: then it is noise that hides it, and a longer half hides it no less. */
+    uint32_t took = commission_samples(s, in->half_s);
+    if (in->rounds > 0 && took > x->window && took < x->half_most)
+        x->half_most = took;
+    if (known < in->half_wanted)
+        known = in->half_wanted;
+    real_t share = SHARE_LEAST;
+    if (inputs_small_step(&c->inputs) > REAL_C(0.0))
+        share = REAL_C(1.0); /* not linear: up may be over when down is not */
+    uint32_t before = (uint32_t)(share * (real_t)half_least);
+    return known > before ? known : before;
+}
+
+/* Limit of output j without what earlier tests have left of it. */
+static real_t room_of(const struct commission *c, const struct experiment_config *x, uint8_t j)
+{
+    real_t room = x->limit[j] - real_abs(origin_left(&c->origin, j));
+    return room > REAL_C(0.0) ? room : REAL_C(0.0);
+}
+
+/* From the second round on the gains are known: as much as the limits leave room for. */
+static real_t amplitude_by_model(const struct commission *c, uint8_t k,
+                                 const struct experiment_config *x)
+{
+    real_t a = x->amplitude_max < AMPLITUDE_MOST ? x->amplitude_max : AMPLITUDE_MOST;
+    const struct tested_input *in = inputs_get(&c->inputs, k);
+    const real_t *noise_sd = outputs_noise(&c->outputs);
+    uint8_t outputs = outputs_count(&c->outputs);
+    real_t stands_out = REAL_C(0.0); /* largest response to 1, in noise standard deviations */
+    for (uint8_t j = 0; j < outputs; j++) {
+        const struct identified *f = &c->work->element[j][k].fit;
+        real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
+        if (most * a > AGAIN_SHARE * room_of(c, x, j))
+            a = AGAIN_SHARE * room_of(c, x, j) / most;
+        if (real_abs(f->gain) > stands_out * noise_sd[j])
+            stands_out = real_abs(f->gain) / noise_sd[j];
+    }
+    /* More than stands out well is asked of no plant: it is not linear. */
+    /* What the model does not show, such as an overshoot, was there in the round before. */
+    if (in->worst * a > REACHED_SHARE * in->amplitude)
+        a = REACHED_SHARE * in->amplitude / in->worst;
+    real_t enough = AGAIN_NOISE * x->noise_multiple;
+    if (a * stands_out > enough) {
+        real_t least = in->amplitude;
+        if (shape_decides(c, k)) /* a smaller step sees less of what is not linear */
+            least *= SHAPE_SMALLER;
+        least = least < a ? least : a;
+        a = enough / stands_out > least ? enough / stands_out : least;
+    }
+    real_t before = in->amplitude * AGAIN_MOST;
+    return a < before ? a : before;
+}
+
+void next_test_config(struct commission *c, const struct supervisor *s, struct experiment_config *x)
+{
+    const struct config *config = &s->plan->config;
+    uint8_t k = inputs_current(&c->inputs), outputs = outputs_count(&c->outputs);
+    const struct tested_input *in = inputs_get(&c->inputs, k);
+    uint32_t half_least = inputs_half_least(&c->inputs);
+    const struct mv_config *o = &config->mv[in->output];
+    real_t ways = commission_room(s, in->output, in->test_base);
+    *x = (struct experiment_config){
+        .outputs = outputs,
+        .h_s = s->plan->tick_s,
+        .window = config->test.window < STEADY_BLOCKS ? STEADY_BLOCKS : config->test.window,
+        .noise_floor = NOISE_FLOOR,
+        .amplitude = o->test_step / (o->hi - o->lo),
+        .amplitude_first = AMPLITUDE_FIRST,
+        .amplitude_max = ways,
+        .noise_multiple = config->test.noise_multiple,
+        .half = commission_samples(s, o->test_time_s),
+        .blank_s = config->test.blank_s,
+        .origin = &c->origin,
+        .line_guard = config->test.guard == TEST_GUARD_LINE};
+    for (uint8_t j = 0; j < outputs; j++) {
+        x->limit[j] = commission_limit(&config->measurement[outputs_measurement(&c->outputs, j)]);
+        if (in->rounds > 0)
+            x->dead_time_s[j] = c->work->element[j][k].fit.dead_time_s;
+    }
+    /* A drift is seen over a window as long as the responses are. */
+    uint32_t wider = half_least / 4u;
+    if (wider > x->window)
+        x->window = wider;
+    if (in->amplitude_most > REAL_C(0.0) && in->amplitude_most < ways)
+        x->amplitude_max = in->amplitude_most;
+    if (x->amplitude > x->amplitude_max)
+        x->amplitude = x->amplitude_max;
+    if (x->amplitude <= REAL_C(0.0)) {
+        if (in->rounds > 0)
+            x->amplitude_first = amplitude_by_model(c, k, x);
+        else if (inputs_small_step(&c->inputs) > REAL_C(0.0))
+            x->amplitude_first = inputs_small_step(&c->inputs);
+        if (x->amplitude_max > AMPLITUDE_MOST)
+            x->amplitude_max = AMPLITUDE_MOST;
+    }
+    x->half_most = commission_longest(s);
+    /* Nothing that is surely known was so slow; if this is, the next try takes longer. */
+    uint32_t all = x->half_most;
+    uint32_t most = LONGEST_SHARE * half_least;
+    if (most > x->window && most < x->half_most)
+        x->half_most = most;
+    if (x->half_most < in->half_wanted)
+        x->half_most = in->half_wanted < all ? in->half_wanted : all;
+    if (x->half_most <= x->window)
+        x->half_most = x->window + 1u;
+    x->half_least = least_half(c, s, k, x);
+    if (x->half_most < x->half)
+        x->half_most = x->half;
+    if (x->half_least < x->window)
+        x->half_least = x->window;
+    if (x->half_least > x->half_most)
+        x->half_least = x->half_most;
+    if (!(x->amplitude_first > NOISE_FLOOR))
+        x->amplitude_first = NOISE_FLOOR;
+}

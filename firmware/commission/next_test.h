@@ -1,0 +1,30 @@
+/* How the next test of an input is made: amplitude, shortest and longest half, from the settings and from what the tests before
+ * have found. Tick; commission_half_needed() in the main loop. */
+#ifndef REFLUX_COMMISSION_NEXT_TEST_H
+#define REFLUX_COMMISSION_NEXT_TEST_H
+
+#include "commission/experiment.h"
+#include "supervise/supervisor.h"
+
+#define NOISE_FLOOR     REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
+#define AMPLITUDE_FIRST REAL_C(0.02) /* of span: the first step, where it is to be found */
+#define AMPLITUDE_MOST  REAL_C(0.25) /* of span: the largest step, where it is to be found */
+
+/* Limits for repeated tests of an input, over all rounds. */
+#define LONGER_RETRIES_MAX 3u /* with longer halves, where an output did not come to rest */
+#define LINEAR_RETRIES_MAX 1u /* with a smaller step, because an output is not linear */
+#define RETRIES_MAX        3u /* with a smaller step, because the guard has cut the test */
+
+struct commission;
+
+/* The next test of the input whose turn it is. */
+void next_test_config(struct commission *c, const struct supervisor *s,
+                      struct experiment_config *x);
+
+/* Seconds until every response to input k is over but for a twentieth, as far as it is surely known. */
+real_t commission_lasts(const struct commission *c, uint8_t k);
+/* Half of a double step, s, that would show the end of output j's response to input k, where the latest test did not: until it
+ * is over but for a twentieth, as far as its time constant is known; at least twice the latest. */
+real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k);
+
+#endif

@@ -1,0 +1,29 @@
+/* The state of swing.c. */
+#ifndef REFLUX_COMMISSION_SWING_STATE_H
+#define REFLUX_COMMISSION_SWING_STATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "num/real.h"
+
+/* All 0 before the first sample. Areas are in units of the error times a sample. */
+struct swing {
+    real_t integral;
+    real_t extreme;       /* farthest since the turn before, in the present direction */
+    real_t turned;        /* integral at that turn */
+    real_t area, largest; /* of the half cycle before; of all before */
+    uint32_t since;       /* samples since the extreme */
+    uint32_t length;      /* samples of the present half cycle, to its extreme */
+    uint32_t took;        /* samples of the half cycle before */
+    int8_t direction;     /* of the integral; 0: before the first sample */
+    bool grows;           /* a half cycle was not smaller than the one before by that factor */
+};
+
+/* A half cycle was not smaller than the one before by that factor. */
+static inline bool swing_grows(const struct swing *w)
+{
+    return w->grows;
+}
+
+#endif

@@ -1,0 +1,139 @@
+#include "commission/test_inputs.h"
+
+#include "base/error.h"
+#include "commission/test_inputs_state.h"
+
+void inputs_begin(struct test_inputs *t)
+{
+    t->round = 1;
+}
+
+void inputs_add(struct test_inputs *t, uint8_t output, real_t test_base)
+{
+    t->input[t->n].output = output;
+    t->input[t->n++].test_base = test_base;
+}
+
+NOT_INLINE static struct tested_input *present(struct test_inputs *t)
+{
+    return &t->input[t->order[t->turn]];
+}
+
+const struct tested_input *inputs_under_test(const struct test_inputs *t)
+{
+    return &t->input[t->order[t->turn]];
+}
+
+bool inputs_is_due(const struct test_inputs *t, uint8_t k)
+{
+    return !t->input[k].skipped && (t->input[k].unsettled || !t->only_unsettled);
+}
+
+uint8_t inputs_due_from(const struct test_inputs *t, uint8_t turn)
+{
+    uint8_t n = 0;
+    for (; turn < t->n; turn++)
+        n = (uint8_t)(n + inputs_is_due(t, t->order[turn]));
+    return n;
+}
+
+bool inputs_next(struct test_inputs *t)
+{
+    do
+        t->turn++;
+    while (t->turn < t->n && !inputs_is_due(t, t->order[t->turn]));
+    return t->turn < t->n;
+}
+
+bool inputs_next_round(struct test_inputs *t, bool only_unsettled)
+{
+    t->only_unsettled = only_unsettled;
+    t->round++;
+    t->turn = 0;
+    return inputs_is_due(t, t->order[0]);
+}
+
+void inputs_repeat(struct test_inputs *t)
+{
+    t->turn--;
+    present(t)->rounds = 0;
+    present(t)->skipped = false;
+}
+
+void inputs_skip(struct test_inputs *t)
+{
+    present(t)->skipped = true;
+}
+
+void inputs_note_test(struct test_inputs *t, const struct test_result *result)
+{
+    struct tested_input *in = present(t);
+    in->amplitude = result->amplitude;
+    in->half_s = result->half_s;
+    t->tests++;
+    t->tested_s += result->took_s;
+    in->cut = result->cut;
+    in->small = result->small;
+    inputs_raise_worst(t, result->worst);
+}
+
+void inputs_note_cut(struct test_inputs *t, uint8_t culprit, real_t predicted)
+{
+    present(t)->cut_by = culprit;
+    present(t)->cut_predicted = predicted;
+}
+
+void inputs_note_worst(struct test_inputs *t, real_t worst)
+{
+    present(t)->worst = worst;
+}
+
+void inputs_raise_worst(struct test_inputs *t, real_t worst)
+{
+    if (worst > present(t)->worst)
+        present(t)->worst = worst;
+}
+
+void inputs_set_amplitude(struct test_inputs *t, real_t amplitude)
+{
+    present(t)->amplitude = amplitude;
+}
+
+void inputs_count_round(struct test_inputs *t)
+{
+    present(t)->rounds++;
+}
+
+uint8_t inputs_want_longer(struct test_inputs *t, uint32_t half)
+{
+    present(t)->half_wanted = half;
+    return ++present(t)->longer_retries;
+}
+
+uint8_t inputs_want_linear(struct test_inputs *t, real_t amplitude)
+{
+    present(t)->amplitude_wanted = amplitude;
+    return ++present(t)->linear_retries;
+}
+
+uint8_t inputs_want_uncut(struct test_inputs *t, real_t amplitude)
+{
+    present(t)->amplitude_most = amplitude;
+    return ++present(t)->cut_retries;
+}
+
+real_t inputs_small_step(const struct test_inputs *t)
+{
+    real_t least = REAL_C(0.0);
+    for (uint8_t k = 0; k < t->n; k++) {
+        real_t wanted = t->input[k].amplitude_wanted;
+        if (wanted > REAL_C(0.0) && (!(least > REAL_C(0.0)) || wanted < least))
+            least = wanted;
+    }
+    return least;
+}
+
+real_t inputs_mean_test_s(const struct test_inputs *t)
+{
+    return t->tested_s / (real_t)t->tests;
+}

@@ -1,0 +1,170 @@
+#include "commission/trial_plan.h"
+
+#include "commission/adoption.h"
+#include "commission/analysis_job.h"
+#include "commission/analysis_structure.h"
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/proposal_loops.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
+
+#define STEP_IN_NOISE REAL_C(8.0)
+#define STEP_LEAST    REAL_C(0.01) /* fraction of span */
+#define STEP_SHARE    REAL_C(0.25) /* of the test limit */
+#define STEP_MOST     REAL_C(0.5)
+#define ROOM_SHARE    REAL_C(0.8)
+#define OTHERS_SHARE  REAL_C(0.7) /* of a limit: how far a step may drive what it is not for */
+#define WINDOW_MOST   10000u
+#define STEP_NEVER    REAL_C(1e-4) /* of span: smaller than this no step of a setpoint is made */
+
+/* The largest step of loop k's setpoint for which, on the model, every input stays within its room, and what no loop holds
+ * within its limit. */
+static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
+{
+    const struct analysis *a = &c->work->analysis;
+    const struct trial_mark *by = &a->tried[k];
+    real_t most = REAL_C(1.0);
+    for (uint8_t l = 0; l < a->pairs.n; l++) {
+        if (analysis_inner_of(a, l) != INTERACT_NONE)
+            continue; /* keep_in_reach() */
+        uint8_t j = proposal_input(c, l)->output;
+        real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->mv[j].manual));
+        if (by->moved[l] * most > room * a->config.step)
+            most = room * a->config.step / by->moved[l];
+    }
+    for (uint8_t j = a->pairs.n; j < adoption_channels(&c->adoption); j++) {
+        const struct adoption_channel *m = adoption_channel(&c->adoption, j);
+        uint8_t output = m->output;
+        real_t goes = REAL_C(0.0), limit = OTHERS_SHARE * m->limit;
+        for (uint8_t l = 0; l < a->pairs.n; l++)
+            goes += a->plant.element[output][a->pairs.input[l]].gain * by->input[l];
+        if (real_abs(goes) * most > limit * a->config.step)
+            most = limit * a->config.step / real_abs(goes);
+    }
+    return most;
+}
+
+/* The step of a loop's setpoint on trial: out of the noise, inside the limit, and no farther than the model says that inputs
+ * and other measurements can go. */
+static real_t choose_step(const struct commission *c, const struct supervisor *s, uint8_t k)
+{
+    const struct adoption_channel *m = adoption_channel(&c->adoption, k);
+    real_t step = STEP_IN_NOISE * m->noise_sd;
+    if (step < STEP_LEAST)
+        step = STEP_LEAST;
+    if (step < STEP_SHARE * m->limit)
+        step = STEP_SHARE * m->limit;
+    if (step > STEP_MOST * m->limit)
+        step = STEP_MOST * m->limit;
+    real_t most = step_by_model(c, s, k);
+    if (step > most)
+        step = most;
+    if (step < STEP_NEVER)
+        step = STEP_NEVER;
+    real_t y = num_to_float(s->measurement[m->measurement].value);
+    return y > REAL_C(0.5) ? -step : step;
+}
+
+/* A measurement on trial, by its place in the tests. */
+static void take_channel(struct commission *c, const struct config *config, uint8_t output)
+{
+    uint8_t i = outputs_measurement(&c->outputs, output);
+    struct adoption_channel m = {.measurement = i,
+                                 .output = output,
+                                 .noise_sd = outputs_noise(&c->outputs)[output],
+                                 .limit = commission_limit(&config->measurement[i])};
+    adoption_add_channel(&c->adoption, &m);
+}
+
+/* All measurements that were tested: those of the loops first, in their order. */
+static void take_channels(struct commission *c, const struct config *config)
+{
+    const struct analysis *a = &c->work->analysis;
+    uint32_t held = 0;
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        take_channel(c, config, a->pairs.output[k]);
+        held |= 1u << a->pairs.output[k];
+    }
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
+        if (!(held >> j & 1u))
+            take_channel(c, config, j);
+}
+
+/* The outer loop's output is a setpoint: inside the inner measurement's limit and span, and no farther than the
+ * manipulated variable can follow, at rest and at once. */
+static void keep_in_reach(struct commission *c, const struct supervisor *s, uint8_t k, real_t limit)
+{
+    const struct analysis *a = &c->work->analysis;
+    const struct adoption_loop *outer = adoption_loop(&c->adoption, k);
+    const struct tested_input *in = proposal_input(c, k);
+    uint8_t inner = analysis_inner_of(a, k);
+    uint8_t i = analysis_job_input(&c->analysis_job, a->pairs.input[k]);
+    real_t room = commission_room(s, in->output, num_to_float(s->mv[in->output].manual));
+    real_t a_step = real_abs(c->work->element[inner][i].fit.gain);
+    real_t moved = a->inner_tuning[k].gain; /* of the manipulated variable for a setpoint of 1 */
+    if (a_step * moved < REAL_C(1.0))
+        moved = REAL_C(1.0) / a_step; /* without a gain infinite, and there is no room */
+    real_t reach = room / moved;
+    real_t y = num_to_float(s->measurement[outputs_measurement(&c->outputs, inner)].value);
+    real_t span = y < REAL_C(0.5) ? y : REAL_C(1.0) - y;
+    reach = reach < limit ? reach : limit;
+    reach = ROOM_SHARE * (reach < span ? reach : span);
+    if (outer->predicted.moved * real_abs(outer->step) > reach * outer->size) {
+        real_t step = reach * outer->size / outer->predicted.moved;
+        if (!(step > STEP_NEVER)) /* no room at all, or the wrong side of a limit */
+            step = STEP_NEVER;
+        adoption_set_step(&c->adoption, k, outer->step < REAL_C(0.0) ? -step : step);
+    }
+}
+
+/* The inner loops behind the pairs, and setpoint steps no larger than they can follow. */
+static enum err prepare_inner(struct commission *c, const struct supervisor *s,
+                              const struct config *config)
+{
+    const struct analysis *a = &c->work->analysis;
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        uint8_t inner = analysis_inner_of(a, k);
+        if (inner == INTERACT_NONE)
+            continue;
+        struct adoption_loop l = {.loop = proposal_inner_loop(c, config, k),
+                                  .size = a->config.step};
+        if (l.loop == PLAN_NONE || adoption_add_loop(&c->adoption, &l, true) != ERR_OK)
+            return ERR_UNKNOWN;
+        uint8_t i = outputs_measurement(&c->outputs, inner);
+        keep_in_reach(c, s, k, commission_limit(&config->measurement[i]));
+    }
+    return ERR_OK;
+}
+
+enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
+                                const struct config *config)
+{
+    const struct analysis *a = &c->work->analysis;
+    if (!outputs_are_those_of(&c->outputs, config))
+        return ERR_CONFLICT;
+    uint32_t back = inputs_half_least(&c->inputs), window = back;
+    if (window < config->test.window)
+        window = config->test.window;
+    if (window < STEADY_BLOCKS)
+        window = STEADY_BLOCKS;
+    if (window > WINDOW_MOST)
+        window = WINDOW_MOST;
+    adoption_prepare(&c->adoption, window, back);
+    take_channels(c, config);
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        struct adoption_loop l = {.loop = proposal_loop(c, config, k),
+                                  .output = proposal_input(c, k)->output,
+                                  .predicted = a->predicted[k],
+                                  .left = a->tried[k].left,
+                                  .size = a->config.step};
+        l.predicted.iae = a->tried[k].iae;
+        l.duration_s = ADOPTION_DURATION * l.predicted.settled_s;
+        if (l.duration_s > a->horizon_s)
+            l.duration_s = a->horizon_s;
+        l.step = choose_step(c, s, k);
+        if (l.loop == PLAN_NONE || adoption_add_loop(&c->adoption, &l, false) != ERR_OK)
+            return ERR_UNKNOWN;
+    }
+    return prepare_inner(c, s, config);
+}

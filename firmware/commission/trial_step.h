@@ -1,0 +1,25 @@
+/* A setpoint step of a trial (adoption.h): what is seen of it, and whether it went as predicted. Tick. */
+#ifndef REFLUX_COMMISSION_TRIAL_STEP_H
+#define REFLUX_COMMISSION_TRIAL_STEP_H
+
+#include "commission/trial_records.h"
+#include "supervise/supervisor.h"
+
+struct trial_step;
+
+/* Counts a sample for loop k where its output is at a limit; the step was chosen so that none comes there. */
+void trial_step_watch_output(struct trial_step *t, const struct supervisor *s, uint8_t k,
+                             uint8_t output);
+/* A sample of the step of *loop, whose iae and peak it counts. error: setpoint less measurement; ends: in the last quarter. */
+void trial_step_sample(struct trial_step *t, struct adoption_loop *loop, real_t error, real_t h_s,
+                       bool ends);
+/* A sample for the oscillation after a step, away or back; last: of the stage. */
+void trial_step_swing(struct trial_step *t, const struct adoption_loop *loop,
+                      const struct adoption_channel *channel, real_t error, bool last);
+/* The verdict on a step of `ticks` samples; ADOPTION_RUNNING: as predicted. loops: that may be blocked. */
+enum adoption_result trial_step_verdict(const struct trial_step *t,
+                                        const struct adoption_loop *loop,
+                                        const struct adoption_channel *channel, uint8_t loops,
+                                        uint32_t ticks, real_t h_s);
+
+#endif
