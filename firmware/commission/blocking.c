@@ -74,7 +74,7 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         outputs++;
         if (comes_rarely(s, i))
             return hindered(what, wanted, config->measurement[i].name,
-                            "does not come in every base tick; set its test to off");
+                            "is not sampled in every base tick; set its test to off");
         if (!channel_is_valid(s, i))
             return hindered(what, wanted, config->measurement[i].name,
                             "is not valid; wait for good readings, or set its test to off");
@@ -89,12 +89,12 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         uint8_t loop = acting(s, j);
         if (loop != PLAN_NONE)
             return hindered(what, wanted, config->loop[loop].name,
-                            "acts; `mode NAME manual` first");
+                            "is not in manual; `mode NAME manual` first");
         if (s->mv[j].interlocked)
             return hindered(what, wanted, config->mv[j].name, "is held by an interlock");
         if (commission_room(s, j, commission_test_base(s, j)) < ROOM_LEAST)
             return hindered(what, wanted, config->mv[j].name,
-                            "stands at its operating limit: no room to step both ways");
+                            "is at its operating limit: no room to step both ways");
     }
     if (outputs == 0)
         return hindered(what, wanted, NULL, "no measurement of the plant is configured for tests");
@@ -116,21 +116,21 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     if (plan_kind(s->plan, loop)->positions)
         return hindered(what, wanted, config->name, "has two positions and no settings to find");
     if (s->loop[loop].mode != LOOP_MANUAL)
-        return hindered(what, wanted, config->name, "acts; `mode NAME manual` first");
+        return hindered(what, wanted, config->name, "is not in manual; `mode NAME manual` first");
     if (!s->mv[l->mv].bound)
         return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "is not there: the plant does not announce it");
+                        "is missing: the plant does not announce it");
     if (s->mv[l->mv].interlocked)
         return hindered(what, wanted, s->plan->config.mv[l->mv].name, "is held by an interlock");
     if (comes_rarely(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "does not come in every base tick; a relay test needs that");
+                        "is not sampled in every base tick; a relay test needs that");
     if (!channel_is_valid(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
                         "is not valid; wait for good readings");
     if (commission_room(s, l->mv, commission_test_base(s, l->mv)) < ROOM_LEAST)
         return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "stands at its operating limit: no room to step both ways");
+                        "is at its operating limit: no room to step both ways");
     return ERR_OK;
 }
 

@@ -69,9 +69,8 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
     switch (ask) {
     case COMMISSION_ASK_BEGIN:
     case COMMISSION_ASK_RELAY:
-        *wanted = old ? "the old settings are on their way back; an open transaction holds "
-                        "them up: apply or abandon it"
-                      : "is under way already; `commission abort` first";
+        *wanted = old ? "the old settings wait for an open transaction: apply or abandon it"
+                      : "start-up is running; `commission abort` ends it";
         possible = !testing && !trial && !old;
         break;
     case COMMISSION_ASK_PAUSE:
@@ -91,11 +90,11 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
         possible = phase == COMMISSION_TESTING && inputs_can_repeat(&c->inputs);
         break;
     case COMMISSION_ASK_ABORT:
-        *wanted = "nothing is under way";
+        *wanted = "start-up is not running";
         possible = testing || trial;
         break;
     case COMMISSION_ASK_TRIAL:
-        *wanted = "there is no proposal; `commission` says how far it is";
+        *wanted = "there is no proposal; `commission` shows the progress";
         possible = commission_has_proposal(c) && !old;
         break;
     default:
@@ -152,7 +151,7 @@ enum err commission_put(struct commission *c, enum commission_ask ask, const cha
 {
     enum commission_ask before = requests_pending(&c->requests);
     if (before != COMMISSION_ASK_NONE && ask != COMMISSION_ASK_ABORT) {
-        *wanted = "what was asked before waits for the next sample";
+        *wanted = "the last request waits for the next sample";
         return ERR_BUSY;
     }
     if (before == COMMISSION_ASK_BEGIN || before == COMMISSION_ASK_RELAY ||
@@ -173,9 +172,9 @@ enum err commission_put(struct commission *c, enum commission_ask ask, const cha
 enum err commission_discard(struct commission *c, const char **wanted)
 {
     bool proposes = commission_has_proposal(c);
-    *wanted = !lease_holds(&c->lease) ? "there is nothing to be given up"
+    *wanted = !lease_holds(&c->lease) ? "there is nothing to discard"
               : proposes ? "a proposal waits: `commission accept` or `commission reject`"
-                         : "is under way; `commission abort` first";
+                         : "start-up is running; `commission abort` ends it";
     if (!lease_holds(&c->lease) || proposes || needs_workspace(c))
         return ERR_STATE;
     status_set_unseen(&c->status, false);

@@ -9,18 +9,17 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_ACTUATOR] = "the output does not follow its command",
     [REASON_HAND] = "moved by somebody else",
     [REASON_CONFIG] = "another configuration was applied",
-    [REASON_RESTLESS] = "does not come to rest before the test",
+    [REASON_RESTLESS] = "did not settle before the test",
     [REASON_LIMIT] = "went past its test limit",
-    [REASON_AWAY] = "does not come back after the test: unstable or integrating",
+    [REASON_AWAY] = "did not return after the test: unstable or integrating",
     [REASON_INTEGRATES] =
-        "integrates, or is many times slower than `test.longest`: it must come to rest by itself",
+        "integrates, or is far slower than `test.longest`: it must settle by itself",
     [REASON_TOO_SLOW] =
-        "is slower than `test.longest` or its `test_time` allows: set more, or leave it out",
-    [REASON_LEFT] =
-        "is farther from where it was than its drift explains: bring it back, and begin anew",
-    [REASON_SPAN] = "reads an end of its span, not the plant: widen the span, or repair the sensor",
+        "is too slow for `test.longest` or its `test_time`: raise it, or exclude the channel",
+    [REASON_LEFT] = "left the operating point by more than its drift: bring it back, begin again",
+    [REASON_SPAN] = "reads an end of its span: widen the span, or repair the sensor",
     [REASON_REVERSAL] =
-        "would go past its test limit at the reversal: a smaller `test_step`, or a wider limit",
+        "would exceed its test limit at the reversal: set a smaller `test_step` or a wider limit",
     [REASON_NO_INPUT] = "every input was skipped",
     [REASON_NUMBERS] = "the analysis refused the model",
     [REASON_SAMPLES] = "samples were missing",
@@ -29,15 +28,13 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_TRIAL_SLOW] = "took far longer than predicted on trial",
     [REASON_TRIAL_PEAK] = "overshot far more than predicted on trial",
     [REASON_TRIAL_REST] = "did not come to rest on trial",
-    [REASON_TRIAL_ROOM] = "an output stood at its limit on trial",
+    [REASON_TRIAL_ROOM] = "an output saturated on trial",
     [REASON_SEQUENCE] = "a sequence is under way; `seq` shows it",
-    [REASON_EXCITED] =
-        "excites the plant; `block BLOCK off` ends that, or a change of mode of its loop",
-    [REASON_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
+    [REASON_EXCITED] = "excites the plant: `block BLOCK off` or a new mode of its loop ends that",
+    [REASON_TRIAL_SWINGS] = "oscillated on trial with too little damping",
     [REASON_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",
-    [REASON_ACTION] =
-        "its action is the wrong one, the measurement went the other way: change `action`",
+    [REASON_ACTION] = "its action is wrong, the measurement went the other way: change `action`",
     [REASON_NO_CYCLE] = "no steady cycle under the relay",
 };
 

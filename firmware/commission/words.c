@@ -7,7 +7,7 @@ const char *words_of_verdict(const struct analysis *a)
     static const char *const words[] = {
         [PAIRING_DETERMINED] = "determined",
         [PAIRING_UNDETERMINED] = "not determined: the gains are not known well enough",
-        [PAIRING_SINGULAR] = "not determined: fewer directions than channels",
+        [PAIRING_SINGULAR] = "not determined: within error, inputs act alike",
         [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and indices"};
     const unsigned shape = DOUBT_SHAPE | DOUBT_SHAPE_FINAL;
     if (a->verdict != PAIRING_UNDETERMINED)
@@ -17,7 +17,7 @@ const char *words_of_verdict(const struct analysis *a)
     if (a->doubts == DOUBT_SHAPE)
         return "not determined: a response was not seen to its end";
     if ((a->doubts & ~shape) == 0)
-        return "not determined: a response is not one that loops are made for";
+        return "not determined: a response has a shape that loops are not made for";
     if ((a->doubts & ~(shape | DOUBT_SECOND)) == 0)
         return "not determined: gains over residence times give other pairs";
     return words[PAIRING_UNDETERMINED];
@@ -33,19 +33,18 @@ const char *words_of_second(enum analysis_second second)
 
 const char *words_of_no_design(enum err reason)
 {
-    return reason == ERR_FULL ? "more loops than this board runs"
-           : reason == ERR_UNSUPPORTED
-               ? "the settings are outside of what a loop takes: other spans are needed"
-           : reason == ERR_TIMEOUT ? "no settings are slow enough to be stable"
-                                   : "the settings are not stable on the model";
+    return reason == ERR_FULL          ? "more loops than this board runs"
+           : reason == ERR_UNSUPPORTED ? "the settings exceed a loop's range: choose other spans"
+           : reason == ERR_TIMEOUT     ? "no settings are slow enough to be stable"
+                                       : "the settings are not stable on the model";
 }
 
 const char *words_of_decoupler(enum analysis_decoupler decoupler)
 {
     static const char *const words[] = {
-        [DECOUPLER_USED] = "static, for the blocks that single loops would not serve",
-        [DECOUPLER_NOT_NEEDED] = "none: single loops serve",
-        [DECOUPLER_TOO_MANY] = "none: more loops than a decoupler spans",
+        [DECOUPLER_USED] = "static, where single loops are not enough",
+        [DECOUPLER_NOT_NEEDED] = "none: single loops are enough",
+        [DECOUPLER_TOO_MANY] = "none: too many loops for a decoupler",
         [DECOUPLER_ILL] = "none: the inverse of the gains would amplify their errors",
         [DECOUPLER_NO_BETTER] = "none: single loops do as well"};
     return words[decoupler];
@@ -58,27 +57,25 @@ const char *words_of_feed(enum feed_verdict verdict)
                                         [FEED_COMPANY] = "no: its loop shares a block with others",
                                         [FEED_LATE] = "no: it would come too late",
                                         [FEED_LARGE] =
-                                            "no: gain or times are more than an element takes",
-                                        [FEED_FULL] = "no: stronger ones take all the places"};
+                                            "no: gain or times exceed an element's range",
+                                        [FEED_FULL] = "no: stronger ones take all places"};
     return words[verdict];
 }
 
 const char *words_of_left(enum left_over reason)
 {
-    static const char *const words[] = {
-        [LEFT_NOT] = "",
-        [LEFT_UNSEEN] = "no gain of it stands out of its errors",
-        [LEFT_OVER] = "there are more of its kind than of the other, which go better without it"};
+    static const char *const words[] = {[LEFT_NOT] = "",
+                                        [LEFT_UNSEEN] = "none of its gains exceeds its error",
+                                        [LEFT_OVER] = "surplus: the pairs are better without it"};
     return words[reason];
 }
 
 bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *doubt)
 {
     const struct words_doubt all[WORDS_DOUBTS] = {
-        {"rank", "fewer directions than pairs stand out of the errors of the gains",
-         (real_t)a->rank},
-        {"determinant", "standard deviations from 0, where 2 are wanted", a->determinant},
-        {"integrity", "share of draws in which any loops may be in manual, where 0.9 is wanted",
+        {"rank", "within error, inputs act alike", (real_t)a->rank},
+        {"determinant", "standard deviations from zero; 2 needed", a->determinant},
+        {"integrity", "share of draws in which any loop may be in manual; 0.9 needed",
          a->integrity}};
     static const uint8_t bits[WORDS_DOUBTS] = {DOUBT_RANK, DOUBT_DETERMINANT, DOUBT_INTEGRITY};
     if (n >= WORDS_DOUBTS || (a->doubts & bits[n]) == 0u)

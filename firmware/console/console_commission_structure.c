@@ -104,7 +104,7 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
     text_named_float(line, "dead", found->between.dead_time_s);
     text_named_float(line, "misfit", found->misfit_sd);
     text_named_str(line, "used",
-                   used ? "yes" : "no: no input to themselves, or no settings for the inner loop");
+                   used ? "yes" : "no: no input of their own, or no settings for the inner loop");
 }
 
 static bool structure_lines(const struct console *c, unsigned n, struct text *line)
@@ -154,7 +154,7 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
         return structure_lines(c, n, line);
     if (n == 0)
         text_str(line, has || !commission_had_results(c->service->commission)
-                           ? "structure none: it is looked for once the pairing is determined"
+                           ? "structure none: the pairing must be determined first"
                            : COMMISSION_GONE);
     return n == 0;
 }

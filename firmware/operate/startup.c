@@ -10,7 +10,7 @@
 
 #if COMMISSION_CHANNELS
 
-#define CHANNELS_CHANGED "channels or spans are not those that were tested; begin anew"
+#define CHANNELS_CHANGED "channels or spans have changed since the tests; begin again"
 
 static const struct {
     const char *word;
@@ -118,7 +118,7 @@ static struct config *proposed(struct session *session, enum err *err, struct an
                           *err == ERR_FULL ? "the proposal has more loops than there are places"
                           : *err == ERR_CONFLICT
                               ? CHANNELS_CHANGED
-                              : "there is no proposal; `commission` says how far it is");
+                              : "there is no proposal; `commission` shows the progress");
     return NULL;
 }
 
@@ -132,7 +132,7 @@ static enum err may_try(struct service *s, struct answer *answer)
     enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
     if (!err && requests_pending(&s->commission->requests) != COMMISSION_ASK_NONE) {
         err = ERR_BUSY;
-        wanted = "what was asked before waits for the next sample";
+        wanted = "the last request waits for the next sample";
     }
     if (!err && s->io.state(s->io.context) != IO_READY) {
         err = ERR_STATE;
@@ -180,9 +180,8 @@ enum err operate_accept(struct session *session, struct answer *answer)
     if (err)
         return err;
     if (s->staging && !s->staged_proposal)
-        return operate_refuse(
-            answer, ERR_STATE, NULL,
-            "a transaction is open that the proposal is not in: apply or abandon it");
+        return operate_refuse(answer, ERR_STATE, NULL,
+                              "an open transaction lacks the proposal: apply or abandon it");
     struct config *config = proposed(session, &err, answer);
     return err ? err : begin_trial(session, config, answer);
 }

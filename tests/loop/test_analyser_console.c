@@ -133,11 +133,12 @@ static void start_up_does_not_test_it(void)
     ask_ok("out heat 0.5");
     samples(1);
     ask("commission begin");
-    TEST_ASSERT_EQUAL_STRING("err STATE T10: does not come in every base tick; set its test to off",
-                             reply[n_reply - 1]);
+    TEST_ASSERT_EQUAL_STRING(
+        "err STATE T10: is not sampled in every base tick; set its test to off",
+        reply[n_reply - 1]);
     ask("commission relay bottom");
     TEST_ASSERT_EQUAL_STRING(
-        "err STATE T10: does not come in every base tick; a relay test needs that",
+        "err STATE T10: is not sampled in every base tick; a relay test needs that",
         reply[n_reply - 1]);
 }
 

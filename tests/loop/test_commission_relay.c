@@ -282,7 +282,7 @@ static void a_loop_of_the_wrong_action_ends_it(void)
     until("COMMISSION_ENDED old_R", 1500);
     double worst = strtod(strstr(board.said, "COMMISSION_ENDED old_R") + 22, NULL);
     TEST_ASSERT_TRUE(worst < 0.3); /* of a test limit */
-    ended_with_everything_held("its action is the wrong one, the measurement went the other way");
+    ended_with_everything_held("its action is wrong, the measurement went the other way");
 }
 
 /* ---- what is refused ---- */

@@ -128,13 +128,13 @@ class Alone(Tool):
                              expect=1)
         self.assertIn("What to do next", out)
         self.assertIn("tune one loop at a time by a relay test", out)
-        self.assertRegex(err.splitlines()[-1], r"^tools/commission: not determined: .*\(rank 1: fewer directions than pairs ")
+        self.assertRegex(err.splitlines()[-1], r"^tools/commission: not determined: .*\(rank 1: within error, inputs act alike")
 
     def test_what_is_left_over_is_named_with_the_reason_and_is_an_exit_status_of_its_own(self) -> None:
         plant = self.file("spare.json", json.dumps(SPARE))
         out, _err = self.tool("--plant", str(plant), "--no-build", "--speed", "20000", "--yes", expect=3)
         self.assertIn("loops matched the prediction and stay", out)
-        why = "left over: input u2: no gain of it stands out of its errors"
+        why = "left over: input u2: none of its gains exceeds its error"
         self.assertEqual(out.splitlines()[-1], why)
         page = (self.out / "report.html").read_text()
         self.assertIn(why, page)

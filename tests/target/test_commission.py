@@ -140,7 +140,7 @@ class StartUpOnTheBoard(unittest.TestCase):
         self.assertEqual(len(events(emulator, "TEST_DONE")), 16)
         proposal = reply(emulator, "commission proposal")
         self.assertEqual(sum(line.startswith("loop ") for line in proposal), 16)
-        self.assertIn("decoupler none: more loops than a decoupler spans", proposal)
+        self.assertIn("decoupler none: too many loops for a decoupler", proposal)
         print(f"commission 16 x 16, model: {model}")
 
         worst, mean, piece = stats(emulator, "tick", "max"), stats(emulator, "tick", "mean"), stats(emulator, "work", "max")

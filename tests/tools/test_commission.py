@@ -32,7 +32,7 @@ LISTINGS = {
     "pairing": ["pairing determined probability 1 niederlinski 1", "pair T h lambda 1 share 1"],
     "structure": ["structure parts 1 blocks 1", "block number 1 part 1 pairs 1 worst_lambda 1 driven_by -",
                   "member T h block 1 single_loop yes"],
-    "proposal": ["settings SIMC, slowed by 1 log_modulus_dB 2 blocks 1 parts 1", "decoupler none: single loops serve",
+    "proposal": ["settings SIMC, slowed by 1 log_modulus_dB 2 blocks 1 parts 1", "decoupler none: single loops are enough",
                  "loop T h gain 2 ti 100 td 0 reverse step 10 iae 500 overshoot 0.1 settles 400"],
     "trial": ["trial T h step -10 iae 520 predicted 500 overshoot 0.08 predicted 0.1"],
 }
@@ -110,9 +110,9 @@ class Lines(unittest.TestCase):
                               "null outputs y 1 z 0.01", "rga none: the gains have no inverse"])
         self.assertEqual((g.rank, g.rank_exact, g.null_inputs, g.rga), (1, 2, {"a": 0.7, "b": -0.7}, {}))
         self.assertIn("a 0.70, b -0.70", results.gains_words(g)[1])
-        p = results.pairing_of(["pairing not determined: fewer directions than channels probability 0.4 niederlinski 0",
+        p = results.pairing_of(["pairing not determined: within error, inputs act alike probability 0.4 niederlinski 0",
                                 "open y share 0.4 rival b"])
-        self.assertEqual((p.verdict, p.probability, p.open), ("not determined: fewer directions than channels", 0.4,
+        self.assertEqual((p.verdict, p.probability, p.open), ("not determined: within error, inputs act alike", 0.4,
                                                               [("y", 0.4, "b")]))
         self.assertFalse(p.determined)
         p = results.pairing_of(["doubt element y b flags oscillatory",

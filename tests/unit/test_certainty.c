@@ -123,7 +123,7 @@ static void words_tell_a_response_not_seen_to_its_end_from_one_no_loop_is_made_f
     a.flags[0][1] = IDENTIFIED_SHORT;
     a.flags[1][1] = IDENTIFIED_OSCILLATORY;
     run();
-    TEST_ASSERT_EQUAL_STRING("not determined: a response is not one that loops are made for",
+    TEST_ASSERT_EQUAL_STRING("not determined: a response has a shape that loops are not made for",
                              words_of_verdict(&a));
 }
 

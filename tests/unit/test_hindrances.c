@@ -158,7 +158,7 @@ static void tests_begin_where_all_is_in_hand(void)
     begins(false, "T10", "end of its span");
     bench.s.measurement[T10].raw = 100;
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
-    begins(false, "bottom", "acts");
+    begins(false, "bottom", "not in manual");
     bench.s.loop[BOTTOM].mode = LOOP_MANUAL;
     bench.s.mv[HEAT].interlocked = true;
     begins(false, "heat", "interlock");
@@ -214,7 +214,7 @@ static void a_relay_test_begins_where_its_loop_is_in_hand(void)
 {
     bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* of the other loop no matter */
     TEST_ASSERT_EQUAL_INT(ERR_OK, commission_may_relay(&bench.s, TOP, &what, &wanted));
-    relays(BOTTOM, "bottom", "acts");
+    relays(BOTTOM, "bottom", "not in manual");
     bench.s.mv[REFLUX].manual = N(0.0049);
     relays(TOP, "reflux", "no room");
     bench.s.mv[REFLUX].manual = N(0.0051);
@@ -224,9 +224,9 @@ static void a_relay_test_begins_where_its_loop_is_in_hand(void)
     bench.s.mv[REFLUX].interlocked = true;
     relays(TOP, "reflux", "interlock");
     bench.s.mv[REFLUX].bound = false;
-    relays(TOP, "reflux", "not there");
+    relays(TOP, "reflux", "missing");
     bench.s.loop[TOP].mode = LOOP_CASCADE;
-    relays(TOP, "top", "acts");
+    relays(TOP, "top", "not in manual");
     cf->loop[TOP].own.algorithm = LOOP_TWO_POSITION;
     cf->loop[TOP].own.band = 1;
     struct config_fault fault;
