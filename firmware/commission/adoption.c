@@ -16,8 +16,8 @@ enum stage {
 #define AUTO_TICKS     3u          /* a mode asked for is there by then */
 #define LISTEN_TICK    2u          /* the first may be that of the beginning itself */
 #define DRIFT_SDS      REAL_C(3.0) /* a slope so many of its standard deviations is a drift */
-#define DRIFT_SHARE                                                                                \
-    REAL_C(0.05) /* of a step: a drift that carries less in its time does not matter */
+/* Share of a step that a drift may carry in its time without being relevant. */
+#define DRIFT_SHARE REAL_C(0.05)
 #define DRIFT_MOST  REAL_C(0.5) /* of a limit: farther no setpoint goes with it */
 #define PATIENCE    3u          /* windows more, where the line is bent */
 #define BEND_SDS    REAL_C(4.0)
@@ -39,7 +39,7 @@ static real_t measured(const struct adoption *a, const struct supervisor *s, uin
     return num_to_float(s->measurement[a->channel[k].measurement].value);
 }
 
-/* Manipulated variable of a loop; PLAN_NONE: it drives another loop. */
+/* Returns the manipulated variable of a loop; PLAN_NONE: it drives another loop. */
 static uint8_t output_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
     return s->plan->loop[a->loop[k].loop].mv;
@@ -93,7 +93,7 @@ void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_
     }
 }
 
-/* Samples of rest: whole blocks. */
+/* Number of samples of a rest, in whole blocks. */
 static uint32_t rest_ticks(const struct adoption *a)
 {
     return a->window / STEADY_BLOCKS * STEADY_BLOCKS;
@@ -130,7 +130,7 @@ static enum adoption_result fail_trial(struct adoption *a, enum adoption_result 
 
 /* ---- at rest ---- */
 
-/* The measurement of a loop; that of an inner one comes after those of the pairs. */
+/* Returns the channel of a loop; those of inner loops come after those of the pairs. */
 static uint8_t channel_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
     uint8_t at = k < a->n ? k : a->n;
@@ -145,7 +145,7 @@ static real_t hypotenuse(real_t x, real_t y)
     return real_sqrt(x * x + y * y);
 }
 
-/* Is the plant where its line led, and as steep? If not, what happened since is not the loops' doing. */
+/* The plant has left its line, or climbs differently: the loops did not cause what happened since. */
 static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8_t k,
                      const struct steady_result *now)
 {
@@ -159,7 +159,7 @@ static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8
     return away > step + BEND_SDS * away_sd || steeper > step + BEND_SDS * steeper_sd;
 }
 
-/* From here on the line counts. */
+/* Takes a new line for the measurement. */
 static void take_line(struct adoption *a, const struct supervisor *s, uint8_t k,
                       const struct steady_result *now)
 {
@@ -178,7 +178,7 @@ static void take_line(struct adoption *a, const struct supervisor *s, uint8_t k,
         a->drifting = true;
 }
 
-/* A line that is bent says nothing of what comes: it is looked for once more, a few times. */
+/* A measurement follows no straight line. Then the rest is repeated a few times, because such a line predicts nothing. */
 static bool is_restless(const struct adoption *a)
 {
     for (uint8_t k = 0; k < a->channels; k++) {
@@ -189,7 +189,7 @@ static bool is_restless(const struct adoption *a)
     return false;
 }
 
-/* What the tests, and the steps before, have left of channel k. */
+/* Deviation that the tests and the steps before have left on channel k. */
 static real_t left_of(const struct adoption *a, uint8_t k)
 {
     return real_abs(origin_left(a->origin, a->channel[k].output));
@@ -261,7 +261,7 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
 
 /* ---- in automatic ---- */
 
-/* How far the drift has carried it since. */
+/* Distance that channel k has drifted since the line was fitted. */
 static real_t carried(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
     const struct adoption_channel *c = &a->channel[k];
@@ -271,14 +271,15 @@ static real_t carried(const struct adoption *a, const struct supervisor *s, uint
     return by > most ? most : by < -most ? -most : by;
 }
 
-/* A tick later than the others: by then the outer loops, which may be new, have followed the inner measurements. */
+/* Inner loops follow a tick later than the others, because outer loops, which may be new, must first have followed the inner
+ * measurements. */
 static void listen(const struct adoption *a, struct supervisor *s)
 {
     for (uint8_t k = a->n; k < all_loops(a); k++)
         ask(s, a->loop[k].loop, LOOP_CASCADE);
 }
 
-/* Every loop acts, no hand is on it, and nothing is past its limit. */
+/* Checks that every loop acts, that nobody has intervened, and that no measurement is past its limit. */
 static enum adoption_result watch_trial(struct adoption *a, const struct supervisor *s)
 {
     bool early = a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS;
@@ -307,7 +308,7 @@ static real_t within_setpoint_limits(const struct supervisor *s, uint8_t i, real
     return at < least ? least : at > most ? most : at;
 }
 
-/* The setpoints go with the drift; that of the loop under trial is a step away from it. */
+/* Setpoints follow the drift; that of the loop under trial is a step away from it. */
 static void place_setpoints(struct adoption *a, struct supervisor *s)
 {
     for (uint8_t k = 0; k < a->n; k++)
@@ -356,7 +357,7 @@ static void look_at_step(struct adoption *a, const struct supervisor *s)
                       a->ticks > a->stage_ticks - a->stage_ticks / 4u);
 }
 
-/* The next loop's turn, or the end of it all. */
+/* Steps the next loop, or ends the trial. */
 static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 {
     if (a->turn < a->n) {
@@ -418,7 +419,7 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     return ADOPTION_RUNNING;
 }
 
-/* ---- for those who prepare it or show it ---- */
+/* ---- for preparing and showing it ---- */
 
 void adoption_prepare(struct adoption *a, uint32_t window, uint32_t back)
 {

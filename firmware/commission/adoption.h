@@ -1,15 +1,15 @@
-/* An accepted set of loops on trial, on the plant: every loop's setpoint is stepped once, and what it does is held against
- * what was predicted.
+/* The trial of accepted loops on the plant: every loop's setpoint is stepped once, and the response is compared with the prediction.
+ * Tick; what prepares it runs in the main loop.
  *
  *     rest -> settle -> step -> return -> step (next loop) ... -> passed
- *       ^                |                                            of a plant that stays where it is
+ *       ^                |                                            a plant without drift
  *       |                +-> rest -> settle -> step (next loop) ... -> passed
- *       +--- not as predicted: was it the plant?                      of one that drifts
+ *       +--- not as predicted: was it the plant?                      a plant that drifts
  *
- * At rest the outputs are held in manual and a line is fitted to every measurement. A drift that is significant is taken off
- * as in the tests: the setpoints go with it, and limits count from its line or from where it began, whichever is nearer; what the tests have left comes off them. No
- * controller can hold a measurement that goes on drifting for ever on the room of its output; and an ill-conditioned plant
- * needs all of it soon. */
+ * At rest the outputs are held in manual and a line is fitted to every measurement. A significant drift is taken off as in the tests:
+ * the setpoints follow it, and limits count from its line or from its beginning, whichever is nearer, less the deviation that the tests
+ * have left. The outputs rest between the steps because no controller can hold a drifting measurement for ever: its output has limited
+ * room, and an ill-conditioned plant soon needs all of it. */
 #ifndef REFLUX_COMMISSION_ADOPTION_H
 #define REFLUX_COMMISSION_ADOPTION_H
 
@@ -20,16 +20,16 @@
 
 struct adoption;
 
-/* Makes it ready, in the main loop: no loops yet; window: samples over which rest is judged; back: samples that a response takes to
- * be over. The channels follow in the order of the loops, then those that no loop holds; then loop by loop, the inner ones last. */
+/* Makes it ready, without loops. window: samples over which rest is judged; back: samples until a response is over. Next come the
+ * channels in the order of the loops, then those without a loop, then the loops, the inner ones last. */
 void adoption_prepare(struct adoption *a, uint32_t window, uint32_t back);
-/* As far as `limit`. */
+/* The channel is filled in up to `limit`. */
 void adoption_add_channel(struct adoption *a, const struct adoption_channel *channel);
-/* As far as `size`. ERR_FULL: there is no place. */
+/* The loop is filled in up to `size`. ERR_FULL: there is no place. */
 MUST_CHECK enum err adoption_add_loop(struct adoption *a, const struct adoption_loop *loop,
                                       bool inner);
 
-/* Remembers where the outputs are. */
+/* Remembers the present outputs. */
 void adoption_hold(struct adoption *a, const struct supervisor *s);
 /* The trial begins; *origin, the operating point, and *work must live as long. The loops are in manual and stay there until the
  * lines of rest are known. ERR_RANGE: channels or window. */
@@ -37,7 +37,7 @@ MUST_CHECK enum err adoption_begin(struct adoption *a, const struct supervisor *
                                    struct origin *origin, struct steady *work);
 /* A tick of it, after validate and before control. */
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s);
-/* The loops go to manual, their outputs to where the trial found them. but_hand: those that somebody has taken to manual
+/* Puts the loops into manual and their outputs back to where the trial found them. but_hand: loops that somebody has put into manual
  * stay as they are. */
 void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand);
 

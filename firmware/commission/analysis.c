@@ -53,7 +53,7 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
     return gains_begin(&a->work.gains, &a->plant, config->floor);
 }
 
-/* A channel whose pair is given gets no other; where as many are given as there can be, the other channels get none. */
+/* Keeps given pairs apart from all others. Where as many are given as there can be, the other channels get none. */
 static void take_given(const struct analysis *a, struct pairing_config *c)
 {
     uint16_t inputs = 0, outputs = 0;
@@ -107,7 +107,7 @@ static enum err end_gains(struct analysis *a)
     return ERR_OK;
 }
 
-/* The pairs in the order of the outputs, and what single loops will make of them. */
+/* Takes the pairs in the order of the outputs, and the properties of single loops on them. */
 static enum err end_pairing(struct analysis *a)
 {
     const struct pairing *p = &a->work.pairing;
@@ -157,7 +157,7 @@ static void identity(struct matrix *d, uint8_t n)
         d->at[k][k] = REAL_C(1.0);
 }
 
-/* A decoupler for every block that single loops will not serve well. */
+/* Designs a decoupler for a block that single loops would control badly. */
 static void decouple_block(struct analysis *a, const struct block *block)
 {
     struct pairs part = {0};
@@ -200,7 +200,7 @@ static void without_decoupler(struct analysis *a, enum analysis_decoupler reason
     identity(&a->d, a->pairs.n);
 }
 
-/* Settings are found for how the elements begin, all else for the whole of them. */
+/* Exchanges the elements for their beginnings: the settings are made for those, all else for the whole elements. */
 static void exchange_beginnings(struct analysis *a, bool begins)
 {
     if (a->begins == begins)
@@ -219,7 +219,7 @@ static void exchange_beginnings(struct analysis *a, bool begins)
         }
 }
 
-/* No settings, with the decoupler as it is. */
+/* There are no settings with the present decoupler. */
 static enum err no_design(struct analysis *a, enum err reason)
 {
     exchange_beginnings(a, false);
@@ -249,7 +249,7 @@ static enum err begin_settings(struct analysis *a)
 
 static enum err do_decoupler(struct analysis *a)
 {
-    /* The firmware's matrix spans so many loops, whichever they are. */
+    /* The firmware's matrix takes a limited number of loops, whichever they are. */
     bool spanned = a->pairs.n <= STATIC_DECOUPLER_LOOPS;
     without_decoupler(a, spanned ? DECOUPLER_NOT_NEEDED : DECOUPLER_TOO_MANY);
     for (uint8_t b = 0; spanned && a->has_structure && b < a->structure.blocks; b++)
@@ -271,10 +271,10 @@ static void set_horizon(struct analysis *a)
     }
 }
 
-/* duration_s 0: fifteen times the slowest loop by itself, which interaction may make slower by far. */
+/* duration_s 0: fifteen times the slowest loop by itself; interaction may make loops far slower. */
 static enum err begin_prediction(struct analysis *a, real_t duration_s)
 {
-    struct trial_config c = {.loop = a->at,
+    struct trial_config c = {.loop = a->turn,
                              .load = a->load,
                              .size = a->config.step,
                              .duration_s = duration_s,
@@ -303,7 +303,7 @@ static enum err end_settings(struct analysis *a, enum err err)
     a->log_modulus_db = a->work.detune.log_modulus_db;
     a->bounded = true;
     a->load = false;
-    a->at = 0;
+    a->turn = 0;
     set_horizon(a);
     return begin_prediction(a, REAL_C(0.0));
 }
@@ -317,7 +317,7 @@ static enum err end_design(struct analysis *a)
     return ERR_OK;
 }
 
-/* Adds what the step of one loop has cost all of them. */
+/* Adds the integrals of the errors of all loops after the step of one. */
 static void count(struct analysis *a)
 {
     const struct trial *t = &a->work.trial;
@@ -332,31 +332,31 @@ static enum err end_load(struct analysis *a)
     count(a);
     a->load = false;
     a->bounded = a->bounded && a->work.trial.bounded;
-    return ++a->at < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
+    return ++a->turn < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
 }
 
 static enum err end_prediction(struct analysis *a)
 {
     const struct trial *t = &a->work.trial;
     if (a->extended == 0) /* later ones may have longer samples */
-        a->tried[a->at] = t->mark;
+        a->tried[a->turn] = t->mark;
     real_t longer_s = LONGER * t->duration_s;
     if (longer_s > LONGEST_S)
         longer_s = LONGEST_S;
-    if (t->bounded && t->loop[a->at].settled_s >= REAL_C(0.95) * t->duration_s &&
+    if (t->bounded && t->loop[a->turn].settled_s >= REAL_C(0.95) * t->duration_s &&
         a->extended < EXTENSIONS && t->duration_s < longer_s) {
         a->extended++;
         return begin_prediction(a, longer_s);
     }
     a->extended = 0;
-    a->predicted[a->at] = t->loop[a->at];
+    a->predicted[a->turn] = t->loop[a->turn];
     a->bounded = a->bounded && t->bounded;
     if (a->compares) { /* its load next, for as long */
         count(a);
         a->load = true;
         return begin_prediction(a, t->duration_s);
     }
-    return ++a->at < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
+    return ++a->turn < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
 }
 
 static void keep_decoupled(struct analysis *a)
@@ -388,14 +388,14 @@ static void take_decoupled(struct analysis *a)
     a->design_error = ERR_OK;
 }
 
-/* Is the decoupler worth its trouble, setpoints and loads together? The first is in its nature, the second often not. */
+/* The decoupler is better, setpoints and loads together. A decoupler always helps setpoints, but often not loads. */
 static bool decoupler_pays(const struct analysis *a)
 {
     const struct analysis_figures *with = &a->figures[0], *without = &a->figures[1];
     return with->setpoints * with->loads < PAYS * without->setpoints * without->loads;
 }
 
-/* With a decoupler in view there are two designs: the one with it, then the one without. */
+/* Chooses between two designs: the one with decoupler is made first, then the one without. */
 static enum err choose(struct analysis *a)
 {
     if (a->decoupler == DECOUPLER_USED) {
@@ -414,7 +414,7 @@ static enum err choose(struct analysis *a)
     return ERR_OK;
 }
 
-/* What a stage answers that may have begun another: there is more to do. */
+/* Result of a stage that may have begun another one: ERR_BUSY while there is more to do. */
 static enum err more(const struct analysis *a, enum err err)
 {
     return err || a->stage == ANALYSIS_DONE ? err : ERR_BUSY;
@@ -454,26 +454,4 @@ enum err analysis_step(struct analysis *a)
     default:
         return ERR_OK;
     }
-}
-
-void analysis_single_loop(struct analysis *a, const struct tuning *tuning, real_t step,
-                          const struct trial_loop *predicted, real_t horizon_s)
-{
-    memset(a, 0, offsetof(struct analysis, work));
-    a->stage = ANALYSIS_DONE;
-    a->config.step = step;
-    a->plant.outputs = a->plant.inputs = 1;
-    a->verdict = PAIRING_DETERMINED;
-    a->probability = REAL_C(1.0);
-    a->pairs.n = 1;
-    a->loops.pairs = a->pairs;
-    a->loops.tuning[0] = *tuning;
-    a->loops.derivative_filter = REAL_C(8.0);
-    a->decoupler = DECOUPLER_NOT_NEEDED;
-    a->factor = a->factor_least = REAL_C(1.0);
-    a->predicted[0] = *predicted;
-    a->tried[0].iae = predicted->iae;
-    a->tried[0].moved[0] = predicted->moved;
-    a->horizon_s = horizon_s;
-    a->designed = true;
 }

@@ -10,7 +10,8 @@
 #define GAIN_FLOOR REAL_C(0.005) /* a first-order model is not the plant: no gain is known better */
 #define STEP       REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
 
-/* What is known of the beginning: its dead time goes for the whole of the element, too, which takes as long as before. */
+/* Takes the beginning of a response that is not a lag's. The whole element gets its dead time, too, and lasts as long as
+ * before. */
 static void take_early(const struct element *e, struct fopdt *whole, struct beginning *begins)
 {
     *begins = (struct beginning){0};

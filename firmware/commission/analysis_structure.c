@@ -8,20 +8,20 @@
 #include "interact/measure.h"
 
 #define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
-#define LEFT_MOST                                                                                  \
-    REAL_C(0.5) /* of the integral of the error: with less to gain it is not worth an element */
+/* Largest share of the integral of the error that a feedforward may leave to be worth an element. */
+#define LEFT_MOST   REAL_C(0.5)
 #define GAIN_MOST   REAL_C(100.0)
 #define HIDES_SDS   REAL_C(3.0)
 #define HIDES_SHARE REAL_C(0.1)
 #define TIME_MOST   REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
 
-/* What a loop of the firmware takes. */
+/* Ranges of a loop of the firmware. */
 #define LOOP_GAIN_LEAST REAL_C(1e-6)
 #define LOOP_GAIN_MOST  REAL_C(100.0)
 #define LOOP_TI_LEAST_S REAL_C(0.01)
 #define LOOP_TI_MOST_S  REAL_C(1e6)
 
-/* Samples of dead time: every element gets its share of half of the memory there is; states have the other half. */
+/* Largest dead time of an element in samples: the elements share half of the arena, states have the other half. */
 static const uint32_t samples_most =
     PLAN_ARENA_BYTES / 2u / sizeof(num_t) / CONFIG_FEEDFORWARDS - 4u;
 
@@ -33,7 +33,7 @@ bool analysis_loop_takes(const struct tuning *t)
 
 /* ---- cascades ---- */
 
-/* An inner loop is made as if it were alone: SIMC, tau_c = max(theta, T/8), as the others begin in design/detune.h. */
+/* Tunes an inner loop by itself: SIMC, tau_c = max(theta, T/8), as the others begin in design/detune.h. */
 static enum err tune_inner(const struct analysis *a, const struct fopdt *e, struct tuning *t,
                            real_t *tau_c_s)
 {
@@ -53,7 +53,7 @@ static unsigned members(uint16_t mask)
     return n;
 }
 
-/* A gain that is not seen is not therefore 0: could one that is not small beside the others of its row hide in its error? */
+/* A gain that was not seen may still be there: its error could hide one that is not small beside the others of its row. */
 static bool may_be_there(const struct analysis *a, uint8_t j, uint8_t i)
 {
     real_t most = REAL_C(0.0);
@@ -73,8 +73,8 @@ static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t i
     return true;
 }
 
-/* Johansson's case: a part of the plant with one input and two outputs, (G1, G2 G1). Where an input moves more than these
- * two, or another moves them as well, or may for all that is known, a loop on the inner output would not have it to itself. */
+/* Johansson's case: a part of the plant with one input and two outputs, (G1, G2 G1). A loop on the inner output must have
+ * its input to itself, so the input may move only these two, and no other input may move them. */
 static bool usable(const struct analysis *a, const struct cascade *c)
 {
     uint16_t both = (uint16_t)(1u << c->inner | 1u << c->outer);
@@ -162,7 +162,7 @@ void analysis_close_inner_loops(struct analysis *a)
 
 /* ---- second opinion ---- */
 
-/* A gain that is not there has no times either, and would count for much divided by none. */
+/* A gain of 0 has no times and would count for much when it is divided by none. */
 void analysis_ask_second(struct analysis *a)
 {
     struct interact_plant *plant = &a->work.second.plant;
@@ -182,9 +182,8 @@ void analysis_ask_second(struct analysis *a)
 
 /* ---- feedforward ---- */
 
-/* How late the correction comes, of the time that the loop's own controller takes: without feedforward the integral of the
- * error is K_ij Ti/(K_ii Kc), with it what comes through before is K_ij late. (The loop answers to that, too, so it is a
- * measure and no more.) */
+/* Delay of the correction in relation to the time that the loop's own controller takes: without feedforward the integral of
+ * the error is K_ij Ti/(K_ii Kc), with it K_ij times the delay. The loop reacts to that as well, so this is an estimate. */
 static struct feed feed_verdict(const struct analysis *a, uint8_t from, uint8_t to)
 {
     struct feed f = {.verdict = FEED_NONE};

@@ -1,4 +1,4 @@
-/* What start-up has the main loop work out: one task at a time. The tick asks for it and takes its result. */
+/* The task that start-up gives to the main loop, one at a time: the tick asks for it and takes its result. */
 #ifndef REFLUX_COMMISSION_BACKGROUND_H
 #define REFLUX_COMMISSION_BACKGROUND_H
 

@@ -16,7 +16,7 @@
 #define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
 #define HELD_TICKS   REAL_C(3.5)   /* without a valid reading */
 
-/* A reading or two that are not valid are held, and change little; more are a lost measurement. */
+/* The measurement is lost: one or two invalid readings are held and change little, more do not. */
 static bool is_lost(const struct supervisor *s, uint8_t i)
 {
     const struct measurement_state *m = &s->measurement[i];
@@ -25,39 +25,41 @@ static bool is_lost(const struct supervisor *s, uint8_t i)
             elapsed_ms(s->time_ms, m->valid_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
 }
 
-/* The loop that acts on output j, itself or through others, or PLAN_NONE. */
+/* Returns the loop that acts on output j, directly or through others, or PLAN_NONE. */
 static uint8_t acting(const struct supervisor *s, uint8_t j)
 {
     uint8_t i = s->plan->owner[j];
     return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
 }
 
-/* Noise, rest and peaks are judged in every base tick: values that only stand there would look quiet. */
+/* The measurement is not sampled in every base tick; held values would look like rest, because noise, rest and peaks are
+ * judged in every tick. */
 static bool comes_rarely(const struct supervisor *s, uint8_t i)
 {
     return sampling_every(&s->plan->config.measurement[i]) > 1;
 }
 
-static enum err hindered(const char **what, const char **wanted, const char *name, const char *text)
+static enum err blocked_by(const char **what, const char **wanted, const char *name,
+                           const char *text)
 {
     *what = name;
     *wanted = text;
     return ERR_STATE;
 }
 
-/* Whatever is tested. */
+/* Checks what holds for every test. */
 static enum err may_test(const struct supervisor *s, const char **what, const char **wanted)
 {
     *what = NULL;
     if (sequence_runs(s))
-        return hindered(what, wanted, NULL, commission_reason_text(REASON_SEQUENCE));
+        return blocked_by(what, wanted, NULL, commission_reason_text(REASON_SEQUENCE));
     if (s->state == SUPERVISOR_SAFE)
-        return hindered(
+        return blocked_by(
             what, wanted, NULL,
             "the plant is in the safe state; bring it to its operating point by hand first");
     if (supervisor_excited_by(s))
-        return hindered(what, wanted, supervisor_excited_by(s),
-                        commission_reason_text(REASON_EXCITED));
+        return blocked_by(what, wanted, supervisor_excited_by(s),
+                          commission_reason_text(REASON_EXCITED));
     return ERR_OK;
 }
 
@@ -73,14 +75,14 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
             continue;
         outputs++;
         if (comes_rarely(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "is not sampled in every base tick; set its test to off");
+            return blocked_by(what, wanted, config->measurement[i].name,
+                              "is not sampled in every base tick; set its test to off");
         if (!channel_is_valid(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "is not valid; wait for good readings, or set its test to off");
+            return blocked_by(what, wanted, config->measurement[i].name,
+                              "is not valid; wait for good readings, or set its test to off");
         if (channel_is_at_end(s, i))
-            return hindered(what, wanted, config->measurement[i].name,
-                            "reads an end of its span; widen the span, or set its test to off");
+            return blocked_by(what, wanted, config->measurement[i].name,
+                              "reads an end of its span; widen the span, or set its test to off");
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
         if (!commission_input_is_tested(s, j))
@@ -88,18 +90,19 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         inputs++;
         uint8_t loop = acting(s, j);
         if (loop != PLAN_NONE)
-            return hindered(what, wanted, config->loop[loop].name,
-                            "is not in manual; `mode NAME manual` first");
+            return blocked_by(what, wanted, config->loop[loop].name,
+                              "is not in manual; `mode NAME manual` first");
         if (s->mv[j].interlocked)
-            return hindered(what, wanted, config->mv[j].name, "is held by an interlock");
+            return blocked_by(what, wanted, config->mv[j].name, "is held by an interlock");
         if (commission_room(s, j, commission_test_base(s, j)) < ROOM_LEAST)
-            return hindered(what, wanted, config->mv[j].name,
-                            "is at its operating limit: no room to step both ways");
+            return blocked_by(what, wanted, config->mv[j].name,
+                              "is at its operating limit: no room to step both ways");
     }
     if (outputs == 0)
-        return hindered(what, wanted, NULL, "no measurement of the plant is configured for tests");
+        return blocked_by(what, wanted, NULL,
+                          "no measurement of the plant is configured for tests");
     if (inputs == 0)
-        return hindered(what, wanted, NULL, "no manipulated variable is configured for tests");
+        return blocked_by(what, wanted, NULL, "no manipulated variable is configured for tests");
     return ERR_OK;
 }
 
@@ -112,25 +115,25 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     if (err)
         return err;
     if (l->mv == PLAN_NONE)
-        return hindered(what, wanted, config->name, "drives a loop; test that one");
+        return blocked_by(what, wanted, config->name, "drives a loop; test that one");
     if (plan_kind(s->plan, loop)->positions)
-        return hindered(what, wanted, config->name, "has two positions and no settings to find");
+        return blocked_by(what, wanted, config->name, "has two positions and no settings to find");
     if (s->loop[loop].mode != LOOP_MANUAL)
-        return hindered(what, wanted, config->name, "is not in manual; `mode NAME manual` first");
+        return blocked_by(what, wanted, config->name, "is not in manual; `mode NAME manual` first");
     if (!s->mv[l->mv].bound)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "is missing: the plant does not announce it");
+        return blocked_by(what, wanted, s->plan->config.mv[l->mv].name,
+                          "is missing: the plant does not announce it");
     if (s->mv[l->mv].interlocked)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name, "is held by an interlock");
+        return blocked_by(what, wanted, s->plan->config.mv[l->mv].name, "is held by an interlock");
     if (comes_rarely(s, l->pv))
-        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "is not sampled in every base tick; a relay test needs that");
+        return blocked_by(what, wanted, s->plan->config.measurement[l->pv].name,
+                          "is not sampled in every base tick; a relay test needs that");
     if (!channel_is_valid(s, l->pv))
-        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "is not valid; wait for good readings");
+        return blocked_by(what, wanted, s->plan->config.measurement[l->pv].name,
+                          "is not valid; wait for good readings");
     if (commission_room(s, l->mv, commission_test_base(s, l->mv)) < ROOM_LEAST)
-        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
-                        "is at its operating limit: no room to step both ways");
+        return blocked_by(what, wanted, s->plan->config.mv[l->mv].name,
+                          "is at its operating limit: no room to step both ways");
     return ERR_OK;
 }
 
@@ -145,14 +148,15 @@ static uint8_t pair_output(const struct commission *c, uint8_t k)
     return inputs_get(&c->inputs, input)->output;
 }
 
-/* The command has not been followed for longer than a valve needs. */
+/* The output has not followed its command for longer than a valve needs. */
 static bool is_not_following(const struct supervisor *s, uint8_t j)
 {
     return s->mv[j].alarm && elapsed_ms(s->time_ms, s->mv[j].differs_ms) >
                                  FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
 }
 
-/* A loop moves its output with every sample: a slow one is late all the time, and one whose output reaches nothing far off. */
+/* The output is far from its command. A slow output always lags behind a loop that moves it with every sample; one that does
+ * not respond gets far off. */
 static bool is_far_off(const struct supervisor *s, uint8_t j)
 {
     const struct mv_state *o = &s->mv[j];
@@ -215,7 +219,7 @@ enum commission_reason commission_disturbance(const struct commission *c,
     *subject = NULL;
     if (!outputs_plan_in_force(&c->outputs, s))
         return REASON_CONFIG;
-    /* Somebody may have left it again within this very tick. */
+    /* The safe state may have been left again within this very tick. */
     if (s->state == SUPERVISOR_SAFE || outputs_were_safe(&c->outputs, s))
         return REASON_SAFE;
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {

@@ -1,4 +1,4 @@
-/* What keeps tests or a trial from beginning, and what ends them: plant, modes, hands, configuration. Tick, and main loop under
+/* Reasons that keep tests or a trial from beginning, or end them: plant, modes, hands, configuration. Tick, and main loop under
  * hal_tick_lock; no state. */
 #ifndef REFLUX_COMMISSION_BLOCKING_H
 #define REFLUX_COMMISSION_BLOCKING_H

@@ -1,7 +1,7 @@
 #include "commission/by_relay.h"
 
 #include "commission/adoption.h"
-#include "commission/analysis.h"
+#include "commission/analysis_single.h"
 #include "commission/blocking.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
@@ -94,8 +94,8 @@ static real_t hysteresis(const struct steady_result *at)
     return h > HYSTERESIS_LEAST ? h : HYSTERESIS_LEAST;
 }
 
-/* What climbs steadily is a drift: at once where it is no more than the hysteresis, in the end where it is less than a good
- * part of a limit. */
+/* All measurements are at rest. A steady slope counts as a drift: at once if it stays within the hysteresis, after some
+ * waiting if it is a small part of a limit. */
 static bool relay_at_rest(struct commission *c, const struct supervisor *s,
                           struct steady_result *at, uint8_t *culprit)
 {
@@ -158,7 +158,8 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     return relay_begin(&t->relay, &x);
 }
 
-/* Largest share of its limit that a measurement is at. False: one has been past it for two samples, noise apart. */
+/* Gives the largest share of its limit that a measurement has used. False: one has been past its limit for two samples,
+ * noise apart. */
 static bool relay_within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
                                 real_t *share, uint8_t *culprit)
 {
@@ -262,7 +263,7 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         done(c, s);
 }
 
-/* A loop that did something else when the test began: somebody's hand, or a fall-back. */
+/* Returns a loop whose mode has changed since the test began, by hand or by a fallback. */
 static uint8_t changed_loop(const struct commission *c, const struct supervisor *s)
 {
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)

@@ -17,14 +17,14 @@ struct by_relay;
 struct commission;
 struct relay_test;
 
-/* What a trial of these settings is held against: with the margins of every trial (adoption.h) that is what a setpoint step
- * does to any process of first order with dead time of 0.02 to 2 time constants (tests/reference/relay_family.csv). */
+/* Predictions for a trial of these settings. With the margins of every trial (adoption.h) they hold for setpoint steps of any first-order
+ * process with dead time of 0.02 to 2 time constants (tests/reference/relay_family.csv). */
 #define BY_RELAY_IAE     REAL_C(2.0)  /* Pu times the step */
 #define BY_RELAY_PEAK    REAL_C(0.22) /* overshoot */
 #define BY_RELAY_SETTLES REAL_C(8.0)  /* Pu */
 #define BY_RELAY_MOVES   REAL_C(0.66) /* largest move of the output: Ku times the step */
 
-/* How far a test has come, as a record. */
+/* Progress of a test, as a record. */
 struct relay_progress {
     bool resting; /* it waits for rest */
     enum relay_phase phase;

@@ -18,7 +18,7 @@ struct relay_test {
     uint8_t over[CHANNEL_MAX];                    /* samples in a row past the limit */
 };
 
-/* What stays of it. */
+/* Result of the latest relay test. */
 struct by_relay {
     bool latest;                /* the latest results are those of a relay test */
     uint8_t loop;               /* index in the plan of the test */

@@ -17,7 +17,7 @@ static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
     return (a->used[j] & (1u << i)) != 0u;
 }
 
-/* By a pair, or by the inner loop below one. */
+/* Notes the elements that a pair, or the inner loop below one, uses. */
 static void find_used(struct analysis *a)
 {
     for (uint8_t k = 0; k < a->pairs.n; k++) {
@@ -35,7 +35,7 @@ uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
     return (uint16_t)(a->flags[j][i] & counts);
 }
 
-/* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
+/* A relative gain may be certain where the gain is not: if one input alone seems to move an output, and only a little. */
 bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k)
 {
     return !is_seen(a, a->pairs.output[k], a->pairs.input[k]);
@@ -64,7 +64,7 @@ static void doubt_elements(struct analysis *a)
         }
 }
 
-/* Anything against it, and it is not determined. */
+/* Any doubt makes the pairing undetermined. */
 static void conclude(struct analysis *a)
 {
     if (a->doubts && a->verdict == PAIRING_DETERMINED)

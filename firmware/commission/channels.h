@@ -16,7 +16,7 @@ uint32_t commission_longest(const struct supervisor *s);
 
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j);
 bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i);
-/* Where output j is held, fraction of span. */
+/* Level at which output j is held, fraction of span. */
 real_t commission_test_base(const struct supervisor *s, uint8_t j);
 /* The shorter way from `held` to an operating limit of output j, fraction of span. */
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held);

@@ -16,7 +16,7 @@ static real_t mean_of(real_t a, real_t wa, real_t b, real_t wb)
     return (wa * a + wb * b) / (wa + wb);
 }
 
-/* Without a lag to be seen the deviations of the times say nothing, however small. */
+/* The element has times that count: without a visible lag their deviations say nothing, however small. */
 static bool has_times(const struct identified *e)
 {
     return !(e->flags & IDENTIFIED_NO_GAIN) && e->time_constant_s > REAL_C(0.0) &&
@@ -33,7 +33,7 @@ void model_combine(struct identified *sum, const struct identified *next)
 {
     real_t ws = weight(sum->gain_sd, sum->gain), wn = weight(next->gain_sd, next->gain);
     real_t sd = REAL_C(1.0) / real_sqrt(ws + wn);
-    /* Rounds that disagree by more than their deviations allow are less sure than they say (Birge 1932). */
+    /* Rounds that disagree by more than their deviations allow are less certain than they claim (Birge 1932). */
     real_t apart = sum->gain - next->gain;
     real_t allowed = sum->gain_sd * sum->gain_sd + next->gain_sd * next->gain_sd;
     if (apart * apart > allowed && allowed > REAL_C(0.0))

@@ -1,12 +1,12 @@
-/* What several tests of one input say of an element, together. */
+/* Combines several tests of one input to one element. Main loop and tick. */
 #ifndef REFLUX_COMMISSION_COMBINE_H
 #define REFLUX_COMMISSION_COMBINE_H
 
 #include "identify/identified.h"
 
-/* Element with several tests behind it: gains and times weighted by how well each test knew them. */
+/* Adds a test to an element: gains and times are weighted by their variances. */
 void model_combine(struct identified *sum, const struct identified *next);
-/* The mean of two numbers, weighted by how well the gains of these two are known. */
+/* The mean of two numbers, weighted by the variances of the two gains. */
 real_t combine_by_gains(real_t a, const struct identified *of_a, real_t b,
                         const struct identified *of_b);
 

@@ -16,7 +16,7 @@ _Static_assert(sizeof(struct commission_work) <= WORKSPACE_BYTES,
 
 /* ---- main loop ---- */
 
-/* A piece of what the tick has asked for. */
+/* Does a piece of the task that the tick has asked for. */
 static bool startup_piece(void *commission)
 {
     struct commission *c = commission;
@@ -189,7 +189,7 @@ static void pause_test(struct commission *c, struct supervisor *s)
     status_enter(&c->status, COMMISSION_PAUSED, s->time_ms);
 }
 
-/* The request puts something else into the memory that the background works on. */
+/* The request would overwrite the memory that the background works on. */
 static bool overwrites(enum commission_ask ask)
 {
     return ask == COMMISSION_ASK_BEGIN || ask == COMMISSION_ASK_RELAY ||
@@ -197,7 +197,7 @@ static bool overwrites(enum commission_ask ask)
            ask == COMMISSION_ASK_REPEAT;
 }
 
-/* What was asked for may not make sense any more. */
+/* Takes the request, unless it no longer makes sense. */
 static void take_ask(struct commission *c, struct supervisor *s)
 {
     const char *wanted;
@@ -255,7 +255,7 @@ static void take_ask(struct commission *c, struct supervisor *s)
     }
 }
 
-/* True: what was under way is over. */
+/* Ends tests or trial because of a disturbance. True: they are over. */
 static bool is_disturbed(struct commission *c, struct supervisor *s)
 {
     const char *subject;
@@ -272,7 +272,7 @@ static bool is_disturbed(struct commission *c, struct supervisor *s)
 
 static void act(struct commission *c, struct supervisor *s)
 {
-    /* Before anything that was asked: in another plan the channels and loops that it is about may not be there. */
+    /* Disturbances come before requests, because another plan may lack the channels and loops of a request. */
     if (is_disturbed(c, s))
         return;
     if (requests_pending(&c->requests) != COMMISSION_ASK_NONE)

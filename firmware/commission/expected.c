@@ -9,7 +9,7 @@
 #define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
 #define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */
 #define WINDOWS     REAL_C(2.0) /* of rest before and after */
-/* At most: back, until what still climbs counts as a drift. */
+/* The longest test waits at the end until a remaining slope counts as a drift. */
 #define HALVES_MOST   REAL_C(3.5)
 #define WINDOWS_MOST  REAL_C(3.0)
 #define WINDOW_WIDEST REAL_C(0.25) /* of a half */
@@ -19,7 +19,7 @@ static real_t least_of(real_t a, real_t b)
     return a < b ? a : b;
 }
 
-/* Least length of a half, s, by what is known of the input beforehand. */
+/* Shortest half by the times given for the input, s. */
 static real_t least_half_s(const struct config *config, uint8_t j, real_t window_s)
 {
     real_t half_s = window_s;

@@ -1,4 +1,4 @@
-/* What a start-up would do to the plant, before anything moves: by how much, and for how long. */
+/* Forecast of a start-up before anything moves: step sizes and durations. Main loop, under hal_tick_lock. */
 #ifndef REFLUX_COMMISSION_EXPECTED_H
 #define REFLUX_COMMISSION_EXPECTED_H
 
@@ -9,32 +9,32 @@ struct commission;
 
 struct expected_input {
     bool tested;
-    real_t test_base; /* fraction of span; goes both ways from there */
-    real_t first,
-        most; /* amplitude of the first step, and of the largest it may grow to, likewise */
-    real_t least_s, most_s; /* of one test: at the least times known, and at the longest allowed */
-    uint16_t tests_most;    /* in all rounds, and each made again as often as it may be */
+    real_t test_base;    /* fraction of span; the steps go both ways from it */
+    real_t first;        /* amplitude of the first step, fraction of span */
+    real_t most;         /* largest amplitude to which it may grow, likewise */
+    real_t least_s;      /* shortest duration of one test, by the times that are known */
+    real_t most_s;       /* longest duration of one test, by the longest half allowed */
+    uint16_t tests_most; /* in all rounds, with all repetitions */
 };
 
 struct expected {
     uint8_t inputs, outputs;
     real_t least_s; /* all inputs once */
-    real_t most_s;  /* all tests there may be; the trial comes on top */
+    real_t most_s;  /* all tests that there may be, without the trial */
 };
 
-/* Manipulated variable j, by the settings in force. Main loop, under hal_tick_lock; so is expected_of. */
+/* Manipulated variable j, by the settings in force. */
 struct expected_input expected_of_input(const struct supervisor *s, uint8_t j);
-/* All of it. */
+/* All tests. */
 struct expected expected_of(const struct supervisor *s);
 
-/* While it tests: what is left by what the tests before took on average; before the first is done, by the plan. */
+/* Time left while start-up tests: by the mean duration of the tests before; until the first is done, by the plan. */
 struct expected_left {
-    bool planned;   /* no test is done: at least and at most, by the plan */
+    bool planned;   /* no test is done: shortest and longest time by the plan */
     real_t round_s; /* of this round */
-    real_t most_s;  /* ... and of all that may come */
+    real_t most_s;  /* of all rounds that may come */
 };
 
-/* Likewise. */
 struct expected_left expected_left(const struct commission *c, const struct supervisor *s);
 
 #endif

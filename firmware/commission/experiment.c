@@ -88,8 +88,8 @@ static enum err move(struct experiment *e, real_t level)
     return record_move(&e->record, level);
 }
 
-/* Every output at rest? Where one climbs steadily for longer than the patience it counts as a drift, which is known
- * then and taken off; but not one that would carry it over a good part of its limit. */
+/* Every output is at rest. One that climbs steadily for longer than the patience drifts: the drift is then known and taken
+ * off, unless it would use a good part of the limit. */
 static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t patience,
                         uint8_t *culprit)
 {
@@ -102,8 +102,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
                          (progress_is_noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) *
                          (real_t)e->config.window;
-        /* Where little is hidden by noise and nothing drifted before the step, what climbs after it is the end of the
-         * response. */
+        /* With little noise and no drift before the step, a slope after it is the end of the response. */
         bool tail = e->phase == EXPERIMENT_BACK && !progress_is_noisy(e) &&
                     !(real_abs(e->drift_per_s[j]) > REAL_C(0.0));
         if (at[j].state == STEADY_MOVING &&
@@ -117,7 +116,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
     return rest;
 }
 
-/* Half of what an output would need that goes over its span with the input: noise tells where it makes sense to begin. */
+/* First amplitude by noise: half of that for which an output with gain 1 would exceed it. */
 static real_t first_amplitude(const struct experiment *e)
 {
     real_t a = e->config.amplitude_first;
@@ -183,7 +182,8 @@ static enum err begin_step(struct experiment *e, const real_t *y)
     return move(e, e->amplitude);
 }
 
-/* The slope before the first test is what tells a drift from what the tests leave, all through them. */
+/* The slope before the first test must be known well, because it distinguishes drift from deviations of the tests until the
+ * end. */
 static bool slope_matters(const struct experiment *e)
 {
     const struct origin *o = e->config.origin;
@@ -236,7 +236,7 @@ static enum err go_back(struct experiment *e)
     return err ? err : move(e, REAL_C(0.0));
 }
 
-/* No negative half: it would take an output past its limit. */
+/* Ends the test without a negative half, which would take an output past its limit. */
 static enum err give_test_up(struct experiment *e)
 {
     e->one_sided = true;
@@ -318,12 +318,12 @@ static enum err going_up(struct experiment *e, const real_t *y)
     }
     if (e->fresh && c->half == 0) {
         e->fresh = false;
-        struct progress_advice to_do = progress_judge(e, y);
-        e->small = to_do.small;
-        if (to_do.what == PROGRESS_TURN)
+        struct progress_advice advice = progress_judge(e, y);
+        e->small = advice.small;
+        if (advice.verdict == PROGRESS_TURN)
             return turn_down(e, y);
-        if (to_do.what == PROGRESS_GROW)
-            err = grow(e, y, to_do.amplitude);
+        if (advice.verdict == PROGRESS_GROW)
+            err = grow(e, y, advice.amplitude);
     }
     if (!err && e->phase == EXPERIMENT_UP)
         ask_for_look(e);
@@ -348,7 +348,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     bool rest = all_at_rest(e, e->after,
                             e->half + (progress_is_noisy(e) ? 0 : e->half / 2u) + e->config.window,
                             &culprit);
-    /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
+    /* Not before the negative half has lasted as long: during dead time everything seems at rest. */
     if (rest && e->waited >= e->half) {
         real_t level[CHANNEL_MAX] = {REAL_C(0.0)};
         for (unsigned j = 0; j < e->config.outputs; j++) {
@@ -359,7 +359,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
         e->returned = true;
         enter_phase(e, EXPERIMENT_DONE, REAL_C(0.0));
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {
-        /* Away from where it began, and not on its way back. */
+        /* The output is far from its rest and does not return. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
             if (real_abs(limits_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
                 culprit = j;
@@ -371,7 +371,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     return ERR_OK;
 }
 
-/* Into everything that keeps what it sees, after the first edge. */
+/* Feeds moments and record, after the first edge. */
 static enum err keep_sample(struct experiment *e, const real_t *y)
 {
     enum err err = moments_step(&e->moments, y);
@@ -406,7 +406,7 @@ enum err experiment_missed(struct experiment *e)
     return e->phase == EXPERIMENT_BACK ? steady_step(&e->steady, e->last) : ERR_OK;
 }
 
-/* e->last is still the sample before. */
+/* Takes a sample while e->last is still the one before. */
 static enum err take_sample_in(struct experiment *e, const real_t *y)
 {
     e->begun = true;
@@ -451,8 +451,8 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
     real_t before_s = -before->age_s;
     real_t after_s = (real_t)(e->samples - 1u) * e->config.h_s - after->age_s;
     if (e->returned) {
-        /* What still climbs otherwise than before the step is the end of the response, which rest at the level of the noise
-         * does not tell from a drift: by so much the mean may be off, whatever its noise. */
+        /* A change of the slope is the end of the response, which rest at noise level cannot tell from a drift. The mean may
+         * be off by that much, whatever its noise. */
         real_t climb = after->slope_per_s - before->slope_per_s;
         real_t tail = climb * (real_t)e->half * e->config.h_s;
         real_t sd = real_sqrt(after->mean_sd * after->mean_sd + tail * tail);

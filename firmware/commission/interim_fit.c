@@ -12,34 +12,34 @@ void interim_fit_begin(struct interim_fit *l, const struct record *record,
 {
     l->seen = *record;
     memcpy(l->baseline, baseline, record->outputs * sizeof *baseline);
-    l->at = 0;
+    l->output = 0;
     l->running = false;
 }
 
 static void nothing_found(struct interim_fit *l)
 {
-    l->found[l->at] = (struct identified){.flags = IDENTIFIED_NO_GAIN};
-    l->at++;
+    l->found[l->output] = (struct identified){.flags = IDENTIFIED_NO_GAIN};
+    l->output++;
 }
 
 bool interim_fit_run(struct interim_fit *l)
 {
     struct fopdt_fit_result r;
-    if (l->at >= l->seen.outputs)
+    if (l->output >= l->seen.outputs)
         return false;
     if (!l->running) {
-        struct fopdt_fit_options o = {.baseline = l->baseline[l->at]};
-        l->running = fopdt_fit_begin(&l->fit, &l->seen, l->at, &o) == ERR_OK;
+        struct fopdt_fit_options o = {.baseline = l->baseline[l->output]};
+        l->running = fopdt_fit_begin(&l->fit, &l->seen, l->output, &o) == ERR_OK;
         if (!l->running)
             nothing_found(l);
     } else if (fopdt_fit_run(&l->fit, FIT_UNITS)) {
         l->running = false;
         if (fopdt_fit_result(&l->fit, &r) == ERR_OK)
-            l->found[l->at++] = r.element;
+            l->found[l->output++] = r.element;
         else
             nothing_found(l);
     }
-    return l->at < l->seen.outputs;
+    return l->output < l->seen.outputs;
 }
 
 bool interim_fit_is_known(const struct identified *f)

@@ -5,8 +5,8 @@
 #define GUARD_NOISE REAL_C(0.05)
 #define TURN_SHARE  REAL_C(0.8) /* of the room at which a half ends early */
 #define DRIFT_SHARE REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
-#define TWO_SAMPLES                                                                                \
-    REAL_C(2.0) /* noise standard deviations that two samples in a row rarely have */
+/* Standard deviations of the noise that two samples in a row rarely exceed. */
+#define TWO_SAMPLES REAL_C(2.0)
 #define HARD_NOISE  REAL_C(4.0) /* noise standard deviations past a limit ... */
 #define NOISE_SHARE REAL_C(0.1) /* ... of which this share of it is not noise's */
 #define AHEAD       REAL_C(2.0) /* samples that go by before a limit is known to be passed */
@@ -25,7 +25,7 @@ real_t limits_room(const struct experiment *e, uint8_t j)
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
 
-/* How far output j is from its rest; `way` -1: ... or from the line of a drift that has turned round. */
+/* Distance of output j from the line of its drift; `way` -1: from the line of a drift that has reversed. */
 static real_t away_along(const struct experiment *e, uint8_t j, const real_t *y, real_t way)
 {
     real_t slope = e->drift_per_s[j];
@@ -84,7 +84,7 @@ void limits_watch(struct experiment *e, const real_t *y)
     }
 }
 
-/* Farther of the two ways from `away` that a step of twice the amplitude the other way may take output j. */
+/* Largest deviation of output j, signed, after a step of twice the amplitude the other way from `away`. */
 static real_t reversed(const struct experiment *e, uint8_t j, real_t away)
 {
     real_t up = away - REAL_C(2.0) * e->amplitude * e->low[j];
@@ -99,7 +99,7 @@ real_t limits_reach(const struct experiment *e, uint8_t j, real_t gain)
     return up > down ? up : down;
 }
 
-/* The guard of the source: a straight line (Johansson 1994). */
+/* The guard of Johansson (1994): a straight line. */
 static bool line_trips(struct experiment *e, const real_t *y, enum err *err)
 {
     struct guard_prediction peak;
@@ -113,8 +113,8 @@ static bool line_trips(struct experiment *e, const real_t *y, enum err *err)
     return true;
 }
 
-/* The guard by the model: where the output goes while what is under way in dead time arrives. Without a model, and
- * whatever it says, nothing goes on that has used most of its limit. */
+/* The guard by the model: deviation when the response that dead time still hides has arrived. Whatever the model says, no
+ * output may use most of its limit. */
 static real_t peak_by_model(const struct experiment *e, uint8_t j, real_t away)
 {
     const struct experiment_config *c = &e->config;
@@ -158,7 +158,7 @@ bool limits_far_enough(const struct experiment *e, const real_t *y)
 {
     const struct record *r = &e->record;
     for (uint8_t j = 0; j < e->config.outputs; j++) {
-        /* The slope over half a dead time: over less it is noise. */
+        /* The slope over half a dead time, because over a shorter time it is noise. */
         real_t apart_s = (real_t)r->block * e->config.h_s;
         uint32_t apart = (uint32_t)(e->config.dead_time_s[j] / (REAL_C(2.0) * apart_s)) + 1u;
         real_t slope = REAL_C(0.0);
@@ -167,7 +167,7 @@ bool limits_far_enough(const struct experiment *e, const real_t *y)
                     (apart_s * (real_t)apart);
         real_t to_come = slope * e->config.dead_time_s[j];
         real_t away = limits_away(e, j, y), room = limits_room(e, j);
-        /* Where it is still on its way from the other side it comes nearer; but a drift may carry it on. */
+        /* An output that still returns from the other side comes nearer; but a drift may carry it on. */
         bool other_side = away * e->at_turn[j] > REAL_C(0.0) && e->waited <= e->half / 2u;
         real_t noise = REAL_C(2.0) * e->before[j].noise_sd;
         if (other_side ? real_abs(away) > room + noise
@@ -177,8 +177,7 @@ bool limits_far_enough(const struct experiment *e, const real_t *y)
     return false;
 }
 
-/* Is output j far out though the input has been the other way, or back, for some time, and it should come nearer? A
- * plant that runs away. */
+/* Output j is far out although the input was reversed or released some time ago: the plant runs away. */
 static bool runs(const struct experiment *e, uint8_t j, real_t away, real_t room)
 {
     bool same_side = e->phase == EXPERIMENT_DOWN && away * e->at_turn[j] > REAL_C(0.0);
@@ -186,7 +185,7 @@ static bool runs(const struct experiment *e, uint8_t j, real_t away, real_t room
            real_abs(away) > RUNS_SHARE * room;
 }
 
-/* How far output j goes from its rest in a sample, by the two latest points of the record; 0 where it comes nearer. */
+/* Speed of output j away from its rest per sample, by the two latest points of the record; 0 where it comes nearer. */
 static real_t leaving(const struct experiment *e, uint8_t j, real_t away)
 {
     const struct record *r = &e->record;
@@ -198,14 +197,14 @@ static real_t leaving(const struct experiment *e, uint8_t j, real_t away)
     return way > noise ? way - noise : REAL_C(0.0);
 }
 
-/* Noise that is large beside the room is no excursion. */
+/* Noise beyond a limit that is no excursion, where noise is large beside the room. */
 static real_t noise_beyond(const struct experiment *e, uint8_t j, real_t room)
 {
     real_t noise = HARD_NOISE * e->before[j].noise_sd - NOISE_SHARE * room;
     return noise > REAL_C(0.0) ? noise : REAL_C(0.0);
 }
 
-/* Is this the second sample in a row? */
+/* This is the second sample in a row. */
 static bool again(struct experiment *e, uint8_t j, bool over)
 {
     e->over[j] = over ? (uint8_t)(e->over[j] + 1u) : 0;

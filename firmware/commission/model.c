@@ -12,24 +12,25 @@
 #define SPREAD_LEFT REAL_C(0.1) /* of the gain: what levels of three time constants leave */
 #define HOPELESS    REAL_C(1.0) /* standard deviation over gain from which a fit says nothing */
 #define CLIMB_SDS   REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
-#define BENT_LEAVES                                                                                \
-    REAL_C(0.3) /* of the misfit: then it was the drift, and not the shape of the response */
+/* Share of the misfit that a bent drift may leave if it, and not the shape of the response, was the cause. */
+#define BENT_LEAVES  REAL_C(0.3)
 #define MISFIT_SHARE REAL_C(1.2) /* of what a first-order model leaves: so wrong may its gain be */
 #define SLOW_LAGS    REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
 #define BEND_SDS     REAL_C(2.0)
-#define BENT_BETTER                                                                                \
-    REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
-#define NO_NOISE        REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
-#define LEVEL_LEAST     REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
-#define LEVEL_DOUBT     REAL_C(0.25) /* of what fit and levels differ by */
-#define LEVEL_SURER     REAL_C(0.5)  /* times the deviation of the fit: the levels know better */
-#define UNSEEN_DOUBT    REAL_C(0.5)  /* of what a cut test has not seen of a response */
-#define BEGINNING_SURER REAL_C(0.5)  /* times the deviation of the dead time of the fit */
+/* Variances of a point that a bend must explain; it has an instant, a slope and a step. */
+#define BENT_BETTER        REAL_C(12.0)
+#define NO_NOISE           REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
+#define LEVEL_LEAST        REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
+#define LEVEL_DOUBT        REAL_C(0.25) /* of what fit and levels differ by */
+#define LEVEL_SD_RATIO_MAX REAL_C(0.5)  /* of the deviation of the fit, to use the levels instead */
+#define UNSEEN_DOUBT       REAL_C(0.5)  /* of what a cut test has not seen of a response */
+#define BEGINNING_SD_RATIO_MAX                                                                     \
+    REAL_C(0.5) /* of the deviation of the dead time of the fit, likewise */
 #define ASYMMETRY_MOST  REAL_C(2000.0)
 #define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
 
-#define BEND_SHARE                                                                                 \
-    (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning-method.md: what a bend leaves */
+/* Error of a gain by a bend: docs/commissioning-method.md. */
+#define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0))
 
 real_t model_unseen(const struct experiment *x, const struct identified *fit)
 {
@@ -47,7 +48,7 @@ void model_begin_fit(struct commission *c)
     c->model.error = ERR_OK;
 }
 
-/* Has the latest test of input k lasted longer than the one before, to see the end of a response? */
+/* The latest test of input k lasted longer than the one before, to show the end of a response. */
 static bool was_longer(const struct commission *c, uint8_t k)
 {
     const struct experiment *x = &c->work->experiment;
@@ -67,18 +68,18 @@ void model_keep(struct commission *c)
             real_t misfit =
                 combine_by_gains(e->misfit, &e->fit, c->model.misfit[j], &c->model.fitted[j]);
             model_combine(&e->fit, &c->model.fitted[j]);
-            /* A response that goes on would have grown: what is gone in a longer test was noise. */
+            /* A response that goes on would have grown in a longer test; one that is gone was noise. */
             if (was_longer(c, k) && (c->model.fitted[j].flags & IDENTIFIED_NO_GAIN))
                 e->fit.flags &= (uint16_t)~CERTAINTY_OPEN_FLAGS;
             e->misfit = misfit;
         }
-        /* Another shape than that of a lag is the same in every round. */
+        /* The deviation from the shape of a lag is the same in every round. */
         if (e->fit.gain_sd < e->misfit)
             e->fit.gain_sd = e->misfit;
     }
 }
 
-/* One output of the test that has just ended: moments at once, then the fit in pieces. */
+/* Begins with an output of the finished test: moments at once, then the fit in pieces. */
 static void begin_output(struct commission *c)
 {
     const struct experiment *x = &c->work->experiment;
@@ -106,7 +107,7 @@ static void begin_output(struct commission *c)
     c->model.running = !err;
 }
 
-/* What is left of the response itself in the slope after the test: fraction of span per second. */
+/* Slope after the test that the end of the response explains, fraction of span per second. */
 static real_t tail_slope(const struct experiment *x, uint8_t j, const struct identified *fit)
 {
     const struct excitation *u = &x->record.input;
@@ -118,8 +119,8 @@ static real_t tail_slope(const struct experiment *x, uint8_t j, const struct ide
     return real_abs(fit->gain) * x->amplitude * share / fit->time_constant_s;
 }
 
-/* How much the drift has changed its slope over the test beyond what the response's own tail explains, fraction of span per
- * second; 0 where that is not significant. */
+/* Change of the drift's slope over the test beyond the end of the response, fraction of span per second; 0 where that is not
+ * significant. */
 static real_t drift_bend(const struct experiment *x, uint8_t j, const struct identified *fit)
 {
     real_t sd, bend = real_abs(experiment_bend(x, j, &sd));
@@ -133,10 +134,9 @@ static real_t sure_slope(const struct steady_result *at)
     return slope > REAL_C(0.0) ? slope : REAL_C(0.0);
 }
 
-/* The gain of an output whose response is not that of one lag (a fast part and a slow tail; another lag up than down):
- * the fit, pulled by all of it, does not know where the response ends, and says so by its deviation. Then what the levels
- * have come to is used, half way between as it is and what the fit says is still to come; the other half is left as
- * standard deviation. */
+/* Takes the gain from the levels where the response is not that of one lag (a fast part and a slow tail, or different lags
+ * up and down). The fit then does not know where the response ends, and its deviation shows that. The gain is half way
+ * between the levels and the final value of the fit; the other half counts as standard deviation. */
 static bool take_level(const struct experiment *x, const struct test_verdict *v,
                        struct identified *fit)
 {
@@ -147,28 +147,28 @@ static bool take_level(const struct experiment *x, const struct test_verdict *v,
     real_t to_come = REAL_C(0.5) * (REAL_C(1.0) / of - REAL_C(1.0)) * v->level;
     real_t gain = v->level + to_come, doubt = LEVEL_DOUBT * (gain - fit->gain);
     real_t sd = real_sqrt(v->level_sd * v->level_sd + to_come * to_come + doubt * doubt);
-    if (!(sd < LEVEL_SURER * fit->gain_sd) || v->level * fit->gain <= REAL_C(0.0))
+    if (!(sd < LEVEL_SD_RATIO_MAX * fit->gain_sd) || v->level * fit->gain <= REAL_C(0.0))
         return false;
     fit->gain = gain;
     fit->gain_sd = sd;
     return true;
 }
 
-/* Such a response begins faster than the lag that fits all of it, and a loop has to do with its beginning. The long record
- * is too coarse for that; an interim fit taken in time was not. */
+/* Takes the beginning of such a response, which is faster than the lag that fits all of it and matters most for a loop. The
+ * long record is too coarse for it, an early interim fit was not. */
 static void take_beginning(struct element *e, const struct experiment *x, uint8_t j,
                            const struct identified *fit)
 {
     real_t slope = x->early[j].slope;
     if (!(slope * fit->time_constant_s > real_abs(fit->gain)) ||
-        !(x->early[j].dead_sd_s < BEGINNING_SURER * fit->dead_time_sd_s))
+        !(x->early[j].dead_sd_s < BEGINNING_SD_RATIO_MAX * fit->dead_time_sd_s))
         return;
     e->early_slope = slope;
     e->early_dead_s = x->early[j].dead_s + x->early[j].dead_sd_s;
 }
 
-/* An output that is not linear answers a step up and a step down differently, and every time in the same way; what has
- * disturbed a test does not come again. The mean of both is then the gain, but for terms of third order. */
+/* The output is not linear: it responds differently up and down, and in the same way every time, which a disturbance does
+ * not. The mean of both is then the gain, up to third-order terms. */
 static bool is_curved(struct commission *c, const struct test_verdict *v)
 {
     struct element *e = &c->work->element[c->model.output][inputs_current(&c->inputs)];
@@ -184,13 +184,13 @@ static bool is_curved(struct commission *c, const struct test_verdict *v)
     return ratio > REAL_C(1.0) / ASYMMETRY_AGAIN && ratio < ASYMMETRY_AGAIN;
 }
 
-/* Does the output go on climbing? bend: of its drift, not taken off. */
+/* Judges whether the output goes on climbing. bend: of its drift, not taken off. */
 static void verdict_on_climb(struct commission *c, const struct test_verdict *v, real_t bend,
                              const struct identified *fit)
 {
     const struct experiment *x = &c->work->experiment;
     real_t half_s = (real_t)x->half * x->config.h_s;
-    /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
+    /* A constant drift cancels in the changes; a drift that bends does not. */
     real_t explained = CLIMB_SDS * v->change_sd + bend * half_s;
     real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
@@ -198,8 +198,8 @@ static void verdict_on_climb(struct commission *c, const struct test_verdict *v,
     c->model.climbs[c->model.output] = slow && v->second > explained ? v->climbs : REAL_C(0.0);
 }
 
-/* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
- * gain, and the fit cannot know. */
+/* Judges the gain by the record alone: a drift that is not a straight line makes the three parts of a double step disagree,
+ * and the fit cannot know that. */
 static void verdict_on_gain(struct commission *c, const struct test_verdict *v, real_t bend,
                             real_t misfit, real_t share, struct identified *fit)
 {
@@ -224,10 +224,10 @@ static void verdict_on_gain(struct commission *c, const struct test_verdict *v, 
     real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
     variance += left * left;
     real_t wrong = MISFIT_SHARE * misfit / x->amplitude;
-    /* So is the part of the fit's own deviation that those residuals make: more rounds have it again. */
+    /* The part of the fit's deviation by those residuals comes again in every round, too. */
     real_t again = share * fit->gain_sd * fit->gain_sd + wrong * wrong;
     variance += wrong * wrong;
-    /* What a test that was cut short has not seen is the fit's word alone. */
+    /* After a cut test the fit alone predicts the part that was not seen. */
     if (x->cut) {
         real_t unseen = UNSEEN_DOUBT * model_unseen(x, fit);
         real_t gain_sd = unseen * fit->gain, lag_sd = unseen * fit->time_constant_s;
@@ -239,8 +239,8 @@ static void verdict_on_gain(struct commission *c, const struct test_verdict *v, 
     fit->gain_sd = real_sqrt(variance);
 }
 
-/* A fit that says nothing of the gain, because the response is not that of a lag: the moments' answer, which weighs the
- * beginning most, stands instead, as no better known than its size. */
+/* Uses the moments where the fit says nothing of the gain, because the response is not that of a lag. They weigh the
+ * beginning most, so the gain is known no better than its size. */
 static void use_moments(const struct element *e, struct identified *fit)
 {
     real_t size = real_abs(e->moments.gain);
@@ -253,7 +253,7 @@ static void use_moments(const struct element *e, struct identified *fit)
     fit->dead_time_sd_s = fit->dead_time_s;
 }
 
-/* The record of output j without the bend that the fit has found in its drift. */
+/* Removes the bend that the fit has found from the record of output j. */
 static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_result *f)
 {
     for (uint32_t i = 0; i < r->points; i++) {
@@ -263,7 +263,7 @@ static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_resul
     }
 }
 
-/* The fit of a straight drift is there. Where the drift has turned, once more, with a drift that does. */
+/* After the fit with a straight drift: fits once more with a drift that turns, where it has turned. */
 static bool fit_again(struct commission *c, const struct fopdt_fit_result *straight)
 {
     struct experiment *x = &c->work->experiment;
@@ -279,7 +279,7 @@ static bool fit_again(struct commission *c, const struct fopdt_fit_result *strai
     return c->model.bent;
 }
 
-/* Is a drift that turns so much better an explanation? */
+/* A drift that turns explains the record significantly better. */
 static bool bent_is_better(const struct commission *c, const struct fopdt_fit_result *bent)
 {
     real_t r = bent->correlation, variance = bent->residual_sd * bent->residual_sd;
@@ -287,7 +287,7 @@ static bool bent_is_better(const struct commission *c, const struct fopdt_fit_re
     return c->model.squares - bent->squares > BENT_BETTER * variance;
 }
 
-/* Of the variance that is left the part that is no noise. */
+/* Share of the remaining variance that is not noise. */
 static real_t misfit_share(const struct fopdt_fit_result *r)
 {
     real_t all = r->residual_sd * r->residual_sd, part = r->misfit * r->misfit;
@@ -300,7 +300,7 @@ static void verdict_of_output(const struct experiment *x, uint8_t j, const struc
     test_verdict_of(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
 }
 
-/* The fits of an output are there; bent is NULL where its drift has not turned. */
+/* Takes the fits of an output; bent is NULL where its drift has not turned. */
 static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
 {
     struct experiment *x = &c->work->experiment;
@@ -343,7 +343,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
         verdict_on_gain(c, &v, bend, c->model.straight_misfit, c->model.straight_share, kept);
 }
 
-/* A fit has ended. True while another is to come for this output. */
+/* Ends a fit. True: another one follows for this output. */
 static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
 {
     uint8_t j = c->model.output;

@@ -30,7 +30,7 @@ static inline const struct identified *model_fitted(const struct model_fits *m, 
     return &m->fitted[j];
 }
 
-/* How output j went on climbing: test_verdict.h; 0 where it came to rest. */
+/* Measure of how output j went on climbing (test_verdict.h); 0 where it came to rest. */
 static inline real_t model_climbs(const struct model_fits *m, uint8_t j)
 {
     return m->climbs[j];

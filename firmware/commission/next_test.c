@@ -7,8 +7,8 @@
 
 #define AGAIN_NOISE REAL_C(2.0) /* times the noise multiple, in later rounds */
 #define AGAIN_SHARE REAL_C(0.6) /* of a limit, in later rounds */
-#define REACHED_SHARE                                                                              \
-    REAL_C(0.8) /* of a limit, that a later round may use by what the one before has */
+/* Share of a limit that a later round may use, by the one before. */
+#define REACHED_SHARE    REAL_C(0.8)
 #define AGAIN_MOST       REAL_C(3.0) /* times the amplitude of the round before */
 #define SHAPE_SMALLER    REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
 #define SHAPE_COUNTS     REAL_C(0.02) /* of a gain */
@@ -43,8 +43,8 @@ real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
     return timed && over_s > needed_s ? over_s : needed_s;
 }
 
-/* Is some response to input k no lag's, and that, not noise, what its gain is unsure by? A shorter half would see
- * less of what comes late, and be wrong by more; and what is slow by one input is mostly so by another, too. */
+/* A response to input k is not that of a lag, and that, not noise, is the uncertainty of its gain. A shorter half would see
+ * less of its late part and be wrong by more; and plants that are slow by one input are mostly slow by others, too. */
 static bool shape_decides(const struct commission *c, uint8_t k)
 {
     for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
@@ -94,13 +94,13 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     if (in->rounds > 0 && in->unsettled && longest_s < UNSETTLED_LONGER * in->half_s)
         longest_s = UNSETTLED_LONGER * in->half_s;
     uint32_t known = commission_samples(s, longest_s);
-    /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
+    /* Times of the round before count: a longer half would only gather drift. */
     if (in->rounds > 0 && known > x->window) {
         uint32_t most = known + known / 4u;
         x->half_most = most < x->half_most ? most : x->half_most;
         return known;
     }
-    /* Nothing is: then it is noise that hides it, and a longer half hides it no less. */
+    /* Nothing is known: noise hides the response, in a longer half as well. */
     uint32_t took = commission_samples(s, in->half_s);
     if (in->rounds > 0 && took > x->window && took < x->half_most)
         x->half_most = took;
@@ -113,14 +113,14 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     return known > before ? known : before;
 }
 
-/* Limit of output j without what earlier tests have left of it. */
+/* Limit of output j less the deviation that earlier tests have left. */
 static real_t room_of(const struct commission *c, const struct experiment_config *x, uint8_t j)
 {
     real_t room = x->limit[j] - real_abs(origin_left(&c->origin, j));
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
 
-/* From the second round on the gains are known: as much as the limits leave room for. */
+/* Amplitude from the second round on: the gains are known, so it is as large as the limits allow. */
 static real_t amplitude_by_model(const struct commission *c, uint8_t k,
                                  const struct experiment_config *x)
 {
@@ -137,8 +137,8 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
         if (real_abs(f->gain) > stands_out * noise_sd[j])
             stands_out = real_abs(f->gain) / noise_sd[j];
     }
-    /* More than stands out well is asked of no plant: it is not linear. */
-    /* What the model does not show, such as an overshoot, was there in the round before. */
+    /* No plant is asked for more than a clear response, because plants are not linear. */
+    /* Properties that the model does not show, such as an overshoot, were present in the round before. */
     if (in->worst * a > REACHED_SHARE * in->amplitude)
         a = REACHED_SHARE * in->amplitude / in->worst;
     real_t enough = AGAIN_NOISE * x->noise_multiple;
@@ -179,7 +179,7 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
         if (in->rounds > 0)
             x->dead_time_s[j] = c->work->element[j][k].fit.dead_time_s;
     }
-    /* A drift is seen over a window as long as the responses are. */
+    /* The window for a drift is as long as the responses are. */
     uint32_t wider = half_least / 4u;
     if (wider > x->window)
         x->window = wider;
@@ -196,7 +196,7 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
             x->amplitude_max = AMPLITUDE_MOST;
     }
     x->half_most = commission_longest(s);
-    /* Nothing that is surely known was so slow; if this is, the next try takes longer. */
+    /* No response that is known was so slow; if this one is, the next try takes longer. */
     uint32_t all = x->half_most;
     uint32_t most = LONGEST_SHARE * half_least;
     if (most > x->window && most < x->half_most)

@@ -1,5 +1,5 @@
-/* How the next test of an input is made: amplitude, shortest and longest half, from the settings and from what the tests before
- * have found. Tick; commission_half_needed() in the main loop. */
+/* The settings of the next test of an input: amplitude, shortest and longest half, from the configuration and the results of the
+ * tests before. Tick; commission_half_needed() in the main loop. */
 #ifndef REFLUX_COMMISSION_NEXT_TEST_H
 #define REFLUX_COMMISSION_NEXT_TEST_H
 

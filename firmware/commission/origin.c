@@ -7,8 +7,8 @@
 #define DRIFT_MORE REAL_C(1.25)
 #define LEFT_MOST  REAL_C(0.5) /* of a limit, that may be left before another test or a trial */
 
-/* The fastest drift that has been seen, either way, for it may have turned more than once; of a slope that is not
- * significant, no more than it shows. */
+/* Notes the fastest drift either way, because it may have turned more than once; a slope that is not significant counts only
+ * as it is. */
 static void see_drift(struct origin_channel *c, const struct steady_result *rest)
 {
     real_t slope = real_abs(rest->slope_per_s), sure = SURE_SDS * rest->slope_sd_per_s;
@@ -28,7 +28,7 @@ static void follow(struct origin_channel *c, const struct steady_result *rest, r
         c->left += change > REAL_C(0.0) ? change - explained : change + explained;
 }
 
-/* A drift as fast as this one, either way, is none of the tests' doing. */
+/* From now on the tests are not blamed for a drift of this speed, either way. */
 static void allow(struct origin_channel *c, const struct steady_result *rest, real_t sds)
 {
     real_t most = DRIFT_MORE * (real_abs(rest->slope_per_s) + sds * rest->slope_sd_per_s);

@@ -1,10 +1,9 @@
-/* The operating point that limits count from: where the measurements were before anything was moved.
+/* The operating point from which limits count: the measurements before anything was moved. Tick.
  *
- * Every test takes its own rest, and that may be another than the one before: the plant drifts, or a test has left
- * something behind (an integrator, a plant that runs away, a response that is not over). A drift is no doing of the tests:
- * what the fastest drift seen at a rest carries, either way, is taken off. But no more than a drift as fast as the one
- * before the first test can have done; a plant that runs away shows a slope, too. All else is kept as `left`, and comes
- * off the limit from there on. */
+ * Every test starts from its own rest. It may differ from the one before because the plant drifts, or because a test has left a
+ * deviation (an integrator, a plant that runs away, a response that is not over). The tests do not cause drift, so the distance that
+ * the fastest drift seen at a rest explains, either way, is taken off; but no drift counts as faster than the one before the first
+ * test, because a plant that runs away shows a slope, too. The rest of the deviation is kept as `left` and reduces the limit. */
 #ifndef REFLUX_COMMISSION_ORIGIN_H
 #define REFLUX_COMMISSION_ORIGIN_H
 
@@ -12,7 +11,7 @@
 
 struct origin;
 
-/* A look at measurement j before the first rest: a drift that is significant there may turn until then. */
+/* Looks at measurement j before the first rest: a drift that is significant there may turn until then. */
 void origin_look(struct origin *o, uint32_t j, const struct steady_result *rest);
 /* Takes the next rest of measurement j (below CHANNEL_MAX): the line that was fitted to it, and its level at this moment,
  * fraction of span. The first one is the operating point. */

@@ -11,11 +11,11 @@
 #define MOTION_SHARE REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
 #define NOISY_SHARE  REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
 #define SMALL        REAL_C(5.0)  /* noise standard deviations: how long it takes cannot be told */
-#define UNKNOWN_WAITS                                                                              \
-    REAL_C(1.5) /* times as long, where a response too small to be known is left */
+/* Factor for the time where a response is still too small to be known. */
+#define UNKNOWN_WAITS REAL_C(1.5)
 
-/* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,
- * which drift spoils. Of the measurements before the step; until then by the rest under watch. */
+/* Noise hides responses that are small beside a limit. Then another test is better than the end of this one, which drift
+ * spoils. By the measurements before the step; until then by the rest that is watched. */
 bool progress_is_noisy(const struct experiment *e)
 {
     for (unsigned j = 0; j < e->config.outputs; j++)
@@ -24,7 +24,7 @@ bool progress_is_noisy(const struct experiment *e)
     return false;
 }
 
-/* What the models say of the step. */
+/* Verdict of the models on the step. */
 struct progress {
     bool seen;  /* a response at all */
     bool known; /* every output that responds is */
@@ -35,7 +35,7 @@ struct progress {
         growth; /* factor by which the amplitude may grow before an output comes near its limit */
 };
 
-/* No growth that would take output j, which goes as far as `most` with the present amplitude, near its limit. */
+/* Limits the growth so that output j, which reaches `most` with the present amplitude, stays away from its limit. */
 static void leave_room(const struct experiment *e, uint8_t j, real_t most, struct progress *p)
 {
     if (most * p->growth > LIMIT_SHARE * limits_room(e, j))
@@ -48,7 +48,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
     *p = (struct progress){.known = true, .growth = GROWTH_MOST};
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &e->interim_fit.found[j];
-        /* Known or not, what it has done it will do again, and at the reversal twice as far. */
+        /* Known or not, the response will repeat, and at the reversal it is twice as large. */
         leave_room(e, j, limits_reach(e, j, limits_away(e, j, y) / e->amplitude) * e->amplitude, p);
         if (f->flags & IDENTIFIED_NO_GAIN)
             continue;
@@ -70,7 +70,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
     }
 }
 
-/* A larger amplitude that would make the response stand out; the present one where there is no room. */
+/* Returns an amplitude for which the response exceeds the noise; the present one where there is no room. */
 static real_t larger(const struct experiment *e, const struct progress *p)
 {
     const struct experiment_config *c = &e->config;
@@ -85,7 +85,7 @@ static real_t larger(const struct experiment *e, const struct progress *p)
     return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
 }
 
-/* Nothing is known of any response for long: then a larger amplitude by what the outputs have moved at most. */
+/* Returns a larger amplitude by the largest motion so far, because no response is known after a long time. */
 static real_t larger_by_motion(const struct experiment *e, const real_t *y)
 {
     const struct experiment_config *c = &e->config;
@@ -122,19 +122,19 @@ static bool drifts(const struct experiment *e)
     return false;
 }
 
-/* What to do now: nothing, turn, or go on with another amplitude than the present one. */
+/* Advice to wait or to turn with the present amplitude. */
 static struct progress_advice advise(const struct experiment *e, enum progress_verdict verdict,
                                      bool small)
 {
     return (struct progress_advice){verdict, e->amplitude, small};
 }
 
-/* Nothing yet: in time, more of it. */
+/* Advice without a visible response: a larger amplitude in time. */
 static struct progress_advice nothing_seen(const struct experiment *e, const real_t *y, bool found)
 {
     const struct experiment_config *c = &e->config;
     bool noisy = progress_is_noisy(e);
-    /* Where little is hidden by noise, nothing to be seen may be dead time. */
+    /* With little noise a missing response may be dead time. */
     uint32_t quiet = noisy ? 0 : 3u * c->window;
     if (e->half < c->half_least + quiet)
         return advise(e, PROGRESS_WAIT, e->small);
@@ -158,16 +158,16 @@ struct progress_advice progress_judge(const struct experiment *e, const real_t *
     if (!found) {
         real_t a = p.any_known ? larger(e, &p) : larger_by_motion(e, y);
         small = a <= e->amplitude;
-        /* As soon as it can be told; what cannot be told yet may just be small. */
+        /* Grows as soon as it is certain; a response that is still uncertain may just be small. */
         if (!small && e->half >= c->window / 2u && (p.any_known || e->half >= c->window))
             return (struct progress_advice){PROGRESS_GROW, a, false};
         if (!small)
             return advise(e, PROGRESS_WAIT, false);
     }
-    /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
+    /* A gain that is not known within a third is small beside the others, or slower: it gets half as long again. */
     real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
     bool over = p.any_known && (real_t)e->half * c->h_s >= over_s && e->half >= c->half_least;
-    /* A bent drift, or noise: what there is to be had comes from the way down, too. */
+    /* With a bent drift or noise the negative half contributes as well. */
     bool hopeless = drifts(e) && !p.any_known && e->half >= HOPELESS * c->half_least;
     return advise(e, over || hopeless ? PROGRESS_TURN : PROGRESS_WAIT, small);
 }

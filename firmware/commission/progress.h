@@ -1,5 +1,5 @@
-/* What a step still under way says of itself: how far its outputs are from rest, and, by the latest interim fit,
- * whether it has gone on for long enough and is large enough. Decides nothing: experiment.c does. */
+/* Advice on a step that is still running: by the latest interim fit, whether it has lasted long enough and is large enough.
+ * experiment.c decides. Tick. */
 #ifndef REFLUX_COMMISSION_PROGRESS_H
 #define REFLUX_COMMISSION_PROGRESS_H
 
@@ -8,15 +8,15 @@
 enum progress_verdict { PROGRESS_WAIT, PROGRESS_GROW, PROGRESS_TURN };
 
 struct progress_advice {
-    enum progress_verdict what;
+    enum progress_verdict verdict;
     real_t amplitude; /* to go on with */
-    bool
-        small; /* the response does not stand out of the noise as it should, and there is no room for more */
+    /* The response does not exceed the noise by enough, and there is no room for a larger step. */
+    bool small;
 };
 
-/* Does noise hide what is small beside a limit? */
+/* Noise hides responses that are small beside a limit. */
 bool progress_is_noisy(const struct experiment *e);
-/* With fresh models (e->interim_fit), in the positive half. */
+/* Judges the positive half by fresh models (e->interim_fit). */
 struct progress_advice progress_judge(const struct experiment *e, const real_t *y);
 
 #endif

@@ -22,7 +22,7 @@ static bool is_tested_output(const struct commission *c, const struct config *co
     return false;
 }
 
-/* Loops on tested outputs, loops that drive such loops, and feedforwards onto those outputs. */
+/* Removes loops on tested outputs, loops that drive such loops, and feedforwards onto those outputs. */
 static void make_room(const struct commission *c, struct config *config)
 {
     bool drops = true;
@@ -48,7 +48,7 @@ static void make_room(const struct commission *c, struct config *config)
             config->feedforward[k].from[0] = '\0';
 }
 
-/* The settings of the loop of a relay test, and nothing else. */
+/* Writes the settings of the loop of a relay test, and nothing else. */
 static enum err write_relay(const struct commission *c, struct config *config)
 {
     uint8_t i = proposal_loop(c, config, 0);

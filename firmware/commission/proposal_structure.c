@@ -35,7 +35,7 @@ static enum err add_inner(const struct commission *c, struct config *config, uin
     return ERR_OK;
 }
 
-/* At the operating point it calls for nothing. */
+/* Adds a feedforward; its output is 0 at the operating point. */
 static void add_feed(const struct commission *c, struct config *config, const struct feed *f)
 {
     const struct tested_input *in = proposal_input(c, f->way.from);
@@ -43,7 +43,7 @@ static void add_feed(const struct commission *c, struct config *config, const st
     uint8_t i = 0;
     while (i < CONFIG_FEEDFORWARDS && config->feedforward[i].from[0])
         i++;
-    /* A measurement of that name would be taken instead. */
+    /* The element would read a measurement of that name instead. */
     if (i == CONFIG_FEEDFORWARDS || config_find_measurement(config, o->name) != PLAN_NONE)
         return;
     struct ff_config *ff = &config->feedforward[i];

@@ -1,4 +1,4 @@
-/* What the structure of the plant adds to the single loops of a proposal: inner loops of cascades, and feedforwards from one
+/* Additions to the single loops of a proposal by the structure of the plant: inner loops of cascades, and feedforwards from one
  * manipulated variable to another. Main loop. */
 #ifndef REFLUX_COMMISSION_PROPOSAL_STRUCTURE_H
 #define REFLUX_COMMISSION_PROPOSAL_STRUCTURE_H

@@ -1,4 +1,4 @@
-/* What operator and main loop ask of the tick, one thing at a time, and what the tick asks of the main loop: the old settings.
+/* Requests of operator and main loop to the tick, one at a time, and of the tick to the main loop: the old settings.
  * The main loop writes it under hal_tick_lock. */
 #ifndef REFLUX_COMMISSION_REQUESTS_H
 #define REFLUX_COMMISSION_REQUESTS_H

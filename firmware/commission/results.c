@@ -18,8 +18,8 @@
 #define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define CLIMBS_TOO REAL_C(0.5) /* ... where the fit thinks so, too */
 #define LONGER     3u          /* times the half before, where an output did not come to rest */
-#define ASYMMETRY_MUCH                                                                             \
-    REAL_C(0.5) /* gain up less gain down, of their mean: the step was too large */
+/* Gain up less gain down over their mean from which the step was too large. */
+#define ASYMMETRY_MUCH   REAL_C(0.5)
 #define ASYMMETRY_WANTED REAL_C(0.2)
 #define SMALLER_MOST     REAL_C(0.6) /* times the step that was cut */
 #define SMALLER_LEAST    REAL_C(0.2)
@@ -43,7 +43,7 @@ void commission_next_input(struct commission *c, struct supervisor *s)
         analyse(c, s);
 }
 
-/* Of the inputs whose tests left something open that a longer one may resolve. */
+/* Marks the inputs for which a longer test may resolve what is open. */
 static void want_longer_tests(struct commission *c)
 {
     const struct analysis *a = &c->work->analysis;
@@ -55,15 +55,15 @@ static void want_longer_tests(struct commission *c)
 static void next_round(struct commission *c, struct supervisor *s)
 {
     want_longer_tests(c);
-    /* The other inputs are known well enough where nothing else is open. */
+    /* The other inputs are known well enough if nothing else is open. */
     if (inputs_next_round(&c->inputs, c->work->analysis.doubts == DOUBT_SHAPE))
         commission_start_input(c, s);
     else
         commission_next_input(c, s);
 }
 
-/* An output that looks like an integrator may only be slow: once more with three times the half, as long as that fits and
- * no output was near its limit. */
+/* Repeats the test with three times the half, because an output that looks like an integrator may only be slow. Only where
+ * that half is allowed and no output was near its limit. */
 static bool retry_longer_halves(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
@@ -77,7 +77,7 @@ static bool retry_longer_halves(struct commission *c, struct supervisor *s)
     return true;
 }
 
-/* Does output j look like an integrator of the input just tested? Not where it came to rest in an earlier round. */
+/* Output j looks like an integrator of the input just tested. Not where it came to rest in an earlier round. */
 static bool looks_integrating(const struct commission *c, uint8_t j)
 {
     bool fit_says = model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING;
@@ -85,9 +85,9 @@ static bool looks_integrating(const struct commission *c, uint8_t j)
            model_climbs(&c->model, j) >= (fit_says ? CLIMBS_TOO : CLIMBS);
 }
 
-/* An output that answers a step up and a step down so differently is not linear over so much of its range: the gain is
- * not that at the operating point, and no lag fits both ways. Once more with a smaller step, which grows again where
- * the noise hides what it does. */
+/* Repeats the test with a smaller step where an output responds very differently up and down: it is not linear over this
+ * range, its gain is not that at the operating point, and no lag fits both ways. The step grows again where noise hides the
+ * response. */
 static bool retry_linear_step(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
@@ -110,8 +110,8 @@ static bool retry_linear_step(struct commission *c, struct supervisor *s)
     return true;
 }
 
-/* The guard has cut the step before its responses were over: what would have come is not known. Once more with one that
- * leaves room for them. An amplitude that is given stays. */
+/* Repeats the test with a smaller step where the guard has cut it before the responses were over. An amplitude that is given
+ * stays. */
 static bool retry_smaller_step(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
@@ -139,8 +139,7 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
     return true;
 }
 
-/* Output j goes on climbing to the end of the longest level: it is slow, where the fit knows its time constant, or it
- * integrates. */
+/* Output j climbs to the end of the longest level: it is slow if the fit knows its time constant, else it integrates. */
 static enum commission_reason reason_of_climb(const struct commission *c, uint8_t j)
 {
     const struct identified *f = model_fitted(&c->model, j);
@@ -161,7 +160,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
             continue;
         if (retry_longer_halves(c, s))
             return;
-        /* A step that was cut short says less: there the fit must think so, too. */
+        /* A cut step says less: the fit must agree. */
         if (c->work->experiment.cut &&
             !(model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING))
             continue;
@@ -184,8 +183,8 @@ static void take_fit(struct commission *c, struct supervisor *s)
     commission_next_input(c, s);
 }
 
-/* Would more of the same tests help? Not when the gains are already as sure as a first-order model can be, nor where a response
- * is not that of one at all. */
+/* More tests would help. Not where the gains are as certain as a first-order model can be, nor where a response is not that
+ * of a lag. */
 static bool more_would_help(const struct analysis *a)
 {
     if (certainty_is_final(a))

@@ -1,4 +1,4 @@
-/* What comes of a finished fit or analysis: the test is repeated, the next input is tested, another round begins, or there is a
+/* The next step after a finished fit or analysis: the test is repeated, the next input is tested, another round begins, or there is a
  * result. The phases COMMISSION_FITTING and COMMISSION_ANALYSING. Tick. */
 #ifndef REFLUX_COMMISSION_RESULTS_H
 #define REFLUX_COMMISSION_RESULTS_H

@@ -34,7 +34,8 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
 {
     bool in_trial = status_phase(&c->status) == COMMISSION_TRIAL;
     commission_release(c, s);
-    /* An interlock or the operator may have moved what was held; back to it, unless somebody else decides now. */
+    /* Outputs go back to where they were held, because an interlock or the operator may have moved them; unless somebody
+     * else decides now. */
     bool others =
         in_trial || reason == REASON_HAND || reason == REASON_CONFIG || reason == REASON_SAFE;
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {

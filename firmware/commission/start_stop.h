@@ -1,4 +1,4 @@
-/* What concerns all parts of start-up at once: it begins anew, gives the outputs back, ends; and its events. Tick. */
+/* Functions that concern all parts of start-up at once: it begins anew, releases the outputs, ends, and puts events. Tick. */
 #ifndef REFLUX_COMMISSION_START_STOP_H
 #define REFLUX_COMMISSION_START_STOP_H
 

@@ -11,7 +11,7 @@ bool commission_has_proposal(const struct commission *c)
            c->work->analysis.designed;
 }
 
-/* Only a new beginning overwrites them, and only the main loop asks for one. */
+/* Only a new beginning overwrites the results, and only the main loop asks for one. */
 bool commission_keeps(const struct commission *c)
 {
     return !requests_begin(&c->requests) && lease_holds(&c->lease);

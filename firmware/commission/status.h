@@ -1,4 +1,4 @@
-/* How far start-up has come and why it ended: phase, reason, times, and its events. The tick writes it; the main loop reads it
+/* The status of start-up: phase, times, the reason why it ended, and the queue of its events. The tick writes it; the main loop reads it
  * under hal_tick_lock. */
 #ifndef REFLUX_COMMISSION_STATUS_H
 #define REFLUX_COMMISSION_STATUS_H

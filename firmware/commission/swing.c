@@ -2,14 +2,14 @@
 
 #include "commission/swing_state.h"
 
-#define SWING_SDS                                                                                  \
-    REAL_C(4.0) /* an integral that has turned back by so much of its noise has turned */
-#define SWING_TAIL                                                                                 \
-    2u /* times as long as the half cycle before: no half cycle of the same oscillation */
-#define SWING_SHARE REAL_C(0.05) /* ... and of the largest half cycle: smaller ones do not matter */
+/* Standard deviations of its noise by which an integral must return to have turned. */
+#define SWING_SDS REAL_C(4.0)
+/* Longest half cycle of the same oscillation, times the one before. */
+#define SWING_TAIL  2u
+#define SWING_SHARE REAL_C(0.05) /* of the largest half cycle: smaller ones do not matter */
 
-/* Is the half cycle of now, as far as it has come, not smaller than the one before, by area and by mean height, and no tail? What noise and a
- * constant part may have added to either area is left out of the account. */
+/* The present half cycle is not smaller than the one before, by area and by mean height, and is no tail. The part of either
+ * area that noise and a constant can explain does not count. */
 static bool is_larger(const struct swing *w, real_t noise_sd, real_t constant)
 {
     real_t area = real_abs(w->extreme - w->turned);

@@ -1,8 +1,7 @@
-/* Does an oscillation decay? Half cycles of an error, by its integral: that turns where the error changes its sign, and from one
- * turn to the next it moves by the area of a half cycle. Noise, which peaks are full of, hardly shows in areas; of a damped
- * oscillation areas decay as its peaks do, by exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first.
- * A half cycle is not smaller where its area and its mean height both are not. What lasts more than twice as long as the half
- * cycle before is a slow tail, which may have any area. */
+/* Finds out whether an oscillation decays, by the areas of the half cycles of an error. The integral of the error turns where the
+ * error changes its sign, and between two turns it moves by the area of a half cycle. Areas hardly show noise, peaks do; both decay by
+ * exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first half cycle. A half cycle is smaller where its area or
+ * its mean height is smaller. One that lasts more than twice as long as the one before is a slow tail and may have any area. Tick. */
 #ifndef REFLUX_COMMISSION_SWING_H
 #define REFLUX_COMMISSION_SWING_H
 
@@ -15,8 +14,8 @@
 
 struct swing;
 
-/* A sample. noise_sd: of the error; constant: what of it may be there all the time without being a swing (a drift nobody
- * foresaw), magnitude. What these two may add to an area is left out of the account. */
+/* Takes a sample. noise_sd: of the error; constant: part of the error that may be constant, such as an unforeseen drift, magnitude.
+ * The area that these two can explain does not count. */
 void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant);
 /* After the last sample: the half cycle that has not ended counts as far as it has come. */
 void swing_end(struct swing *w, real_t noise_sd, real_t constant);

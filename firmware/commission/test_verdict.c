@@ -81,7 +81,7 @@ void test_verdict_of(const struct record *r, uint8_t j, const struct baseline *b
         if (result->moves)
             result->climbs = second / (first > noise ? first : noise);
     }
-    /* Cut short on the way down: its end is no level. */
+    /* The negative half was cut short: its end is no level. */
     if (down.to - down.from + 2u < up.to - up.from)
         return;
     if (!long_enough(&up) || !long_enough(&down) || !long_enough(&back))

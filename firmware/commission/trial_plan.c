@@ -18,8 +18,8 @@
 #define WINDOW_MOST   10000u
 #define STEP_NEVER    REAL_C(1e-4) /* of span: smaller than this no step of a setpoint is made */
 
-/* The largest step of loop k's setpoint for which, on the model, every input stays within its room, and what no loop holds
- * within its limit. */
+/* Returns the largest setpoint step of loop k for which, by the model, every input stays within its room and every
+ * measurement without a loop within its limit. */
 static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
 {
     const struct analysis *a = &c->work->analysis;
@@ -45,8 +45,8 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
     return most;
 }
 
-/* The step of a loop's setpoint on trial: out of the noise, inside the limit, and no farther than the model says that inputs
- * and other measurements can go. */
+/* Chooses the setpoint step of a loop: above the noise, inside the limit, and no larger than the model allows for inputs and
+ * other measurements. */
 static real_t choose_step(const struct commission *c, const struct supervisor *s, uint8_t k)
 {
     const struct adoption_channel *m = adoption_channel(&c->adoption, k);
@@ -66,7 +66,7 @@ static real_t choose_step(const struct commission *c, const struct supervisor *s
     return y > REAL_C(0.5) ? -step : step;
 }
 
-/* A measurement on trial, by its place in the tests. */
+/* Adds a measurement, by its index in the tests. */
 static void take_channel(struct commission *c, const struct config *config, uint8_t output)
 {
     uint8_t i = outputs_measurement(&c->outputs, output);
@@ -77,7 +77,7 @@ static void take_channel(struct commission *c, const struct config *config, uint
     adoption_add_channel(&c->adoption, &m);
 }
 
-/* All measurements that were tested: those of the loops first, in their order. */
+/* Adds all measurements that were tested: those of the loops first, in their order. */
 static void take_channels(struct commission *c, const struct config *config)
 {
     const struct analysis *a = &c->work->analysis;
@@ -91,8 +91,8 @@ static void take_channels(struct commission *c, const struct config *config)
             take_channel(c, config, j);
 }
 
-/* The outer loop's output is a setpoint: inside the inner measurement's limit and span, and no farther than the
- * manipulated variable can follow, at rest and at once. */
+/* Reduces the step of an outer loop, whose output is a setpoint: inside the inner measurement's limit and span, and within
+ * reach of the manipulated variable, at once and at rest. */
 static void keep_in_reach(struct commission *c, const struct supervisor *s, uint8_t k, real_t limit)
 {
     const struct analysis *a = &c->work->analysis;
@@ -118,7 +118,7 @@ static void keep_in_reach(struct commission *c, const struct supervisor *s, uint
     }
 }
 
-/* The inner loops behind the pairs, and setpoint steps no larger than they can follow. */
+/* Adds the inner loops behind the pairs, and limits setpoint steps to those that they can follow. */
 static enum err prepare_inner(struct commission *c, const struct supervisor *s,
                               const struct config *config)
 {

@@ -4,11 +4,11 @@
 
 #include "design/trial.h"
 
-/* How much worse than predicted is accepted. */
+/* Bounds for a deviation from the prediction. */
 #define ADOPTION_IAE      REAL_C(2.5)  /* times the predicted integral of the error */
 #define ADOPTION_PEAK     REAL_C(0.35) /* of the step, past the predicted overshoot */
 #define ADOPTION_DURATION REAL_C(1.5)  /* times the predicted settling time, at most */
-#define ADOPTION_REPEATS  2u           /* of steps that the plant itself has spoilt */
+#define ADOPTION_REPEATS  2u           /* repetitions of steps that a drift has spoilt */
 
 /* A measurement; that of loop k is the k-th, and after those come the ones that no loop holds. */
 struct adoption_channel {
@@ -21,7 +21,7 @@ struct adoption_channel {
     bool drifts; /* significantly and by a relevant amount */
 };
 
-/* Of an inner loop `loop` and `test_base` alone count. */
+/* A loop on trial; an inner loop uses `loop` and `test_base` alone. */
 struct adoption_loop {
     uint8_t loop;      /* index in the plan */
     uint8_t output;    /* that it moves, directly or through others, in the configuration */

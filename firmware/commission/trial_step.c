@@ -61,7 +61,7 @@ enum adoption_result trial_step_verdict(const struct trial_step *t,
 {
     real_t scale = real_abs(loop->step / loop->size), step = real_abs(loop->step);
     real_t noise_sd = channel->noise_sd, ran_s = (real_t)ticks * h_s;
-    /* What noise alone integrates to: its mean magnitude is 0.8 of its standard deviation. */
+    /* The integral by noise alone: its mean magnitude is 0.8 of its standard deviation. */
     real_t lag = lag_behind_drift(loop, channel);
     real_t iae_most =
         ADOPTION_IAE * loop->predicted.iae * scale + (REAL_C(1.5) * noise_sd + lag) * ran_s;

@@ -10,7 +10,7 @@ static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
     if (!words_of_doubt(a, n, &doubt))
         return;
     text_str(line, "doubt");
-    text_named_float(line, doubt.what, (float)doubt.value);
+    text_named_float(line, doubt.name, (float)doubt.value);
     text_str(line, ": ");
     text_str(line, doubt.text);
 }

@@ -4,7 +4,7 @@ foreach(part experiment identified_numbers relay_numbers origin model analysis a
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
 endforeach()
 foreach(part proposal proposal_structure adoption adoption_bounds next_test outcome commission_requests by_relay
-             hindrances trial_steps adoption_rest)
+             commission_blocking trial_steps adoption_rest)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS reflux_settings reflux_commission)

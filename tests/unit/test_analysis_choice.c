@@ -54,7 +54,7 @@ static void a_step_that_has_not_settled_is_predicted_four_times_as_long_twice(vo
 {
     predicted(94, 100, true); /* of 95 */
     TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
-    TEST_ASSERT_EQUAL_UINT8(1, a.at);
+    TEST_ASSERT_EQUAL_UINT8(1, a.turn);
     TEST_ASSERT_EQUAL_UINT8(0, a.extended);
     NEAR(94.0, a.predicted[0].settled_s);
     NEAR(0.125, a.tried[0].left);
@@ -68,7 +68,7 @@ static void a_step_that_has_not_settled_is_predicted_four_times_as_long_twice(vo
         a.extended = extended;
         predicted(96, 100, true);
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
-        TEST_ASSERT_EQUAL_UINT8(extended == 2, a.at);
+        TEST_ASSERT_EQUAL_UINT8(extended == 2, a.turn);
         NEAR(extended == 0 ? 0.125 : 0.0, a.tried[0].left); /* of the first, which is the finest */
         if (extended < 2) {
             TEST_ASSERT_EQUAL_UINT8(extended + 1, a.extended);
@@ -78,7 +78,7 @@ static void a_step_that_has_not_settled_is_predicted_four_times_as_long_twice(vo
     setUp();
     predicted(9.9e6, 1e7, true); /* no longer than that */
     TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
-    TEST_ASSERT_EQUAL_UINT8(1, a.at);
+    TEST_ASSERT_EQUAL_UINT8(1, a.turn);
     setUp();
     predicted(4e6, 4e6, true);
     TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
@@ -86,7 +86,7 @@ static void a_step_that_has_not_settled_is_predicted_four_times_as_long_twice(vo
     setUp();
     predicted(100, 100, false); /* nor what runs away */
     TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
-    TEST_ASSERT_EQUAL_UINT8(1, a.at);
+    TEST_ASSERT_EQUAL_UINT8(1, a.turn);
     TEST_ASSERT_FALSE(a.bounded);
 }
 
@@ -94,7 +94,7 @@ static void every_loop_is_predicted_and_all_must_be_bounded(void)
 {
     for (unsigned bounded = 0; bounded < 2; bounded++) {
         setUp();
-        a.at = 1;
+        a.turn = 1;
         predicted(50, 100, bounded != 0);
         a.begins = false;
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
@@ -116,19 +116,19 @@ static void with_a_decoupler_in_view_loads_are_predicted_too_and_all_is_counted(
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
         TEST_ASSERT_TRUE(a.load);
         TEST_ASSERT_TRUE(a.work.trial.config.load);
-        TEST_ASSERT_EQUAL_UINT8(0, a.at);
+        TEST_ASSERT_EQUAL_UINT8(0, a.turn);
         NEAR(100.0, a.work.trial.duration_s);    /* for as long */
         NEAR(1.5, a.figures[without].setpoints); /* 0.05 and 0.1 over the step, and the mean */
         NEAR(0.0, a.figures[without].loads);
         predicted(50, 100, true);
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
         TEST_ASSERT_FALSE(a.load);
-        TEST_ASSERT_EQUAL_UINT8(1, a.at);
+        TEST_ASSERT_EQUAL_UINT8(1, a.turn);
         NEAR(1.5, a.figures[without].loads);
         NEAR(1.5, a.figures[without].setpoints);
         NEAR(0.0, a.figures[!without].loads);
         NEAR(1665.0, a.work.trial.duration_s);
-        a.at = 1;
+        a.turn = 1;
         a.load = true;
         predicted(50, 100, false);
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));

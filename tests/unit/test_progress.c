@@ -41,7 +41,7 @@ void tearDown(void) {}
 static void says(enum progress_verdict what, double amplitude, bool small)
 {
     struct progress_advice a = progress_judge(&e, y);
-    TEST_ASSERT_EQUAL_INT(what, a.what);
+    TEST_ASSERT_EQUAL_INT(what, a.verdict);
     TEST_ASSERT_DOUBLE_WITHIN(2e-6, amplitude, (double)a.amplitude);
     TEST_ASSERT_EQUAL(small, a.small);
 }
