@@ -21,10 +21,11 @@
  *     status requests lease background test_outputs test_inputs origin adoption     a part each, with its own state
  *     experiment  analysis  certainty ...     methods that know nothing of start-up
  *
- * In the tick: results tests by_relay analysis_single acceptance next_test start_stop status test_outputs test_inputs origin adoption trial_step swing
- * experiment limits progress combine. In the main loop: interim_fit, analysis, analysis_structure, certainty, test_verdict, words,
- * proposal, proposal_loops, proposal_structure, trial_plan, expected, lease. In both, as the heads of their headers say: commission,
- * model, analysis_job, background, blocking, channels, requests, reasons. Only analysis.c, in the main loop, uses plan/. */
+ * In the tick run results, tests, by_relay, analysis_single, acceptance, next_test, start_stop, status, test_outputs, test_inputs,
+ * origin, adoption, trial_step, swing, experiment, limits, progress and combine. In the main loop run interim_fit, analysis,
+ * analysis_structure, certainty, test_verdict, words, expected, lease, proposal, proposal_loops, proposal_structure and trial_plan.
+ * Both use commission, model, analysis_job, background, blocking, channels, requests and reasons, as the heads of these say. Only
+ * analysis.c, in the main loop, uses plan/. */
 #ifndef REFLUX_COMMISSION_COMMISSION_H
 #define REFLUX_COMMISSION_COMMISSION_H
 
