@@ -1,15 +1,12 @@
-#include "exchange/config.h"
-
 #include "commission/analysis.h"
 
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
+#include "exchange/plan.h"
+#include "plan/plan_blocks.h"
 
 #include <stddef.h>
 #include <string.h>
-
-#include "exchange/plan.h"
-#include "plan/plan_blocks.h"
 
 #define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */

@@ -131,8 +131,8 @@ struct analysis {
     struct matrix d; /* identity where there is none */
     struct loops loops;
     real_t factor, factor_least, log_modulus_db; /* of the parts of the plant: struct detune */
-    struct trial_loop
-        predicted[INTERACT_MAX];           /* loop k after its own setpoint step of config.step */
+    /* Loop k after its own setpoint step of config.step */
+    struct trial_loop predicted[INTERACT_MAX];
     struct trial_mark tried[INTERACT_MAX]; /* the same after horizon_s */
     real_t horizon_s; /* five times the slowest loop's integral time and dead time */
     /* With the decoupler, and without, where there was a choice. */

@@ -1,11 +1,9 @@
-#include "exchange/config.h"
-
 #include "commission/analysis_structure.h"
-
-#include <string.h>
 
 #include "exchange/plan.h"
 #include "interact/measure.h"
+
+#include <string.h>
 
 #define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
 /* Largest share of the integral of the error that a feedforward may leave to be worth an element. */

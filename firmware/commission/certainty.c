@@ -1,5 +1,3 @@
-#include "exchange/config.h"
-
 #include "commission/certainty.h"
 
 #include "commission/analysis_structure.h"

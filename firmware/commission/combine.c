@@ -1,5 +1,3 @@
-#include "exchange/config.h"
-
 #include "commission/combine.h"
 
 #include "commission/certainty.h"

@@ -22,7 +22,7 @@ static bool startup_piece(void *commission)
     struct commission *c = commission;
     switch (background_task(&c->background)) {
     case TASK_INTERIM_FIT:
-        return interim_fit_run(&c->work->experiment.interim_fit);
+        return interim_fit_run(experiment_interim_fit(&c->work->experiment));
     case TASK_FIT:
         return model_piece(c);
     default:

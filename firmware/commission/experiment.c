@@ -1,8 +1,8 @@
-#include "exchange/config.h"
-
 #include "commission/experiment.h"
 
+#include "commission/experiment_state.h"
 #include "commission/limits.h"
+#include "commission/origin.h"
 #include "commission/progress.h"
 
 #include <string.h>
@@ -168,9 +168,8 @@ static enum err begin_step(struct experiment *e, const real_t *y)
         err = record_step(&e->record, y);
     if (!err)
         err = limits_arm(e, y);
-    int trip;
     if (!err)
-        err = guard_step(&e->guard, y, &trip);
+        err = limits_see(e, y);
     if (err)
         return err;
     e->amplitude = c->amplitude > REAL_C(0.0) ? c->amplitude : first_amplitude(e);
@@ -272,8 +271,8 @@ void experiment_take_interim_fit(struct experiment *e)
     e->interim_fitting = false;
     e->interim_fitted = true;
     e->fresh = e->phase == EXPERIMENT_UP;
-    for (unsigned j = 0; e->fresh && j < e->config.outputs; j++) {
-        const struct identified *f = &e->interim_fit.found[j];
+    for (uint8_t j = 0; e->fresh && j < e->config.outputs; j++) {
+        const struct identified *f = interim_fit_found(&e->interim_fit, j);
         bool better =
             !(e->early[j].slope > REAL_C(0.0)) || f->dead_time_sd_s < e->early[j].dead_sd_s;
         if ((f->flags & IDENTIFIED_NO_GAIN) || !(f->time_constant_s > REAL_C(0.0)) ||
@@ -287,12 +286,11 @@ void experiment_take_interim_fit(struct experiment *e)
 
 static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
 {
-    int trip;
     e->amplitude = amplitude;
     e->half = 0;
     enum err err = limits_arm(e, y);
     if (!err)
-        err = guard_step(&e->guard, y, &trip);
+        err = limits_see(e, y);
     return err ? err : move(e, amplitude);
 }
 
@@ -302,11 +300,14 @@ static enum err going_up(struct experiment *e, const real_t *y)
     enum err err;
     e->half++;
     enum limits_verdict verdict;
+    struct limits_peak peak;
     limits_watch(e, y);
-    err = limits_judge(e, y, &verdict);
+    err = limits_judge(e, y, &verdict, &peak);
     if (err)
         return err;
     if (verdict != LIMITS_FINE) {
+        e->culprit = peak.output;
+        e->predicted = peak.predicted;
         e->cut = true;
         return verdict == LIMITS_BACK ? give_test_up(e) : turn_down(e, y);
     }
@@ -389,7 +390,6 @@ static void grow_older(struct experiment *e)
 
 enum err experiment_missed(struct experiment *e)
 {
-    int trip;
     if (!e->begun || e->phase >= EXPERIMENT_DONE)
         return ERR_STATE;
     grow_older(e);
@@ -401,7 +401,7 @@ enum err experiment_missed(struct experiment *e)
         return err;
     if (e->phase == EXPERIMENT_UP) {
         e->half++;
-        return guard_step(&e->guard, e->last, &trip);
+        return limits_see(e, e->last);
     }
     return e->phase == EXPERIMENT_BACK ? steady_step(&e->steady, e->last) : ERR_OK;
 }

@@ -12,7 +12,10 @@
 #ifndef REFLUX_COMMISSION_EXPERIMENT_H
 #define REFLUX_COMMISSION_EXPERIMENT_H
 
-#include "commission/experiment_state.h"
+#include "commission/experiment_config.h"
+#include "identify/identified.h"
+
+struct experiment;
 
 /* ERR_RANGE, ERR_NOT_FINITE: of the config, *e then not to be used. */
 MUST_CHECK enum err experiment_begin(struct experiment *e, const struct experiment_config *config);

@@ -1,49 +1,17 @@
-/* Settings and state of a double step on one input: experiment.h. */
+/* The state of experiment.c. */
 #ifndef REFLUX_COMMISSION_EXPERIMENT_STATE_H
 #define REFLUX_COMMISSION_EXPERIMENT_STATE_H
 
+#include "commission/experiment_config.h"
 #include "commission/interim_fit.h"
-#include "commission/origin.h"
-#include "identify/guard.h"
+#include "commission/limits_state.h"
 #include "identify/moments.h"
 #include "identify/record.h"
 #include "identify/steady.h"
 
-enum experiment_phase {
-    EXPERIMENT_REST,
-    EXPERIMENT_UP,
-    EXPERIMENT_DOWN,
-    EXPERIMENT_BACK,
-    EXPERIMENT_DONE,
-    EXPERIMENT_FAILED /* without a result; the level is 0 again */
-};
-
-enum experiment_failure {
-    EXPERIMENT_FINE,
-    EXPERIMENT_RESTLESS, /* an output does not come to rest before the step */
-    EXPERIMENT_LIMIT,    /* an output exceeded its limit in spite of the guards */
-    EXPERIMENT_AWAY,     /* an output does not return after the step */
-    EXPERIMENT_LEFT      /* the tests before have left an output too far from the operating point */
-};
-
-struct experiment_config {
-    uint8_t outputs;        /* 1 to CHANNEL_MAX */
-    real_t h_s;             /* sample interval, s */
-    uint32_t window;        /* samples over which rest is judged, from STEADY_BLOCKS up */
-    real_t noise_floor;     /* least noise of an output, fraction of span, above 0 */
-    real_t amplitude;       /* fraction of span; 0: the test finds it */
-    real_t amplitude_first; /* first amplitude where the test finds it */
-    real_t amplitude_max;   /* room in both directions, fraction of span, above 0 */
-    real_t noise_multiple;  /* a response this many times the noise is enough */
-    uint32_t half;          /* samples of the positive half; 0: until rest */
-    uint32_t half_least;    /* shortest half that ends by itself, samples */
-    uint32_t half_most;     /* longest half, samples; above window */
-    real_t blank_s;         /* time for which the guard is blind after an edge */
-    bool line_guard; /* the guard trusts the straight line, not only above half of the limit */
-    real_t limit[CHANNEL_MAX]; /* farthest from the operating point, fraction of span, above 0 */
-    real_t dead_time_s[CHANNEL_MAX]; /* 0: not known */
-    /* The operating point, kept from test to test; NULL: the rest before this one. */
-    struct origin *origin;
+/* The beginning of a response: slope (gain over time constant; 0: not known) and dead time with its standard deviation. */
+struct early_response {
+    real_t slope, dead_s, dead_sd_s;
 };
 
 struct experiment {
@@ -63,14 +31,8 @@ struct experiment {
     uint32_t waited;  /* samples in this phase */
     uint32_t half;    /* samples since the last positive edge, then length of the negative half */
     uint32_t samples; /* since the first edge */
-    real_t last[CHANNEL_MAX];    /* sample */
-    real_t at_turn[CHANNEL_MAX]; /* deviation from rest where the negative half began */
-    uint8_t over[CHANNEL_MAX];   /* samples in a row past the limit */
-    /* Extremes of the positive half below and above rest for an amplitude of 1, fraction of span. */
-    real_t low[CHANNEL_MAX], high[CHANNEL_MAX];
-    real_t
-        worst; /* largest share of its limit that an output has used, with the deviation before the test */
-    uint8_t worst_output;
+    real_t last[CHANNEL_MAX];        /* sample */
+    real_t at_turn[CHANNEL_MAX];     /* deviation from rest where the negative half began */
     real_t rest[CHANNEL_MAX];        /* level before the step */
     real_t drift_per_s[CHANNEL_MAX]; /* slope before the step, where that exceeds the noise */
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
@@ -84,14 +46,180 @@ struct experiment {
     struct interim_fit interim_fit;
 
     /* The beginning of the response, from the interim fit that knew the dead time best. */
-    struct {
-        real_t slope, dead_s, dead_sd_s; /* slope: gain over time constant; 0: not known */
-    } early[CHANNEL_MAX];
+    struct early_response early[CHANNEL_MAX];
 
     struct steady steady;
     struct record record;
     struct moments moments;
-    struct guard guard;
+    struct limits limits;
 };
+
+static inline const struct experiment_config *experiment_settings(const struct experiment *e)
+{
+    return &e->config;
+}
+
+static inline enum experiment_phase experiment_phase(const struct experiment *e)
+{
+    return e->phase;
+}
+
+static inline enum experiment_failure experiment_failure(const struct experiment *e)
+{
+    return e->failure;
+}
+
+/* The output for which it failed, or for which the guard cut the step. */
+static inline uint8_t experiment_culprit(const struct experiment *e)
+{
+    return e->culprit;
+}
+
+/* The peak that the guard predicted, fraction of span. */
+static inline real_t experiment_predicted(const struct experiment *e)
+{
+    return e->predicted;
+}
+
+/* There has been a sample. */
+static inline bool experiment_has_begun(const struct experiment *e)
+{
+    return e->begun;
+}
+
+static inline bool experiment_is_cut(const struct experiment *e)
+{
+    return e->cut;
+}
+
+static inline bool experiment_is_one_sided(const struct experiment *e)
+{
+    return e->one_sided;
+}
+
+static inline bool experiment_is_small(const struct experiment *e)
+{
+    return e->small;
+}
+
+/* An interim fit waits for the main loop. */
+static inline bool experiment_wants_interim_fit(const struct experiment *e)
+{
+    return e->interim_fitting;
+}
+
+/* There is a model of this step. */
+static inline bool experiment_has_model(const struct experiment *e)
+{
+    return e->interim_fitted;
+}
+
+static inline real_t experiment_amplitude(const struct experiment *e)
+{
+    return e->amplitude;
+}
+
+static inline real_t experiment_level(const struct experiment *e)
+{
+    return e->level;
+}
+
+/* Length of a half in samples, and in seconds. */
+static inline uint32_t experiment_half(const struct experiment *e)
+{
+    return e->half;
+}
+
+static inline real_t experiment_half_s(const struct experiment *e)
+{
+    return (real_t)e->half * e->config.h_s;
+}
+
+/* Samples since the first edge. */
+static inline uint32_t experiment_samples(const struct experiment *e)
+{
+    return e->samples;
+}
+
+/* Samples in this phase. */
+static inline uint32_t experiment_waited(const struct experiment *e)
+{
+    return e->waited;
+}
+
+/* The sample before. */
+static inline const real_t *experiment_last(const struct experiment *e)
+{
+    return e->last;
+}
+
+/* Rest, slope and deviation at the reversal of output j. */
+static inline real_t experiment_rest(const struct experiment *e, uint8_t j)
+{
+    return e->rest[j];
+}
+
+static inline real_t experiment_slope(const struct experiment *e, uint8_t j)
+{
+    return e->drift_per_s[j];
+}
+
+static inline real_t experiment_at_turn(const struct experiment *e, uint8_t j)
+{
+    return e->at_turn[j];
+}
+
+/* The lines of rest before the step and after it. */
+static inline const struct steady_result *experiment_before(const struct experiment *e, uint8_t j)
+{
+    return &e->before[j];
+}
+
+static inline const struct steady_result *experiment_after(const struct experiment *e, uint8_t j)
+{
+    return &e->after[j];
+}
+
+static inline const struct record *experiment_record(const struct experiment *e)
+{
+    return &e->record;
+}
+
+static inline struct record *experiment_record_to_edit(struct experiment *e)
+{
+    return &e->record;
+}
+
+static inline const struct moments *experiment_moments(const struct experiment *e)
+{
+    return &e->moments;
+}
+
+/* The model of output j by the latest interim fit. */
+static inline const struct identified *experiment_found(const struct experiment *e, uint8_t j)
+{
+    return interim_fit_found(&e->interim_fit, j);
+}
+
+/* The beginning of the response of output j. */
+static inline const struct early_response *experiment_early(const struct experiment *e, uint8_t j)
+{
+    return &e->early[j];
+}
+
+static inline const struct limits *experiment_limits(const struct experiment *e)
+{
+    return &e->limits;
+}
+
+static inline struct interim_fit *experiment_interim_fit(struct experiment *e)
+{
+    return &e->interim_fit;
+}
+
+static inline struct limits *experiment_guards(struct experiment *e)
+{
+    return &e->limits;
+}
 
 #endif

@@ -1,8 +1,6 @@
-#include "exchange/config.h"
+#include "commission/interim_fit.h"
 
 #include <string.h>
-
-#include "commission/interim_fit.h"
 
 #define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be valid */
 #define FIT_UNITS 4u           /* evaluations in one piece */

@@ -27,4 +27,16 @@ bool interim_fit_run(struct interim_fit *l);
 /* The gain of a model is known within a third. */
 bool interim_fit_is_known(const struct identified *f);
 
+/* The model of output j. */
+static inline const struct identified *interim_fit_found(const struct interim_fit *l, uint8_t j)
+{
+    return &l->found[j];
+}
+
+/* The memory of a fit, free once the test is over. */
+static inline struct fopdt_fit *interim_fit_memory(struct interim_fit *l)
+{
+    return &l->fit;
+}
+
 #endif

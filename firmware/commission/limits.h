@@ -3,7 +3,13 @@
 #ifndef REFLUX_COMMISSION_LIMITS_H
 #define REFLUX_COMMISSION_LIMITS_H
 
-#include "commission/experiment_state.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "num/real.h"
+
+struct experiment;
 
 /* Limit of output j less the deviation that earlier tests have left, fraction of span; 0 at least. */
 real_t limits_room(const struct experiment *e, uint8_t j);
@@ -26,9 +32,17 @@ enum limits_verdict {
     LIMITS_BACK /* the step must end without a reversal, which would take an output past its limit */
 };
 
-/* Judges the positive half; sets e->culprit and e->predicted unless it is fine. */
+/* A predicted peak, fraction of span, and its output. */
+struct limits_peak {
+    real_t predicted;
+    uint8_t output;
+};
+
+/* Lets the line guard see a sample without a judgement. */
+MUST_CHECK enum err limits_see(struct experiment *e, const real_t *y);
+/* Judges the positive half; sets *peak unless it is fine. */
 MUST_CHECK enum err limits_judge(struct experiment *e, const real_t *y,
-                                 enum limits_verdict *verdict);
+                                 enum limits_verdict *verdict, struct limits_peak *peak);
 /* An output is near its limit in the negative half, including the response that dead time still hides. */
 bool limits_far_enough(const struct experiment *e, const real_t *y);
 /* Returns an output that has been as far from the operating point as its limit for two samples before the step; negative: none. */

@@ -34,7 +34,7 @@
 
 real_t model_unseen(const struct experiment *x, const struct identified *fit)
 {
-    real_t seen_s = (real_t)x->half * x->config.h_s - fit->dead_time_s;
+    real_t seen_s = experiment_half_s(x) - fit->dead_time_s;
     if (seen_s <= REAL_C(0.0))
         return REAL_C(1.0);
     return fit->time_constant_s > REAL_C(0.0) ? real_exp(-seen_s / fit->time_constant_s)
@@ -52,8 +52,10 @@ void model_begin_fit(struct commission *c)
 static bool was_longer(const struct commission *c, uint8_t k)
 {
     const struct experiment *x = &c->work->experiment;
-    return inputs_get(&c->inputs, k)->unsettled && x->half >= x->config.half_least &&
-           x->config.half_least < x->config.half_most; /* else there was no room for it */
+    return inputs_get(&c->inputs, k)->unsettled &&
+           experiment_half(x) >= experiment_settings(x)->half_least &&
+           experiment_settings(x)->half_least <
+               experiment_settings(x)->half_most; /* else there was no room for it */
 }
 
 void model_keep(struct commission *c)
@@ -89,7 +91,8 @@ static void begin_output(struct commission *c)
     struct identified moments;
     enum err err = experiment_baseline(x, j, &b);
     if (!err)
-        err = moments_element(&x->moments, j, &x->record.input, &b, REAL_C(0.0), &moments, NULL);
+        err = moments_element(experiment_moments(x), j, &experiment_record(x)->input, &b,
+                              REAL_C(0.0), &moments, NULL);
     bool have_moments = !err;
     if (have_moments) {
         e->moments = (struct fopdt){.gain = moments.gain,
@@ -101,7 +104,8 @@ static void begin_output(struct commission *c)
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
     c->model.bent = false;
-    err = fopdt_fit_begin(&c->work->experiment.interim_fit.fit, &x->record, j, &o);
+    err = fopdt_fit_begin(interim_fit_memory(experiment_interim_fit(&c->work->experiment)),
+                          experiment_record(x), j, &o);
     if (err)
         c->model.error = err;
     c->model.running = !err;
@@ -110,13 +114,14 @@ static void begin_output(struct commission *c)
 /* Slope after the test that the end of the response explains, fraction of span per second. */
 static real_t tail_slope(const struct experiment *x, uint8_t j, const struct identified *fit)
 {
-    const struct excitation *u = &x->record.input;
+    const struct excitation *u = &experiment_record(x)->input;
     if (u->edges == 0 || !(fit->time_constant_s > REAL_C(0.0)))
         return REAL_C(0.0);
-    real_t since_s = (real_t)(x->samples - u->edge[u->edges - 1u].sample) * x->config.h_s;
-    real_t gone_s = since_s - x->after[j].age_s - fit->dead_time_s;
+    real_t since_s = (real_t)(experiment_samples(x) - u->edge[u->edges - 1u].sample) *
+                     experiment_settings(x)->h_s;
+    real_t gone_s = since_s - experiment_after(x, j)->age_s - fit->dead_time_s;
     real_t share = gone_s > REAL_C(0.0) ? real_exp(-gone_s / fit->time_constant_s) : REAL_C(1.0);
-    return real_abs(fit->gain) * x->amplitude * share / fit->time_constant_s;
+    return real_abs(fit->gain) * experiment_amplitude(x) * share / fit->time_constant_s;
 }
 
 /* Change of the drift's slope over the test beyond the end of the response, fraction of span per second; 0 where that is not
@@ -140,8 +145,8 @@ static real_t sure_slope(const struct steady_result *at)
 static bool take_level(const struct experiment *x, const struct test_verdict *v,
                        struct identified *fit)
 {
-    real_t of = test_verdict_level_of(&x->record, fit->dead_time_s, fit->time_constant_s);
-    if (!(v->level_sd > REAL_C(0.0)) || x->cut || of < LEVEL_LEAST ||
+    real_t of = test_verdict_level_of(experiment_record(x), fit->dead_time_s, fit->time_constant_s);
+    if (!(v->level_sd > REAL_C(0.0)) || experiment_is_cut(x) || of < LEVEL_LEAST ||
         (fit->flags & IDENTIFIED_NO_GAIN))
         return false;
     real_t to_come = REAL_C(0.5) * (REAL_C(1.0) / of - REAL_C(1.0)) * v->level;
@@ -159,12 +164,12 @@ static bool take_level(const struct experiment *x, const struct test_verdict *v,
 static void take_beginning(struct element *e, const struct experiment *x, uint8_t j,
                            const struct identified *fit)
 {
-    real_t slope = x->early[j].slope;
+    real_t slope = experiment_early(x, j)->slope;
     if (!(slope * fit->time_constant_s > real_abs(fit->gain)) ||
-        !(x->early[j].dead_sd_s < BEGINNING_SD_RATIO_MAX * fit->dead_time_sd_s))
+        !(experiment_early(x, j)->dead_sd_s < BEGINNING_SD_RATIO_MAX * fit->dead_time_sd_s))
         return;
     e->early_slope = slope;
-    e->early_dead_s = x->early[j].dead_s + x->early[j].dead_sd_s;
+    e->early_dead_s = experiment_early(x, j)->dead_s + experiment_early(x, j)->dead_sd_s;
 }
 
 /* The output is not linear: it responds differently up and down, and in the same way every time, which a disturbance does
@@ -189,7 +194,7 @@ static void verdict_on_climb(struct commission *c, const struct test_verdict *v,
                              const struct identified *fit)
 {
     const struct experiment *x = &c->work->experiment;
-    real_t half_s = (real_t)x->half * x->config.h_s;
+    real_t half_s = experiment_half_s(x);
     /* A constant drift cancels in the changes; a drift that bends does not. */
     real_t explained = CLIMB_SDS * v->change_sd + bend * half_s;
     real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
@@ -220,15 +225,15 @@ static void verdict_on_gain(struct commission *c, const struct test_verdict *v, 
     real_t more = REAL_C(0.5) * (spread - SPREAD_LEFT * real_abs(fit->gain));
     if (more > REAL_C(0.0))
         variance += more * more;
-    real_t duration_s = (real_t)x->samples * x->config.h_s;
-    real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
+    real_t duration_s = (real_t)experiment_samples(x) * experiment_settings(x)->h_s;
+    real_t left = BEND_SHARE * bend * duration_s / experiment_amplitude(x);
     variance += left * left;
-    real_t wrong = MISFIT_SHARE * misfit / x->amplitude;
+    real_t wrong = MISFIT_SHARE * misfit / experiment_amplitude(x);
     /* The part of the fit's deviation by those residuals comes again in every round, too. */
     real_t again = share * fit->gain_sd * fit->gain_sd + wrong * wrong;
     variance += wrong * wrong;
     /* After a cut test the fit alone predicts the part that was not seen. */
-    if (x->cut) {
+    if (experiment_is_cut(x)) {
         real_t unseen = UNSEEN_DOUBT * model_unseen(x, fit);
         real_t gain_sd = unseen * fit->gain, lag_sd = unseen * fit->time_constant_s;
         variance += gain_sd * gain_sd;
@@ -275,7 +280,8 @@ static bool fit_again(struct commission *c, const struct fopdt_fit_result *strai
     experiment_baseline_before(x, c->model.output, &o.baseline);
     c->model.squares = straight->squares;
     c->model.bent = c->model.running =
-        fopdt_fit_begin(&x->interim_fit.fit, &x->record, c->model.output, &o) == ERR_OK;
+        fopdt_fit_begin(interim_fit_memory(experiment_interim_fit(x)), experiment_record(x),
+                        c->model.output, &o) == ERR_OK;
     return c->model.bent;
 }
 
@@ -297,7 +303,8 @@ static real_t misfit_share(const struct fopdt_fit_result *r)
 static void verdict_of_output(const struct experiment *x, uint8_t j, const struct baseline *b,
                               struct test_verdict *v)
 {
-    test_verdict_of(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
+    test_verdict_of(experiment_record(x), j, b, experiment_amplitude(x),
+                    sure_slope(experiment_before(x, j)), v);
 }
 
 /* Takes the fits of an output; bent is NULL where its drift has not turned. */
@@ -315,10 +322,10 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     if (usable && bent_is_better(c, bent)) {
         e->plateau_gain = bent->plateau_gain;
         *kept = bent->element;
-        straighten(&x->record, j, bent);
+        straighten(experiment_record_to_edit(x), j, bent);
         b = (struct baseline){.offset = bent->offset,
                               .slope_per_s = bent->slope_per_s,
-                              .noise_sd = x->before[j].noise_sd};
+                              .noise_sd = experiment_before(x, j)->noise_sd};
         verdict_of_output(x, j, &b, &v);
         verdict_on_climb(c, &v, REAL_C(0.0), kept);
         verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
@@ -369,10 +376,11 @@ bool model_piece(struct commission *c)
         begin_output(c);
         return true;
     }
-    if (!fopdt_fit_run(&c->work->experiment.interim_fit.fit, FIT_UNITS))
+    if (!fopdt_fit_run(interim_fit_memory(experiment_interim_fit(&c->work->experiment)), FIT_UNITS))
         return true;
     struct fopdt_fit_result r;
-    enum err err = fopdt_fit_result(&c->work->experiment.interim_fit.fit, &r);
+    enum err err =
+        fopdt_fit_result(interim_fit_memory(experiment_interim_fit(&c->work->experiment)), &r);
     if (err) {
         c->model.error = err;
         return false;

@@ -3,7 +3,11 @@
 #ifndef REFLUX_COMMISSION_PROGRESS_H
 #define REFLUX_COMMISSION_PROGRESS_H
 
-#include "commission/experiment_state.h"
+#include <stdbool.h>
+
+#include "num/real.h"
+
+struct experiment;
 
 enum progress_verdict { PROGRESS_WAIT, PROGRESS_GROW, PROGRESS_TURN };
 

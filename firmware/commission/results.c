@@ -67,12 +67,14 @@ static void next_round(struct commission *c, struct supervisor *s)
 static bool retry_longer_halves(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
-    if (x->cut || x->config.half > 0 || x->half >= commission_longest(s) ||
+    if (experiment_is_cut(x) || experiment_settings(x)->half > 0 ||
+        experiment_half(x) >= commission_longest(s) ||
         inputs_under_test(&c->inputs)->longer_retries == LONGER_RETRIES_MAX)
         return false;
-    uint32_t half = LONGER * x->half;
+    uint32_t half = LONGER * experiment_half(x);
     uint8_t retries = inputs_want_longer(&c->inputs, half);
-    commission_say_of_input(c, s, EVENT_TEST_LONGER, (real_t)half * x->config.h_s, retries);
+    commission_say_of_input(c, s, EVENT_TEST_LONGER, (real_t)half * experiment_settings(x)->h_s,
+                            retries);
     commission_start_input(c, s);
     return true;
 }
@@ -99,11 +101,12 @@ static bool retry_linear_step(struct commission *c, struct supervisor *s)
         if (asymmetry > worst)
             worst = asymmetry;
     }
-    bool grown = x->record.input.edges > 3u; /* a smaller one did not stand out of the noise */
-    if (worst < ASYMMETRY_MUCH || grown || in->rounds > 0 || x->cut ||
-        x->config.amplitude > REAL_C(0.0) || in->linear_retries == LINEAR_RETRIES_MAX)
+    bool grown =
+        experiment_record(x)->input.edges > 3u; /* a smaller one did not stand out of the noise */
+    if (worst < ASYMMETRY_MUCH || grown || in->rounds > 0 || experiment_is_cut(x) ||
+        experiment_settings(x)->amplitude > REAL_C(0.0) || in->linear_retries == LINEAR_RETRIES_MAX)
         return false;
-    real_t amplitude = x->amplitude * ASYMMETRY_WANTED / worst;
+    real_t amplitude = experiment_amplitude(x) * ASYMMETRY_WANTED / worst;
     uint8_t retries = inputs_want_linear(&c->inputs, amplitude);
     commission_say_of_input(c, s, EVENT_TEST_SMALLER, amplitude, retries);
     commission_start_input(c, s);
@@ -117,8 +120,8 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
     const struct experiment *x = &c->work->experiment;
     uint8_t k = inputs_current(&c->inputs), outputs = outputs_count(&c->outputs);
     const struct tested_input *in = inputs_get(&c->inputs, k);
-    real_t a = SMALLER_MOST * x->amplitude;
-    bool missing = x->one_sided;
+    real_t a = SMALLER_MOST * experiment_amplitude(x);
+    bool missing = experiment_is_one_sided(x);
     for (uint8_t j = 0; j < outputs; j++) {
         const struct identified *f = model_fitted(&c->model, j);
         real_t room = limits_room(x, j), most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
@@ -129,10 +132,11 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
         if (!(most * a < SMALLER_SHARE * room))
             a = SMALLER_SHARE * room / most;
     }
-    if (!x->cut || !missing || x->config.amplitude > REAL_C(0.0) || in->cut_retries == RETRIES_MAX)
+    if (!experiment_is_cut(x) || !missing || experiment_settings(x)->amplitude > REAL_C(0.0) ||
+        in->cut_retries == RETRIES_MAX)
         return false;
-    if (a < SMALLER_LEAST * x->amplitude)
-        a = SMALLER_LEAST * x->amplitude;
+    if (a < SMALLER_LEAST * experiment_amplitude(x))
+        a = SMALLER_LEAST * experiment_amplitude(x);
     uint8_t retries = inputs_want_uncut(&c->inputs, a);
     commission_say_of_input(c, s, EVENT_TEST_SMALLER, a, retries);
     commission_start_input(c, s);
@@ -171,8 +175,9 @@ static void take_fit(struct commission *c, struct supervisor *s)
     if (retry_smaller_step(c, s) || retry_linear_step(c, s))
         return;
     const struct experiment *x = &c->work->experiment;
-    if (x->one_sided) {
-        commission_end_by_output(c, s, REASON_REVERSAL, x->culprit, x->predicted);
+    if (experiment_is_one_sided(x)) {
+        commission_end_by_output(c, s, REASON_REVERSAL, experiment_culprit(x),
+                                 experiment_predicted(x));
         return;
     }
     model_keep(c);

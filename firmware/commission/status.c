@@ -1,10 +1,9 @@
 #include "commission/status.h"
 
+#include "base/elapsed.h"
 #include "commission/status_state.h"
 
 #include <string.h>
-
-#include "base/elapsed.h"
 
 void status_init(struct startup_status *st, struct event_queue *events)
 {

@@ -1,5 +1,3 @@
-#include "exchange/config.h"
-
 #include "commission/test_verdict.h"
 
 #define PART_POINTS   2u /* at least, in each part that is averaged */

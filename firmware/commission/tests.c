@@ -56,15 +56,15 @@ static void ask_for_fit(struct commission *c, const struct supervisor *s, enum b
 static void end_test(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
-    struct test_result result = {.amplitude = x->amplitude,
-                                 .half_s = (real_t)x->half * x->config.h_s,
-                                 .worst = x->worst,
+    struct test_result result = {.amplitude = experiment_amplitude(x),
+                                 .half_s = experiment_half_s(x),
+                                 .worst = limits_worst(experiment_limits(x)),
                                  .took_s = status_phase_s(&c->status, s->time_ms),
-                                 .cut = x->cut,
-                                 .small = x->small};
+                                 .cut = experiment_is_cut(x),
+                                 .small = experiment_is_small(x)};
     inputs_note_test(&c->inputs, &result);
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
-        outputs_set_noise(&c->outputs, j, x->before[j].noise_sd);
+        outputs_set_noise(&c->outputs, j, experiment_before(x, j)->noise_sd);
     commission_say_of_input(c, s, EVENT_TEST_DONE, result.half_s, inputs_round(&c->inputs));
     status_enter(&c->status, COMMISSION_FITTING, s->time_ms);
     model_begin_fit(c);
@@ -75,14 +75,14 @@ void commission_test(struct commission *c, struct supervisor *s)
 {
     struct experiment *x = &c->work->experiment;
     real_t y[CHANNEL_MAX];
-    enum experiment_phase before = x->phase;
+    enum experiment_phase before = experiment_phase(x);
     enum err err = ERR_OK;
     uint32_t missed = outputs_see_sample(&c->outputs, s);
-    if (x->begun && missed > MISSED_MOST + 1u) {
+    if (experiment_has_begun(x) && missed > MISSED_MOST + 1u) {
         commission_end(c, s, REASON_SAMPLES, NULL, (real_t)(missed - 1u));
         return;
     }
-    for (; x->begun && missed > 1 && !err; missed--)
+    for (; experiment_has_begun(x) && missed > 1 && !err; missed--)
         err = experiment_missed(x);
     outputs_read(&c->outputs, s, y);
     if (background_take(&c->background, status_events(&c->status), s->time_ms))
@@ -93,26 +93,29 @@ void commission_test(struct commission *c, struct supervisor *s)
         commission_fail(c, s, REAL_C(0.0));
         return;
     }
-    supervisor_excite(s, inputs_under_test(&c->inputs)->output, num_from_float(x->level));
-    if (x->interim_fitting && !background_is_asked(&c->background) &&
+    supervisor_excite(s, inputs_under_test(&c->inputs)->output,
+                      num_from_float(experiment_level(x)));
+    if (experiment_wants_interim_fit(x) && !background_is_asked(&c->background) &&
         requests_pending(&c->requests) == COMMISSION_ASK_NONE)
         ask_for_fit(c, s, TASK_INTERIM_FIT);
-    if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
-        commission_say_of_input(c, s, EVENT_TEST_STEP, x->amplitude, inputs_round(&c->inputs));
-    if (before == EXPERIMENT_UP && x->phase > EXPERIMENT_UP && x->cut) {
-        inputs_note_cut(&c->inputs, x->culprit, x->predicted);
-        commission_say(c, s, EVENT_TEST_CUT, outputs_name(&c->outputs, s, x->culprit),
-                       x->predicted);
+    if (before == EXPERIMENT_REST && experiment_phase(x) == EXPERIMENT_UP)
+        commission_say_of_input(c, s, EVENT_TEST_STEP, experiment_amplitude(x),
+                                inputs_round(&c->inputs));
+    if (before == EXPERIMENT_UP && experiment_phase(x) > EXPERIMENT_UP && experiment_is_cut(x)) {
+        inputs_note_cut(&c->inputs, experiment_culprit(x), experiment_predicted(x));
+        commission_say(c, s, EVENT_TEST_CUT, outputs_name(&c->outputs, s, experiment_culprit(x)),
+                       experiment_predicted(x));
     }
-    if (x->phase == EXPERIMENT_FAILED) {
+    if (experiment_phase(x) == EXPERIMENT_FAILED) {
         static const enum commission_reason reason[] = {[EXPERIMENT_FINE] = REASON_NUMBERS,
                                                         [EXPERIMENT_RESTLESS] = REASON_RESTLESS,
                                                         [EXPERIMENT_LIMIT] = REASON_LIMIT,
                                                         [EXPERIMENT_AWAY] = REASON_AWAY,
                                                         [EXPERIMENT_LEFT] = REASON_LEFT};
-        inputs_note_worst(&c->inputs, x->worst);
-        commission_end_by_output(c, s, reason[x->failure], x->culprit, x->worst);
-    } else if (x->phase == EXPERIMENT_DONE) {
+        inputs_note_worst(&c->inputs, limits_worst(experiment_limits(x)));
+        commission_end_by_output(c, s, reason[experiment_failure(x)], experiment_culprit(x),
+                                 limits_worst(experiment_limits(x)));
+    } else if (experiment_phase(x) == EXPERIMENT_DONE) {
         end_test(c, s);
     }
 }

@@ -1,5 +1,3 @@
-#include "exchange/config.h"
-
 #include "commission/words.h"
 
 const char *words_of_verdict(const struct analysis *a)

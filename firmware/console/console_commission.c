@@ -47,7 +47,8 @@ static void test_line(const struct commission *c, const struct config *config, s
         enum experiment_phase phase;
         uint8_t worst_output;
         real_t amplitude, worst;
-    } now = {experiment->phase, experiment->worst_output, experiment->amplitude, experiment->worst};
+    } now = {experiment_phase(experiment), limits_worst_output(experiment_limits(experiment)),
+             experiment_amplitude(experiment), limits_worst(experiment_limits(experiment))};
     hal_tick_unlock();
     if (!testing)
         return;

@@ -4,6 +4,7 @@
 #define REFLUX_TESTS_EXPERIMENT_BENCH_H
 
 #include "commission/experiment.h"
+#include "commission/experiment_state.h"
 #include "step_records.h"
 #include "unity.h"
 

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "commission/experiment_state.h"
 #include "commission/test_verdict.h"
 #include "csv.h"
 #include "experiment_bench.h"
@@ -162,7 +163,7 @@ static void an_amplitude_does_not_grow_for_an_output_near_its_limit(void)
     bench_run();
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
     TEST_ASSERT_EQUAL_FLOAT(0.02f, (float)experiment.amplitude);
-    TEST_ASSERT_TRUE(experiment.worst < REAL_C(1.0));
+    TEST_ASSERT_TRUE(experiment.limits.worst < REAL_C(1.0));
 }
 
 static void an_amplitude_that_is_given_is_kept(void)
@@ -229,10 +230,10 @@ static void without_noise_no_limit_is_passed_whatever_the_element(void)
         bench_run();
         char text[120];
         snprintf(text, sizeof text, "gain %g lag %g dead %g: worst %g, failure %d", e.gain, e.lag,
-                 e.dead, (double)experiment.worst, experiment.failure);
+                 e.dead, (double)experiment.limits.worst, experiment.failure);
         TEST_ASSERT_EQUAL_INT_MESSAGE(EXPERIMENT_DONE, experiment.phase, text);
-        TEST_ASSERT_TRUE_MESSAGE(experiment.worst <= REAL_C(1.0), text);
-        worst = fmax(worst, (double)experiment.worst);
+        TEST_ASSERT_TRUE_MESSAGE(experiment.limits.worst <= REAL_C(1.0), text);
+        worst = fmax(worst, (double)experiment.limits.worst);
         cuts += experiment.cut;
     }
     char text[80];
@@ -252,7 +253,8 @@ static void the_guard_cuts_a_step_before_the_limit_and_says_why(void)
     TEST_ASSERT_TRUE(experiment.cut);
     TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
     TEST_ASSERT_TRUE(real_abs(experiment.predicted) >= REAL_C(0.16));
-    TEST_ASSERT_TRUE(experiment.worst > REAL_C(0.7) && experiment.worst <= REAL_C(1.0));
+    TEST_ASSERT_TRUE(experiment.limits.worst > REAL_C(0.7) &&
+                     experiment.limits.worst <= REAL_C(1.0));
     struct identified e = fitted(1);
     TEST_ASSERT_TRUE(error_of(&e, &bench.element[1]) < 0.05);
 }
@@ -270,7 +272,7 @@ static void the_guard_looks_away_while_it_is_told_to(void)
         bench_run();
         TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
         TEST_ASSERT_EQUAL(!blank, experiment.cut);
-        TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+        TEST_ASSERT_TRUE(experiment.limits.worst <= REAL_C(1.0));
     }
 }
 
@@ -286,7 +288,7 @@ static void a_limit_that_is_passed_all_the_same_ends_it(void)
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
     TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
-    TEST_ASSERT_TRUE(experiment.worst > REAL_C(1.0));
+    TEST_ASSERT_TRUE(experiment.limits.worst > REAL_C(1.0));
 }
 
 static double wrong_way(unsigned j, uint32_t k)
@@ -321,9 +323,9 @@ static void what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_ha
         bench_run();
         char text[80];
         snprintf(text, sizeof text, "share %g: phase %d, worst %g", share[i], experiment.phase,
-                 (double)experiment.worst);
+                 (double)experiment.limits.worst);
         TEST_ASSERT_EQUAL_INT_MESSAGE(EXPERIMENT_DONE, experiment.phase, text);
-        TEST_ASSERT_TRUE_MESSAGE(experiment.worst <= REAL_C(1.0), text);
+        TEST_ASSERT_TRUE_MESSAGE(experiment.limits.worst <= REAL_C(1.0), text);
         reversed += experiment.cut;
     }
     TEST_ASSERT_TRUE(reversed > 0);
@@ -357,7 +359,7 @@ static void the_way_down_after_a_staircase_ends_before_a_limit(void)
     bench.extra[0] = -0.08;
     bench_run_for(1000000);
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
-    TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+    TEST_ASSERT_TRUE(experiment.limits.worst <= REAL_C(1.0));
     const struct excitation *u = &experiment.record.input;
     TEST_ASSERT_TRUE(u->edge[2].sample - u->edge[1].sample < 200);
 }
@@ -444,7 +446,7 @@ static void an_integrator_stays_inside_its_limit_and_climbs_to_the_end(void)
         config.half = half;
         bench_run();
         TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
-        TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+        TEST_ASSERT_TRUE(experiment.limits.worst <= REAL_C(1.0));
         TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)judged(0).climbs);
         TEST_ASSERT_TRUE(judged(1).climbs < REAL_C(0.2));
     }
@@ -591,7 +593,7 @@ static void an_unstable_output_is_stopped_at_its_limit(void)
     TEST_ASSERT_TRUE(experiment.failure == EXPERIMENT_LIMIT ||
                      experiment.failure == EXPERIMENT_AWAY);
     /* Two samples have to agree, and in each it grows by an eightieth. */
-    TEST_ASSERT_TRUE((double)experiment.worst < exp(2.0 / 80.0));
+    TEST_ASSERT_TRUE((double)experiment.limits.worst < exp(2.0 / 80.0));
 }
 
 /* ---- samples ---- */
@@ -746,7 +748,7 @@ static void a_drift_past_the_limit_ends_the_test(void)
     bench_run();
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
-    TEST_ASSERT_TRUE((double)experiment.worst < 1.05);
+    TEST_ASSERT_TRUE((double)experiment.limits.worst < 1.05);
 }
 
 int main(void)

@@ -194,7 +194,7 @@ static void says_experiment(void)
     const struct excitation *u = &x->record.input;
     kept_line("phase %d failure %d culprit %u flags %d%d%d%d%d worst %.6g of %u predicted %.6g",
               x->phase, x->failure, x->culprit, x->cut, x->one_sided, x->at_longest, x->small,
-              x->returned, (double)x->worst, x->worst_output, (double)x->predicted);
+              x->returned, (double)x->limits.worst, x->limits.worst_output, (double)x->predicted);
     kept_line("amplitude %.6g half %u samples %u points %u of %u edges %u", (double)x->amplitude,
               (unsigned)x->half, (unsigned)x->samples, (unsigned)x->record.points,
               (unsigned)x->record.block, (unsigned)u->edges);
@@ -205,8 +205,8 @@ static void says_experiment(void)
         says_rest("before", &x->before[j]);
         says_rest("after", &x->after[j]);
         kept_line("seen %.6g to %.6g drift %.6g bend %.6g sd %.6g early %.6g %.6g sd %.6g",
-                  (double)x->low[j], (double)x->high[j], (double)x->drift_per_s[j], (double)bend,
-                  (double)sd, (double)x->early[j].slope, (double)x->early[j].dead_s,
+                  (double)x->limits.low[j], (double)x->limits.high[j], (double)x->drift_per_s[j],
+                  (double)bend, (double)sd, (double)x->early[j].slope, (double)x->early[j].dead_s,
                   (double)x->early[j].dead_sd_s);
         says("look", &x->interim_fit.found[j]);
     }
@@ -231,7 +231,7 @@ static void says_of_the_record(uint8_t j)
         if (!err)
             says("moments", &at);
     }
-    if (guard_predict(&experiment.guard, j, &g) == ERR_OK)
+    if (guard_predict(&experiment.limits.guard, j, &g) == ERR_OK)
         kept_line("guard %.6g %.6g slope %.6g sd %.6g window %u", (double)g.source,
                   (double)g.predicted, (double)g.slope_per_s, (double)g.sd, (unsigned)g.window);
 }

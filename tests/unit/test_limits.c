@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "commission/experiment_state.h"
 #include "commission/limits.h"
 #include "commission/origin_state.h"
 #include "unity.h"
@@ -108,7 +109,7 @@ static void the_line_guard_begins_at_rest_and_goes_on_from_where_the_output_is(v
     is(1, 0.0625);
     e.samples = 0;
     TEST_ASSERT_EQUAL_INT(ERR_OK, limits_arm(&e, y));
-    const struct guard_config *g = &e.guard.config;
+    const struct guard_config *g = &e.limits.guard.config;
     TEST_ASSERT_EQUAL_UINT32(2, g->outputs);
     NEAR(2.0, g->h_s);
     NEAR(7.0, g->blanking_s);
@@ -148,8 +149,8 @@ static void two_samples_agree_on_how_far_a_response_has_been_less_two_deviations
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        const real_t *is_kept = sign < 0 ? &e.low[1] : &e.high[1];
-        const real_t *other = sign < 0 ? &e.high[1] : &e.low[1];
+        const real_t *is_kept = sign < 0 ? &e.limits.low[1] : &e.limits.high[1];
+        const real_t *other = sign < 0 ? &e.limits.high[1] : &e.limits.low[1];
         watch(sign / 16.0, sign / 32.0);
         NEAR(sign * 0.1875, *is_kept); /* (1/32 - 2/256) / 0.125 */
         NEAR(0.0, *other);
@@ -161,13 +162,13 @@ static void two_samples_agree_on_how_far_a_response_has_been_less_two_deviations
         NEAR(sign * 0.4375, *is_kept);
         NEAR(0.0, *other);
     }
-    NEAR(0.0, e.high[0]);
-    NEAR(0.0, e.low[0]);
-    NEAR(0.0, e.high[2]);
-    NEAR(0.0, e.low[2]);
+    NEAR(0.0, e.limits.high[0]);
+    NEAR(0.0, e.limits.low[0]);
+    NEAR(0.0, e.limits.high[2]);
+    NEAR(0.0, e.limits.low[2]);
     e.last[0] = y[0] = REAL_C(0.625); /* of every output */
     limits_watch(&e, y);
-    NEAR(0.9375, e.high[0]);
+    NEAR(0.9375, e.limits.high[0]);
 }
 
 static void the_reversal_takes_what_goes_the_wrong_way_twice_as_far(void)
@@ -177,11 +178,13 @@ static void the_reversal_takes_what_goes_the_wrong_way_twice_as_far(void)
                                       {0, 0, -1, 1},   {0, 0, 1.5, 1.5}, {-2, 0, 0.5, 4.5},
                                       {-2, 1, 0, 4},   {0, 3, 0, 6}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
-        e.low[1] = (real_t)cases[n][0];
-        e.high[1] = (real_t)cases[n][1];
+        e.limits.low[1] = (real_t)cases[n][0];
+        e.limits.high[1] = (real_t)cases[n][1];
         NEAR(cases[n][3], limits_reach(&e, 1, (real_t)cases[n][2]));
     }
 }
+
+static struct limits_peak peak;
 
 static enum limits_verdict judged(void)
 {
@@ -191,19 +194,18 @@ static enum limits_verdict judged(void)
     e.samples = 0;
     TEST_ASSERT_EQUAL_INT(ERR_OK, limits_arm(&e, rest)); /* the line has seen nothing yet */
     e.samples = samples;
-    e.culprit = 9;
-    e.predicted = 0;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, limits_judge(&e, y, &v));
+    peak = (struct limits_peak){.output = 9};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, limits_judge(&e, y, &v, &peak));
     if (v == LIMITS_FINE)
-        TEST_ASSERT_EQUAL_UINT8(9, e.culprit);
+        TEST_ASSERT_EQUAL_UINT8(9, peak.output);
     return v;
 }
 
 static void says(enum limits_verdict wanted, unsigned culprit, double predicted)
 {
     TEST_ASSERT_EQUAL_INT(wanted, judged());
-    TEST_ASSERT_EQUAL_UINT8(culprit, e.culprit);
-    TEST_ASSERT_DOUBLE_WITHIN(2e-6, predicted, (double)e.predicted);
+    TEST_ASSERT_EQUAL_UINT8(culprit, peak.output);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-6, predicted, (double)peak.predicted);
 }
 
 static void four_fifths_of_the_room_and_the_noise_end_a_half(void)
@@ -236,7 +238,8 @@ static void what_the_reversal_would_do_counts_as_well(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        *(sign < 0 ? &e.high[1] : &e.low[1]) = (real_t)(-sign * 0.25); /* 1/16 on top */
+        *(sign < 0 ? &e.limits.high[1] : &e.limits.low[1]) =
+            (real_t)(-sign * 0.25); /* 1/16 on top */
         is(1, sign * 0.14);
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged());
         is(1, sign * 0.1425);
@@ -298,22 +301,22 @@ static void a_line_that_trips_is_counted_from_rest(void)
         TEST_ASSERT_EQUAL_INT(ERR_OK, limits_arm(&e, y));
         for (; v == LIMITS_FINE && n < 40; n++) {
             is(1, 0.03125 + 0.000244140625 * n * n);
-            TEST_ASSERT_EQUAL_INT(ERR_OK, limits_judge(&e, y, &v));
+            TEST_ASSERT_EQUAL_INT(ERR_OK, limits_judge(&e, y, &v, &peak));
         }
         TEST_ASSERT_EQUAL_INT(LIMITS_TURN, v);
-        TEST_ASSERT_EQUAL_UINT8(1, e.culprit);
+        TEST_ASSERT_EQUAL_UINT8(1, peak.output);
         if (believed) {
             struct guard_prediction p;
-            TEST_ASSERT_EQUAL_INT(ERR_OK, guard_predict(&e.guard, 1, &p));
-            TEST_ASSERT_TRUE(real_abs(e.predicted) > real_abs(y[1] - e.rest[1]) + REAL_C(0.01));
-            NEAR((double)p.predicted + 0.03125, e.predicted);
+            TEST_ASSERT_EQUAL_INT(ERR_OK, guard_predict(&e.limits.guard, 1, &p));
+            TEST_ASSERT_TRUE(real_abs(peak.predicted) > real_abs(y[1] - e.rest[1]) + REAL_C(0.01));
+            NEAR((double)p.predicted + 0.03125, peak.predicted);
         } else {
-            NEAR((double)(y[1] - e.rest[1]), e.predicted);
+            NEAR((double)(y[1] - e.rest[1]), peak.predicted);
         }
     }
     y[1] = (real_t)NAN;
     enum limits_verdict v;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, limits_judge(&e, y, &v));
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, limits_judge(&e, y, &v, &peak));
 }
 
 /* Points of the record of output 1, from the first. */
@@ -442,18 +445,18 @@ static void a_limit_is_passed_where_two_samples_are_beyond_it(void)
     }
     e.before[1].noise_sd = 0;
     TEST_ASSERT_FALSE(past(0.25)); /* at it, not beyond */
-    e.worst = 0;
+    e.limits.worst = 0;
     with_origin();
     origin.channel[1].left = REAL_C(0.0625);
     (void)past(0.125); /* and what is left: 0.1875 of 0.25 */
-    NEAR(0.75, e.worst);
-    TEST_ASSERT_EQUAL_UINT8(1, e.worst_output);
+    NEAR(0.75, e.limits.worst);
+    TEST_ASSERT_EQUAL_UINT8(1, e.limits.worst_output);
     (void)past(0.1);
-    NEAR(0.75, e.worst);
+    NEAR(0.75, e.limits.worst);
     origin.channel[0].left = REAL_C(0.2);
     (void)past(0.0);
-    NEAR(0.8, e.worst);
-    TEST_ASSERT_EQUAL_UINT8(0, e.worst_output);
+    NEAR(0.8, e.limits.worst);
+    TEST_ASSERT_EQUAL_UINT8(0, e.limits.worst_output);
 }
 
 static void after_the_first_half_a_drift_may_have_turned(void)
