@@ -78,7 +78,7 @@ static enum err begin_pairing(struct analysis *a)
     pairing_config_default(&c);
     c.confidence = a->config.confidence;
     c.floor = a->config.floor;
-    c.outputs_out = a->inner_outputs;
+    c.outputs_out = layout_inner_outputs(&a->layout);
     take_given(a, &c);
     a->stage = ANALYSIS_PAIRING;
     return pairing_begin(&a->work.pairing, &a->plant, &c, NULL);
@@ -112,7 +112,6 @@ static enum err end_pairing(struct analysis *a)
     a->pairs = p->pairs;
     a->niederlinski = p->niederlinski;
     a->probability = p->probability;
-    a->ambiguous_outputs = p->ambiguous_outputs;
     memcpy(a->pair_lambda, p->lambda, sizeof a->pair_lambda);
     memcpy(a->share, p->share, sizeof a->share);
     memcpy(a->rival, p->rival, sizeof a->rival);
@@ -120,7 +119,7 @@ static enum err end_pairing(struct analysis *a)
     a->integrity = p->integrity;
     a->negative = p->negative;
     a->negative_index = p->negative_index;
-    certainty_of_gains(a);
+    certainty_of_gains(a, &a->verdict);
     bool asks = a->verdict == PAIRING_DETERMINED || a->verdict == PAIRING_UNDETERMINED;
     a->stage = asks ? ANALYSIS_SECOND : ANALYSIS_DONE;
     return asks ? ERR_BUSY : ERR_OK;
@@ -129,7 +128,7 @@ static enum err end_pairing(struct analysis *a)
 static enum err end_second(struct analysis *a)
 {
     analysis_ask_second(a);
-    certainty_of_second(a);
+    certainty_of_second(a, &a->verdict);
     bool determined = a->verdict == PAIRING_DETERMINED;
     a->stage = determined ? ANALYSIS_STRUCTURE : ANALYSIS_DONE;
     return determined ? ERR_BUSY : ERR_OK;
@@ -137,11 +136,8 @@ static enum err end_second(struct analysis *a)
 
 static enum err do_structure(struct analysis *a)
 {
-    struct structure_config c;
-    structure_config_default(&c);
-    a->has_structure =
-        structure_detect(&a->plant, &a->pairs, &c, &a->work.structure, &a->structure) == ERR_OK;
-    analysis_close_inner_loops(a);
+    analysis_find_structure(a);
+    analysis_close_inner_loops(a, &a->plant, a->beginning);
     a->stage = ANALYSIS_DECOUPLER;
     return ERR_BUSY;
 }
@@ -233,8 +229,9 @@ static enum err begin_settings(struct analysis *a)
     c.noise_least = RESOLUTION;
     a->stage = ANALYSIS_SETTINGS;
     exchange_beginnings(a, true);
-    for (uint8_t k = 0; k < a->pairs.n && a->has_structure; k++)
-        c.part[k] = a->structure.block[a->structure.pair_block[k]].part;
+    const struct structure *s = layout_structure(&a->layout);
+    for (uint8_t k = 0; s && k < a->pairs.n; k++)
+        c.part[k] = s->block[s->pair_block[k]].part;
     bool decoupled = a->decoupler == DECOUPLER_USED;
     for (uint8_t k = 0; k < a->pairs.n && !decoupled; k++)
         if (a->beginning[a->pairs.output[k]][a->pairs.input[k]].time_constant_s > REAL_C(0.0))
@@ -249,9 +246,10 @@ static enum err do_decoupler(struct analysis *a)
     /* The firmware's matrix takes a limited number of loops, whichever they are. */
     bool spanned = a->pairs.n <= STATIC_DECOUPLER_LOOPS;
     without_decoupler(a, spanned ? DECOUPLER_NOT_NEEDED : DECOUPLER_TOO_MANY);
-    for (uint8_t b = 0; spanned && a->has_structure && b < a->structure.blocks; b++)
-        if (a->structure.block[b].mimo)
-            decouple_block(a, &a->structure.block[b]);
+    const struct structure *s = layout_structure(&a->layout);
+    for (uint8_t b = 0; spanned && s && b < s->blocks; b++)
+        if (s->block[b].mimo)
+            decouple_block(a, &s->block[b]);
     if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d))
         without_decoupler(a, DECOUPLER_ILL);
     a->compares = a->decoupler == DECOUPLER_USED;

@@ -1,13 +1,15 @@
-/* Settings, state and results of an analysis. analysis.c, analysis_structure.c and certainty.c write it; others read the results. */
+/* Settings, state and results of an analysis. analysis.c writes it, others read the results;
+ * two parts belong to certainty.c and to analysis_structure.c. */
 #ifndef REFLUX_COMMISSION_ANALYSIS_STATE_H
 #define REFLUX_COMMISSION_ANALYSIS_STATE_H
 
+#include "commission/analysis_structure_state.h"
+#include "commission/certainty_state.h"
 #include "design/detune.h"
 #include "design/static_decoupler.h"
 #include "design/trial.h"
 #include "exchange/config.h"
 #include "identify/steady.h"
-#include "interact/cascade.h"
 #include "interact/gains.h"
 #include "interact/measure.h"
 #include "interact/pairing.h"
@@ -60,22 +62,6 @@ struct analysis_design {
     struct matrix d;
 };
 
-/* Verdict of gains over residence times (interact/measure.h) on the pairing by gains alone. */
-enum analysis_second { SECOND_NONE, SECOND_AGREES, SECOND_DIFFERS };
-
-/* Doubts about a pairing: certainty.h. */
-enum analysis_doubt {
-    DOUBT_DRAWS = 1 << 0,       /* gains drawn about the estimates give other pairs too often */
-    DOUBT_DETERMINANT = 1 << 1, /* its sign is uncertain */
-    DOUBT_RANK = 1 << 2,        /* within error, there are fewer directions than pairs */
-    DOUBT_SIGN = 1 << 3,        /* the sign of the gain of a pair is uncertain */
-    DOUBT_SHAPE = 1 << 4,       /* a test did not show the end of a response */
-    DOUBT_SHAPE_FINAL =
-        1 << 5,            /* the response of a pair is not that of a lag: more tests do not help */
-    DOUBT_SECOND = 1 << 6, /* gains over residence times give other pairs */
-    DOUBT_INTEGRITY = 1 << 7 /* with some loops in manual the others may become unstable */
-};
-
 /* Lag of the beginning of a response where it differs from the rest of it; time constant 0: it does not. */
 struct beginning {
     real_t time_constant_s, dead_time_s;
@@ -104,29 +90,16 @@ struct analysis {
     real_t pair_lambda[INTERACT_MAX], niederlinski, probability;
     real_t share[INTERACT_MAX];
     uint8_t rival[INTERACT_MAX];
-    uint16_t ambiguous_outputs;
-    enum analysis_second second; /* SECOND_NONE: no pairs, or no such gains */
-    uint8_t doubts;              /* bits of enum analysis_doubt: any, and it is not determined */
-    /* By output j: bit i, a pair, or the inner loop below one, uses input i. */
-    uint16_t used[INTERACT_MAX];
-    uint16_t unsettled; /* bit i: longer tests of input i may resolve a flag */
     real_t determinant; /* in its own standard deviations */
     real_t integrity;   /* share of draws in which every subset of the loops is stable */
     uint16_t negative;  /* pairs that are unstable without the others: struct pairing */
     real_t negative_index;
-    real_t pair_phi[INTERACT_MAX];
-
-    uint8_t n_cascades;
-    struct cascade cascade[INTERACT_MAX];
-    uint16_t inner_outputs; /* of the cascades that are used: bits of outputs without a pair */
-
-    struct structure structure; /* where there are pairs */
-    bool has_structure;
+    struct certainty certainty;
+    struct plant_layout layout;
 
     /* design; only of a determined pairing */
-    struct tuning inner_tuning[INTERACT_MAX]; /* of the loop below pair k, where there is one */
-    bool designed;                            /* the settings below are valid */
-    enum err design_error;                    /* the reason why they are not */
+    bool designed;         /* the settings below are valid */
+    enum err design_error; /* the reason why they are not */
     enum analysis_decoupler decoupler;
     struct matrix d; /* identity where there is none */
     struct loops loops;

@@ -76,14 +76,15 @@ static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t i
 static bool usable(const struct analysis *a, const struct cascade *c)
 {
     uint16_t both = (uint16_t)(1u << c->inner | 1u << c->outer);
-    for (uint8_t p = 0; p < a->structure.parts; p++) {
-        if (a->structure.part_outputs[p] != both || members(a->structure.part_inputs[p]) != 1u ||
-            !nothing_hides(a, both, a->structure.part_inputs[p]))
+    for (uint8_t p = 0; p < a->layout.structure.parts; p++) {
+        if (a->layout.structure.part_outputs[p] != both ||
+            members(a->layout.structure.part_inputs[p]) != 1u ||
+            !nothing_hides(a, both, a->layout.structure.part_inputs[p]))
             continue;
         struct tuning t;
         real_t tau_c_s;
         uint8_t j = 0;
-        while (!(a->structure.part_inputs[p] >> j & 1u))
+        while (!(a->layout.structure.part_inputs[p] >> j & 1u))
             j++;
         return tune_inner(a, &a->plant.element[c->inner][j], &t, &tau_c_s) == ERR_OK;
     }
@@ -97,20 +98,30 @@ void analysis_find_cascades(struct analysis *a)
     struct structure_config structure;
     cascade_config_default(&cascades);
     structure_config_default(&structure);
-    if (cascade_detect(&a->plant, &cascades, a->cascade, &a->n_cascades) != ERR_OK ||
-        structure_detect(&a->plant, &none, &structure, &a->work.structure, &a->structure) != ERR_OK)
-        a->n_cascades = 0;
-    for (uint8_t n = 0; n < a->n_cascades; n++)
-        if (a->given[a->cascade[n].inner] == 0 && usable(a, &a->cascade[n]))
-            a->inner_outputs = (uint16_t)(a->inner_outputs | 1u << a->cascade[n].inner);
+    if (cascade_detect(&a->plant, &cascades, a->layout.cascade, &a->layout.n_cascades) != ERR_OK ||
+        structure_detect(&a->plant, &none, &structure, &a->work.structure, &a->layout.structure) !=
+            ERR_OK)
+        a->layout.n_cascades = 0;
+    for (uint8_t n = 0; n < a->layout.n_cascades; n++)
+        if (a->given[a->layout.cascade[n].inner] == 0 && usable(a, &a->layout.cascade[n]))
+            a->layout.inner_outputs =
+                (uint16_t)(a->layout.inner_outputs | 1u << a->layout.cascade[n].inner);
+}
+
+void analysis_find_structure(struct analysis *a)
+{
+    struct structure_config c;
+    structure_config_default(&c);
+    a->layout.has_structure = structure_detect(&a->plant, &a->pairs, &c, &a->work.structure,
+                                               &a->layout.structure) == ERR_OK;
 }
 
 static const struct cascade *cascade_of(const struct analysis *a, uint8_t k)
 {
-    for (uint8_t n = 0; n < a->n_cascades; n++)
-        if (a->cascade[n].outer == a->pairs.output[k] &&
-            (a->inner_outputs >> a->cascade[n].inner & 1u))
-            return &a->cascade[n];
+    for (uint8_t n = 0; n < a->layout.n_cascades; n++)
+        if (a->layout.cascade[n].outer == a->pairs.output[k] &&
+            (a->layout.inner_outputs >> a->layout.cascade[n].inner & 1u))
+            return &a->layout.cascade[n];
     return NULL;
 }
 
@@ -122,39 +133,42 @@ uint8_t analysis_inner_of(const struct analysis *a, uint8_t k)
 
 uint8_t analysis_loops(const struct analysis *a)
 {
-    return (uint8_t)(a->pairs.n + members(a->inner_outputs));
+    return (uint8_t)(a->pairs.n + members(a->layout.inner_outputs));
 }
 
 /* G2 behind the closed inner loop, exp(-L1 s)/(tau_c s + 1), as a first order again by the half rule (Skogestad 2003):
  * half of the smaller lag goes to the larger one, half to the dead time. */
-static void close_inner(struct analysis *a, uint8_t k, const struct cascade *c)
+static void close_inner(struct analysis *a, struct interact_plant *plant,
+                        struct beginning beginning[INTERACT_MAX][INTERACT_MAX], uint8_t k,
+                        const struct cascade *c)
 {
     uint8_t j = a->pairs.input[k];
-    const struct fopdt inner = a->plant.element[c->inner][j];
-    real_t part = a->plant.gain_sd[c->inner][j] / inner.gain, tau_c_s;
-    if (tune_inner(a, &inner, &a->inner_tuning[k], &tau_c_s) != ERR_OK)
+    const struct fopdt inner = plant->element[c->inner][j];
+    real_t part = plant->gain_sd[c->inner][j] / inner.gain, tau_c_s;
+    if (tune_inner(a, &inner, &a->layout.inner_tuning[k], &tau_c_s) != ERR_OK)
         return; /* usable() has tried it */
-    for (uint8_t i = 0; i < a->plant.outputs; i++) {
-        real_t *gain = &a->plant.element[i][j].gain, *sd = &a->plant.gain_sd[i][j];
+    for (uint8_t i = 0; i < plant->outputs; i++) {
+        real_t *gain = &plant->element[i][j].gain, *sd = &plant->gain_sd[i][j];
         *gain /= inner.gain;
         *sd = real_abs(*sd / inner.gain);
     }
-    struct fopdt *e = &a->plant.element[c->outer][j];
-    real_t *sd = &a->plant.gain_sd[c->outer][j];
+    struct fopdt *e = &plant->element[c->outer][j];
+    real_t *sd = &plant->gain_sd[c->outer][j];
     *sd = real_sqrt(*sd * *sd + e->gain * e->gain * part * part);
     real_t lag = c->between.time_constant_s;
     real_t large = lag > tau_c_s ? lag : tau_c_s, small = lag > tau_c_s ? tau_c_s : lag;
     e->time_constant_s = large + REAL_C(0.5) * small;
     e->dead_time_s = c->between.dead_time_s + inner.dead_time_s + REAL_C(0.5) * small;
-    a->beginning[c->outer][j].time_constant_s = REAL_C(0.0); /* it was of another element */
+    beginning[c->outer][j].time_constant_s = REAL_C(0.0); /* it was of another element */
 }
 
-void analysis_close_inner_loops(struct analysis *a)
+void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant,
+                                struct beginning beginning[INTERACT_MAX][INTERACT_MAX])
 {
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         const struct cascade *c = cascade_of(a, k);
         if (c)
-            close_inner(a, k, c);
+            close_inner(a, plant, beginning, k, c);
     }
 }
 
@@ -170,12 +184,13 @@ void analysis_ask_second(struct analysis *a)
         for (uint8_t j = 0; j < plant->inputs; j++)
             if (real_abs(plant->element[i][j].gain) <= REAL_C(3.0) * plant->gain_sd[i][j])
                 plant->element[i][j].gain = REAL_C(0.0);
-    a->second = SECOND_NONE;
+    a->layout.second = SECOND_NONE;
     if (measure_compute(plant, &a->pairs, a->config.h_s, &a->work.second.work, m) != ERR_OK)
         return;
     for (uint8_t k = 0; k < a->pairs.n; k++)
-        a->pair_phi[k] = m->phi.at[k][k];
-    a->second = measure_agrees(m, &a->work.second.assignment) ? SECOND_AGREES : SECOND_DIFFERS;
+        a->layout.pair_phi[k] = m->phi.at[k][k];
+    a->layout.second =
+        measure_agrees(m, &a->work.second.assignment) ? SECOND_AGREES : SECOND_DIFFERS;
 }
 
 /* ---- feedforward ---- */
@@ -186,7 +201,7 @@ static struct feed feed_verdict(const struct analysis *a, uint8_t from, uint8_t 
 {
     struct feed f = {.verdict = FEED_NONE};
     if (!a->designed || from == to ||
-        structure_cross_way(&a->plant, &a->pairs, &a->structure, from, to, &f.way) != ERR_OK)
+        structure_cross_way(&a->plant, &a->pairs, &a->layout.structure, from, to, &f.way) != ERR_OK)
         return f;
     const struct tuning *t = &a->loops.tuning[to];
     const struct fopdt *own = &a->plant.element[a->pairs.output[to]][a->pairs.input[to]];
@@ -200,7 +215,7 @@ static struct feed feed_verdict(const struct analysis *a, uint8_t from, uint8_t 
     }
     f.way.late_s = late;
     f.left = late * t->gain * real_abs(own->gain) / t->ti_s;
-    if (a->structure.block[a->structure.pair_block[to]].size > 1)
+    if (a->layout.structure.block[a->layout.structure.pair_block[to]].size > 1)
         f.verdict = FEED_COMPANY;
     else if (!(real_abs(f.way.gain) <= GAIN_MOST) || !(f.way.lead_s <= TIME_MOST) ||
              !(f.way.lag_s <= TIME_MOST) || !(f.way.dead_s <= TIME_MOST) ||

@@ -5,13 +5,16 @@
 #include "commission/analysis_state.h"
 #include "exchange/config.h"
 
-/* Finds cascades and chooses those to use: a->cascade, a->inner_outputs. Before the pairing. */
+/* Finds cascades and chooses those to use. Before the pairing. */
 void analysis_find_cascades(struct analysis *a);
-/* Compares the pairing with one by gains over residence times: a->second, a->pair_phi. After the pairing. */
+/* Compares the pairing with one by gains over residence times. After the pairing. */
 void analysis_ask_second(struct analysis *a);
-/* Puts the inner loops that are used into the plant: from here on the input of an outer loop's pair is the setpoint of its
+/* Finds parts and blocks of the plant. After the pairing. */
+void analysis_find_structure(struct analysis *a);
+/* Puts the inner loops that are used into *plant and *beginning, those of *a: from here on the input of an outer loop's pair is the setpoint of its
  * inner loop. After everything that needs the plant as it is. */
-void analysis_close_inner_loops(struct analysis *a);
+void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant,
+                                struct beginning beginning[INTERACT_MAX][INTERACT_MAX]);
 
 /* The settings are within the ranges of a loop of the firmware. */
 bool analysis_loop_takes(const struct tuning *t);

@@ -12,7 +12,7 @@ static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
 
 static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
 {
-    return (a->used[j] & (1u << i)) != 0u;
+    return (a->certainty.used[j] & (1u << i)) != 0u;
 }
 
 /* Notes the elements that a pair, or the inner loop below one, uses. */
@@ -21,9 +21,9 @@ static void find_used(struct analysis *a)
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         uint8_t j = a->pairs.output[k], inner = analysis_inner_of(a, k);
         uint16_t input = (uint16_t)(1u << a->pairs.input[k]);
-        a->used[j] = (uint16_t)(a->used[j] | input);
+        a->certainty.used[j] = (uint16_t)(a->certainty.used[j] | input);
         if (inner != INTERACT_NONE)
-            a->used[inner] = (uint16_t)(a->used[inner] | input);
+            a->certainty.used[inner] = (uint16_t)(a->certainty.used[inner] | input);
     }
 }
 
@@ -41,8 +41,8 @@ bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k)
 
 static void doubt_output(struct analysis *a, unsigned reason, uint8_t j)
 {
-    a->doubts = (uint8_t)(a->doubts | reason);
-    a->ambiguous_outputs = (uint16_t)(a->ambiguous_outputs | 1u << j);
+    a->certainty.doubts = (uint8_t)(a->certainty.doubts | reason);
+    a->certainty.ambiguous_outputs = (uint16_t)(a->certainty.ambiguous_outputs | 1u << j);
 }
 
 static void doubt_elements(struct analysis *a)
@@ -57,34 +57,35 @@ static void doubt_elements(struct analysis *a)
                 doubt_output(a, DOUBT_SHAPE_FINAL, j);
             if (flags & CERTAINTY_OPEN_FLAGS) {
                 doubt_output(a, DOUBT_SHAPE, j);
-                a->unsettled = (uint16_t)(a->unsettled | 1u << i);
+                a->certainty.unsettled = (uint16_t)(a->certainty.unsettled | 1u << i);
             }
         }
 }
 
 /* Any doubt makes the pairing undetermined. */
-static void conclude(struct analysis *a)
+static void conclude(const struct analysis *a, enum pairing_verdict *verdict)
 {
-    if (a->doubts && a->verdict == PAIRING_DETERMINED)
-        a->verdict = PAIRING_UNDETERMINED;
+    if (a->certainty.doubts && *verdict == PAIRING_DETERMINED)
+        *verdict = PAIRING_UNDETERMINED;
 }
 
-void certainty_of_gains(struct analysis *a)
+void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict)
 {
     const struct pairing *p = &a->work.pairing;
+    a->certainty.ambiguous_outputs = p->ambiguous_outputs;
     find_used(a);
     if (a->verdict != PAIRING_DETERMINED && a->verdict != PAIRING_UNDETERMINED)
         return;
     if (p->probability < p->config.confidence)
-        a->doubts |= DOUBT_DRAWS;
+        a->certainty.doubts |= DOUBT_DRAWS;
     if (p->determinant < p->config.determinant_sds)
-        a->doubts |= DOUBT_DETERMINANT;
+        a->certainty.doubts |= DOUBT_DETERMINANT;
     if (p->integrity < p->config.integrity)
-        a->doubts |= DOUBT_INTEGRITY;
+        a->certainty.doubts |= DOUBT_INTEGRITY;
     if (a->rank < a->pairs.n)
-        a->doubts |= DOUBT_RANK;
+        a->certainty.doubts |= DOUBT_RANK;
     doubt_elements(a);
-    conclude(a);
+    conclude(a, verdict);
 }
 
 /* The second opinion does not know the given pairs. */
@@ -96,16 +97,16 @@ static bool pairs_are_given(const struct analysis *a)
     return false;
 }
 
-void certainty_of_second(struct analysis *a)
+void certainty_of_second(struct analysis *a, enum pairing_verdict *verdict)
 {
-    if (a->second != SECOND_AGREES && !pairs_are_given(a))
-        a->doubts |= DOUBT_SECOND;
-    conclude(a);
+    if (layout_second(&a->layout) != SECOND_AGREES && !pairs_are_given(a))
+        a->certainty.doubts |= DOUBT_SECOND;
+    conclude(a, verdict);
 }
 
 bool certainty_is_final(const struct analysis *a)
 {
-    return a->doubts == DOUBT_SHAPE_FINAL;
+    return a->certainty.doubts == DOUBT_SHAPE_FINAL;
 }
 
 static enum left_over left_because(const struct analysis *a, bool seen, bool used)

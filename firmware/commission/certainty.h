@@ -3,8 +3,13 @@
 #ifndef REFLUX_COMMISSION_CERTAINTY_H
 #define REFLUX_COMMISSION_CERTAINTY_H
 
-#include "commission/analysis_state.h"
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "identify/identified.h"
+#include "interact/pairing.h"
+
+struct analysis;
 
 /* The test did not show the end of the response, so its gain may be anything: while any element has one of these, nothing is
  * determined. Longer tests may resolve them. */
@@ -20,10 +25,10 @@ enum left_over {
     LEFT_OVER    /* surplus: the pairs are better without it */
 };
 
-/* Notes doubts about rank, determinant, signs and flags in a->doubts, once the draws are done. */
-void certainty_of_gains(struct analysis *a);
-/* Notes a doubt by the second opinion, once it is there. */
-void certainty_of_second(struct analysis *a);
+/* Notes doubts about rank, determinant, signs and flags, once the draws are done, and lowers *verdict. */
+void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict);
+/* Notes a doubt by the second opinion, once it is there. Likewise. */
+void certainty_of_second(struct analysis *a, enum pairing_verdict *verdict);
 
 /* Returns the flags of the element from input i to output j that cause a doubt: all of CERTAINTY_FLAGS where a pair uses the
  * element, else CERTAINTY_OPEN_FLAGS. */

@@ -24,7 +24,7 @@ static enum err add_inner(const struct commission *c, struct config *config, uin
     if (i == PLAN_NONE)
         return ERR_FULL;
     struct loop_config *l = &config->loop[i];
-    *l = proposal_settings(&a->inner_tuning[k], a->loops.derivative_filter);
+    *l = proposal_settings(layout_inner_tuning(&a->layout, k), a->loops.derivative_filter);
     strncpy(l->pv, pv, sizeof l->pv - 1);
     strncpy(l->out, out, sizeof l->out - 1);
     proposal_name_loop(config, i, pv, out);

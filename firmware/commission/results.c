@@ -49,14 +49,15 @@ static void want_longer_tests(struct commission *c)
     const struct analysis *a = &c->work->analysis;
     for (uint8_t i = 0; i < a->plant.inputs; i++)
         inputs_set_unsettled(&c->inputs, analysis_job_input(&c->analysis_job, i),
-                             (a->unsettled & (1u << i)) != 0u);
+                             certainty_wants_longer(&a->certainty, i));
 }
 
 static void next_round(struct commission *c, struct supervisor *s)
 {
     want_longer_tests(c);
     /* The other inputs are known well enough if nothing else is open. */
-    if (inputs_next_round(&c->inputs, c->work->analysis.doubts == DOUBT_SHAPE))
+    if (inputs_next_round(&c->inputs,
+                          certainty_doubts(&c->work->analysis.certainty) == DOUBT_SHAPE))
         commission_start_input(c, s);
     else
         commission_next_input(c, s);
@@ -194,7 +195,7 @@ static bool more_would_help(const struct analysis *a)
 {
     if (certainty_is_final(a))
         return false;
-    if (a->doubts & DOUBT_SHAPE)
+    if (certainty_doubts(&a->certainty) & DOUBT_SHAPE)
         return true;
     for (uint8_t j = 0; j < a->plant.outputs; j++)
         for (uint8_t k = 0; k < a->plant.inputs; k++)

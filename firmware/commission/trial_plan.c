@@ -102,7 +102,8 @@ static void keep_in_reach(struct commission *c, const struct supervisor *s, uint
     uint8_t i = analysis_job_input(&c->analysis_job, a->pairs.input[k]);
     real_t room = commission_room(s, in->output, num_to_float(s->mv[in->output].manual));
     real_t a_step = real_abs(c->work->element[inner][i].fit.gain);
-    real_t moved = a->inner_tuning[k].gain; /* of the manipulated variable for a setpoint of 1 */
+    real_t moved = layout_inner_tuning(&a->layout, k)
+                       ->gain; /* of the manipulated variable for a setpoint of 1 */
     if (a_step * moved < REAL_C(1.0))
         moved = REAL_C(1.0) / a_step; /* without a gain infinite, and there is no room */
     real_t reach = room / moved;

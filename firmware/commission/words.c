@@ -8,15 +8,16 @@ const char *words_of_verdict(const struct analysis *a)
         [PAIRING_SINGULAR] = "not determined: within error, inputs act alike",
         [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and indices"};
     const unsigned shape = DOUBT_SHAPE | DOUBT_SHAPE_FINAL;
+    unsigned doubts = certainty_doubts(&a->certainty);
     if (a->verdict != PAIRING_UNDETERMINED)
         return words[a->verdict];
-    if (a->doubts & DOUBT_RANK)
+    if (doubts & DOUBT_RANK)
         return words[PAIRING_SINGULAR];
-    if (a->doubts == DOUBT_SHAPE)
+    if (doubts == DOUBT_SHAPE)
         return "not determined: a response was not seen to its end";
-    if ((a->doubts & ~shape) == 0)
+    if ((doubts & ~shape) == 0)
         return "not determined: a response has a shape that loops are not made for";
-    if ((a->doubts & ~(shape | DOUBT_SECOND)) == 0)
+    if ((doubts & ~(shape | DOUBT_SECOND)) == 0)
         return "not determined: gains over residence times give other pairs";
     return words[PAIRING_UNDETERMINED];
 }
@@ -76,7 +77,7 @@ bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *do
         {"integrity", "share of draws in which any loop may be in manual; 0.9 needed",
          a->integrity}};
     static const uint8_t bits[WORDS_DOUBTS] = {DOUBT_RANK, DOUBT_DETERMINANT, DOUBT_INTEGRITY};
-    if (n >= WORDS_DOUBTS || (a->doubts & bits[n]) == 0u)
+    if (n >= WORDS_DOUBTS || (certainty_doubts(&a->certainty) & bits[n]) == 0u)
         return false;
     *doubt = all[n];
     return true;

@@ -307,8 +307,8 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
         if (a->factor_least < a->factor) /* parts of the plant with a factor each */
             text_named_float(line, "least", (float)a->factor_least);
         text_named_float(line, "log_modulus_dB", (float)a->log_modulus_db);
-        text_named_float(line, "blocks", (float)a->structure.blocks);
-        text_named_float(line, "parts", (float)a->structure.parts);
+        text_named_float(line, "blocks", (float)layout_blocks(&a->layout));
+        text_named_float(line, "parts", (float)layout_parts(&a->layout));
         return true;
     }
     if (n == 1) {

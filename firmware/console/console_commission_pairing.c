@@ -134,22 +134,22 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         names(c, j, a->pairs.input[n], line);
         text_named_float(line, "lambda", (float)a->pair_lambda[n]);
         text_named_float(line, "share", (float)a->share[j]);
-        if (a->second != SECOND_NONE)
-            text_named_float(line, "phi", (float)a->pair_phi[n]);
+        if (layout_second(&a->layout) != SECOND_NONE)
+            text_named_float(line, "phi", (float)layout_phi(&a->layout, n));
         return true;
     }
     n -= a->pairs.n;
     if (n == 0) {
-        if (a->second != SECOND_NONE) {
+        if (layout_second(&a->layout) != SECOND_NONE) {
             text_str(line, "second_opinion ");
-            text_str(line, words_of_second(a->second));
+            text_str(line, words_of_second(layout_second(&a->layout)));
         }
         return true;
     }
     n--;
     if (n >= a->plant.outputs)
         return remarks_line(c, n - a->plant.outputs, line);
-    if (a->ambiguous_outputs >> n & 1u) {
+    if (certainty_is_open(&a->certainty, n)) {
         text_str(line, "open ");
         text_str(line, commission_measurement(c, n)->name);
         text_named_float(line, "share", (float)a->share[n]);

@@ -28,7 +28,7 @@ static void pair(const struct console *c, uint8_t k, struct text *line)
 
 static void block_line(const struct analysis *a, unsigned b, struct text *line)
 {
-    const struct structure *s = &a->structure;
+    const struct structure *s = layout_structure(&a->layout);
     text_str(line, "block");
     text_named_u32(line, "number", b + 1u);
     text_named_u32(line, "part", s->block[b].part + 1u);
@@ -48,7 +48,7 @@ static void block_line(const struct analysis *a, unsigned b, struct text *line)
 /* A block that single loops will not serve well, and what stands in for the controller it wants. */
 static void multivariable_line(const struct analysis *a, unsigned b, struct text *line)
 {
-    if (!a->structure.block[b].mimo)
+    if (!layout_structure(&a->layout)->block[b].mimo)
         return;
     text_str(line, "multivariable");
     text_named_u32(line, "block", b + 1u);
@@ -61,7 +61,7 @@ static void multivariable_line(const struct analysis *a, unsigned b, struct text
 
 static void member_line(const struct console *c, uint8_t k, struct text *line)
 {
-    const struct structure *s = &analysis(c)->structure;
+    const struct structure *s = layout_structure(&analysis(c)->layout);
     unsigned b = s->pair_block[k];
     text_str(line, "member");
     pair(c, k, line);
@@ -86,8 +86,8 @@ static void way_line(const struct console *c, uint8_t from, uint8_t to, struct t
 {
     const struct analysis *a = analysis(c);
     struct cross_way way;
-    if (from == to ||
-        structure_cross_way(&a->plant, &a->pairs, &a->structure, from, to, &way) != ERR_OK)
+    if (from == to || structure_cross_way(&a->plant, &a->pairs, layout_structure(&a->layout), from,
+                                          to, &way) != ERR_OK)
         return;
     text_str(line, "way");
     way_of(c, &way, line);
@@ -95,7 +95,7 @@ static void way_line(const struct console *c, uint8_t from, uint8_t to, struct t
 
 static void cascade_line(const struct console *c, const struct cascade *found, struct text *line)
 {
-    bool used = (analysis(c)->inner_outputs & (1u << found->inner)) != 0u;
+    bool used = (layout_inner_outputs(&analysis(c)->layout) & (1u << found->inner)) != 0u;
     text_str(line, "cascade");
     text_named_str(line, "inner", commission_measurement(c, found->inner)->name);
     text_named_str(line, "outer", commission_measurement(c, found->outer)->name);
@@ -110,7 +110,7 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
 static bool structure_lines(const struct console *c, unsigned n, struct text *line)
 {
     const struct analysis *a = analysis(c);
-    const struct structure *s = &a->structure;
+    const struct structure *s = layout_structure(&a->layout);
     if (n == 0) {
         text_str(line, "structure");
         text_named_u32(line, "parts", s->parts);
@@ -145,12 +145,12 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
     bool has = commission_has_results(c->service->commission);
     if (n == 0 && has)
         operate_startup_shown(&c->session);
-    if (has && n < a->n_cascades) {
-        cascade_line(c, &a->cascade[n], line);
+    if (has && n < layout_cascades(&a->layout)) {
+        cascade_line(c, layout_cascade(&a->layout, n), line);
         return true;
     }
-    n -= has ? a->n_cascades : 0u;
-    if (has && a->has_structure)
+    n -= has ? layout_cascades(&a->layout) : 0u;
+    if (has && layout_structure(&a->layout))
         return structure_lines(c, n, line);
     if (n == 0)
         text_str(line, has || !commission_had_results(c->service->commission)
@@ -162,7 +162,7 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
 static void inner_line(const struct console *c, uint8_t k, struct text *line)
 {
     const struct analysis *a = analysis(c);
-    const struct tuning *t = &a->inner_tuning[k];
+    const struct tuning *t = layout_inner_tuning(&a->layout, k);
     uint8_t inner = analysis_inner_of(a, k);
     if (inner == INTERACT_NONE)
         return;

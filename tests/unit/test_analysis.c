@@ -113,7 +113,7 @@ static void wood_berry_is_what_the_books_say(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.001, 1.0 / 2.009, (double)a.niederlinski);
     TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, a.loops.tuning[0].action); /* reflux raises xD */
     TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, a.loops.tuning[1].action);  /* steam lowers xB */
-    TEST_ASSERT_EQUAL_UINT8(1, a.structure.blocks);
+    TEST_ASSERT_EQUAL_UINT8(1, a.layout.structure.blocks);
     TEST_ASSERT_EQUAL_UINT8(0, a.n_null);
 }
 
@@ -129,7 +129,7 @@ static void the_furnace_is_one_block_of_four_on_its_diagonal(void)
 {
     take_plant(PLANT_FURNACE, 0.005, 60);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_EQUAL_UINT8(1, a.structure.parts);
+    TEST_ASSERT_EQUAL_UINT8(1, a.layout.structure.parts);
     for (unsigned n = 0; n < 4; n++) {
         TEST_ASSERT_EQUAL_UINT8(n, a.pairs.output[n]);
         TEST_ASSERT_EQUAL_UINT8(n, a.pairs.input[n]);
@@ -166,7 +166,7 @@ static void the_paper_machine_is_not_determined_however_well_its_gains_are_known
                 sum += known.gain[j][i] * (double)a.null_output[j];
             TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, sum);
         }
-        TEST_ASSERT_TRUE((a.ambiguous_outputs & 0x0Cu) != 0); /* y3, y4 */
+        TEST_ASSERT_TRUE((a.certainty.ambiguous_outputs & 0x0Cu) != 0); /* y3, y4 */
     }
 }
 
@@ -189,7 +189,7 @@ static void a_gain_of_unsure_sign_gets_no_loop(void)
     a.plant.gain_sd[1][1] = REAL_C(0.1);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
     TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
-    TEST_ASSERT_EQUAL_HEX16(0x2, a.ambiguous_outputs);
+    TEST_ASSERT_EQUAL_HEX16(0x2, a.certainty.ambiguous_outputs);
     TEST_ASSERT_FALSE(a.designed);
     a.plant.gain_sd[1][1] = REAL_C(0.01);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
@@ -301,14 +301,14 @@ static void independent_parts_are_told_apart_and_have_settings_of_their_own(void
     static struct analysis two;
     take_columns(2);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_TRUE(a.has_structure);
-    TEST_ASSERT_EQUAL_UINT8(2, a.structure.parts);
+    TEST_ASSERT_TRUE(a.layout.has_structure);
+    TEST_ASSERT_EQUAL_UINT8(2, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
     TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
     two = a;
     take_columns(8);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_EQUAL_UINT8(8, a.structure.parts);
+    TEST_ASSERT_EQUAL_UINT8(8, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
     TEST_ASSERT_TRUE(a.factor >= two.factor && a.factor <= two.factor);
     TEST_ASSERT_TRUE(a.factor_least >= two.factor_least && a.factor_least <= two.factor_least);
@@ -327,7 +327,7 @@ static void effects_within_the_noise_join_no_parts(void)
             if (j / 2 != i / 2)
                 a.plant.element[j][i] = (struct fopdt){REAL_C(0.02), REAL_C(60.0), REAL_C(600.0)};
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_EQUAL_UINT8(2, a.structure.parts);
+    TEST_ASSERT_EQUAL_UINT8(2, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
     TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
 }

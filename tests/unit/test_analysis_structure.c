@@ -73,16 +73,16 @@ static void one_input_for_a_fast_output_and_one_behind_it_is_a_cascade(void)
     flow_and_temperature();
     run();
     TEST_ASSERT_TRUE(a.designed);
-    TEST_ASSERT_EQUAL_UINT8(1, a.n_cascades);
+    TEST_ASSERT_EQUAL_UINT8(1, a.layout.n_cascades);
     TEST_ASSERT_EQUAL_UINT8(2, a.pairs.n);
     TEST_ASSERT_EQUAL_UINT8(1, a.pairs.output[0]);
     TEST_ASSERT_EQUAL_UINT8(0, analysis_inner_of(&a, 0));
     TEST_ASSERT_EQUAL_UINT8(INTERACT_NONE, analysis_inner_of(&a, 1));
     TEST_ASSERT_EQUAL_UINT8(3, analysis_loops(&a));
     /* inner: theta = 3 + h/2 = 4 = tau_c; K = 12/(1.5 (4 + 4)), Ti = 12 */
-    CLOSE(1.0, a.inner_tuning[0].gain);
-    CLOSE(12.0, a.inner_tuning[0].ti_s);
-    TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, a.inner_tuning[0].action);
+    CLOSE(1.0, a.layout.inner_tuning[0].gain);
+    CLOSE(12.0, a.layout.inner_tuning[0].ti_s);
+    TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, a.layout.inner_tuning[0].action);
     /* G2: -0.6, dead 17 s, lag 170 - 15 - 17 = 138 s; behind exp(-3 s)/(4 s + 1): lag 140 s, dead 22 s */
     const struct fopdt *outer = &a.plant.element[1][0];
     CLOSE(-0.6, outer->gain);
@@ -99,7 +99,7 @@ static void not_where_the_second_output_is_hardly_slower(void)
     flow_and_temperature();
     element(1, 0, -0.9, 12, 5);
     run();
-    TEST_ASSERT_EQUAL_UINT8(0, a.n_cascades);
+    TEST_ASSERT_EQUAL_UINT8(0, a.layout.n_cascades);
     TEST_ASSERT_EQUAL_UINT8(2, analysis_loops(&a));
 }
 
@@ -109,8 +109,8 @@ static void not_where_another_input_moves_one_of_the_two(void)
     element(0, 1, 0.75, 12, 3);
     element(1, 1, -0.45, 150, 20);
     run();
-    TEST_ASSERT_EQUAL_UINT8(1, a.n_cascades); /* shown */
-    TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_UINT8(1, a.layout.n_cascades); /* shown */
+    TEST_ASSERT_EQUAL_UINT16(0, a.layout.inner_outputs);
     TEST_ASSERT_EQUAL_UINT8(a.pairs.n, analysis_loops(&a));
 }
 
@@ -124,12 +124,12 @@ static void not_where_the_error_of_a_gain_could_hide_that_it_moves_one_of_the_tw
             for (unsigned more = 0; more < 2; more++) {
                 bool way_in_or_out = (i < 2) != (j < 1);
                 flow_and_temperature();
-                a.inner_outputs = 0;
+                a.layout.inner_outputs = 0;
                 a.plant.gain_sd[i][j] =
                     (real_t)((more ? 1.02 : 0.98) * 0.1 / 3.0 * largest_of_row[i]);
                 run();
-                TEST_ASSERT_EQUAL_UINT8(1, a.n_cascades);
-                TEST_ASSERT_EQUAL_UINT16(more && way_in_or_out ? 0 : 1, a.inner_outputs);
+                TEST_ASSERT_EQUAL_UINT8(1, a.layout.n_cascades);
+                TEST_ASSERT_EQUAL_UINT16(more && way_in_or_out ? 0 : 1, a.layout.inner_outputs);
             }
 }
 
@@ -138,15 +138,15 @@ static void not_where_no_settings_are_for_the_inner_loop(void)
     flow_and_temperature();
     element(0, 0, 1.5, 0, 3); /* no lag: SIMC has no PI for it */
     run();
-    TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_UINT16(0, a.layout.inner_outputs);
     flow_and_temperature();
     element(0, 0, 1.5, 0.005, 0); /* too short a lag for an integral time */
     run();
-    TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_UINT16(0, a.layout.inner_outputs);
     flow_and_temperature();
     element(0, 0, 0.01, 12, 0); /* gain of more than 100 */
     run();
-    TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_UINT16(0, a.layout.inner_outputs);
 }
 
 static void an_inner_loop_counts_among_those_the_board_runs(void)
@@ -296,10 +296,10 @@ static void take(unsigned number, double unit_s)
 static void gains_over_residence_times_agree_on_the_books_plants(void)
 {
     take(PLANT_WOOD_BERRY, 60);
-    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.second);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.56, (double)a.pair_phi[0]); /* docs/interaction.md */
+    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.56, (double)a.layout.pair_phi[0]); /* docs/interaction.md */
     take(PLANT_LUYBEN_4X4, 60);
-    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.second);
+    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
 }
 
 /* Gains alone favour the diagonal a little, speeds the other pairs by far. */
@@ -312,9 +312,9 @@ static void they_differ_where_the_other_pairs_are_much_faster(void)
     element(1, 1, 1.0, 400, 40);
     run();
     TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
-    TEST_ASSERT_EQUAL_HEX8(DOUBT_SECOND, a.doubts);
+    TEST_ASSERT_EQUAL_HEX8(DOUBT_SECOND, a.certainty.doubts);
     TEST_ASSERT_EQUAL_UINT8(0, a.pairs.input[0]);
-    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.second);
+    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.layout.second);
 }
 
 static void a_gain_within_its_error_counts_for_none_whatever_its_times(void)
@@ -325,14 +325,14 @@ static void a_gain_within_its_error_counts_for_none_whatever_its_times(void)
     element(0, 1, 0.005, 0, 0);
     element(1, 0, 0.005, 0, 0);
     run();
-    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.second);
-    CLOSE(1.0, a.pair_phi[0]);
+    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
+    CLOSE(1.0, a.layout.pair_phi[0]);
 }
 
 static void without_a_pairing_there_is_none(void)
 {
     take(PLANT_PAPER_MACHINE, 1);
-    TEST_ASSERT_EQUAL_INT(SECOND_NONE, a.second);
+    TEST_ASSERT_EQUAL_INT(SECOND_NONE, a.layout.second);
 }
 
 int main(void)

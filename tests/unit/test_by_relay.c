@@ -440,8 +440,8 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     NEAR(1.0, a->probability);
     TEST_ASSERT_EQUAL_UINT8(0, a->pairs.output[0]);
     TEST_ASSERT_EQUAL_UINT8(0, a->pairs.input[0]);
-    TEST_ASSERT_EQUAL_UINT8(0, a->n_cascades);
-    TEST_ASSERT_EQUAL_HEX16(0, a->inner_outputs);
+    TEST_ASSERT_EQUAL_UINT8(0, a->layout.n_cascades);
+    TEST_ASSERT_EQUAL_HEX16(0, a->layout.inner_outputs);
     NEAR(ku / 3.2, a->loops.tuning[0].gain);
     NEAR(2.2 * pu, a->loops.tuning[0].ti_s);
     TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, a->loops.tuning[0].action);

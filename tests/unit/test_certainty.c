@@ -55,16 +55,16 @@ static void run(void)
     while ((err = analysis_step(&a)) == ERR_BUSY)
         ;
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
-    TEST_ASSERT_EQUAL_INT(a.doubts == 0, a.verdict == PAIRING_DETERMINED);
-    TEST_ASSERT_EQUAL_INT(a.doubts == 0, a.designed);
+    TEST_ASSERT_EQUAL_INT(a.certainty.doubts == 0, a.verdict == PAIRING_DETERMINED);
+    TEST_ASSERT_EQUAL_INT(a.certainty.doubts == 0, a.designed);
 }
 
 static void a_plant_without_doubts_is_determined(void)
 {
     good();
     run();
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
-    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.second);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
+    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
     for (uint8_t k = 0; k < 2; k++) {
         TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_output_left(&a, k));
         TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_input_left(&a, k));
@@ -90,10 +90,10 @@ static void an_unresolved_flag_counts_whether_paired_or_not(void)
             good();
             a.flags[1][i] = cases[n].flag;
             run();
-            TEST_ASSERT_EQUAL_HEX8(doubts, a.doubts);
-            TEST_ASSERT_EQUAL_HEX16(doubts ? 2 : 0, a.ambiguous_outputs);
+            TEST_ASSERT_EQUAL_HEX8(doubts, a.certainty.doubts);
+            TEST_ASSERT_EQUAL_HEX16(doubts ? 2 : 0, a.certainty.ambiguous_outputs);
             TEST_ASSERT_EQUAL_HEX16(doubts ? cases[n].flag : 0, certainty_flags(&a, 1, i));
-            TEST_ASSERT_EQUAL_HEX16(doubts == DOUBT_SHAPE ? 1u << i : 0, a.unsettled);
+            TEST_ASSERT_EQUAL_HEX16(doubts == DOUBT_SHAPE ? 1u << i : 0, a.certainty.unsettled);
             TEST_ASSERT_EQUAL_INT(doubts == DOUBT_SHAPE_FINAL, certainty_is_final(&a));
         }
 }
@@ -108,7 +108,7 @@ static void a_flag_counts_where_the_gain_does_not_stand_out(void)
         element(0, 1, 0.029, 0.01, 100);
         a.flags[0][1] = flags[n];
         run();
-        TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.doubts);
+        TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.certainty.doubts);
     }
 }
 
@@ -134,14 +134,14 @@ static void a_flag_counts_for_the_inner_loop_of_a_cascade_too(void)
     element(0, 0, 1.0, 0.005, 10);
     element(1, 0, 0.8, 0.005, 200);
     run();
-    TEST_ASSERT_EQUAL_HEX16(1, a.inner_outputs);
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_HEX16(1, a.layout.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
     TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_output_left(&a, 0));
     element(0, 0, 1.0, 0.005, 10); /* the loop above it is designed on another plant */
     element(1, 0, 0.8, 0.005, 200);
     a.flags[0][0] = IDENTIFIED_OSCILLATORY;
     run();
-    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE_FINAL, a.doubts);
+    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE_FINAL, a.certainty.doubts);
 }
 
 /* A gain of 0.3 between an input whose other gain is not known at all and the outputs of what looks like a cascade. */
@@ -154,8 +154,8 @@ static void an_unknown_gain_is_not_none(void)
             100); /* three deviations are less than a tenth of the row's largest: none */
     element(1, 1, 0.001, 0.0025, 100);
     run();
-    TEST_ASSERT_EQUAL_HEX16(1, a.inner_outputs);
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_HEX16(1, a.layout.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
     TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 1));
 
     element(0, 0, 1.0, 0.005, 10);
@@ -163,7 +163,7 @@ static void an_unknown_gain_is_not_none(void)
     element(0, 1, 0.001, 0.035, 100);
     element(1, 1, 0.001, 0.0025, 100);
     run();
-    TEST_ASSERT_EQUAL_HEX16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX16(0, a.layout.inner_outputs);
     TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
     TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 1));
 
@@ -172,7 +172,7 @@ static void an_unknown_gain_is_not_none(void)
     element(0, 1, 0.0001, 0.0035, 100);
     element(1, 1, 0.0001, 0.00025, 100);
     run();
-    TEST_ASSERT_EQUAL_HEX16(0, a.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX16(0, a.layout.inner_outputs);
 }
 
 static void a_sign_is_sure_from_three_standard_deviations_on(void)
@@ -183,8 +183,8 @@ static void a_sign_is_sure_from_three_standard_deviations_on(void)
         element(1, 0, 0.0, 0.001, 100);
         element(1, 1, 0.8, 0.8 / sds, 100);
         run();
-        TEST_ASSERT_EQUAL_INT(sds < 3.0, (a.doubts & DOUBT_SIGN) != 0);
-        TEST_ASSERT_EQUAL_HEX16(sds < 3.0 ? 2 : 0, a.ambiguous_outputs);
+        TEST_ASSERT_EQUAL_INT(sds < 3.0, (a.certainty.doubts & DOUBT_SIGN) != 0);
+        TEST_ASSERT_EQUAL_HEX16(sds < 3.0 ? 2 : 0, a.certainty.ambiguous_outputs);
     }
 }
 
@@ -203,7 +203,7 @@ static void determinant_and_rank_have_to_stand_out_of_the_errors(void)
         element(1, 0, 1.0, 0.0, 100);
         element(1, 1, 1.0, 0.0, 100);
         run();
-        TEST_ASSERT_EQUAL_HEX8(cases[n].doubts, a.doubts);
+        TEST_ASSERT_EQUAL_HEX8(cases[n].doubts, a.certainty.doubts);
         TEST_ASSERT_EQUAL_INT(cases[n].doubts ? 1 : 2, a.rank);
         TEST_ASSERT_TRUE(a.probability > REAL_C(0.95)); /* the draws alone would have taken it */
         TEST_ASSERT_FALSE(certainty_is_final(&a));
@@ -220,8 +220,8 @@ static void another_second_opinion_leaves_it_open(void)
         element(1, 1, 1.0, 0.01, 400);
         config.confidence = REAL_C(0.9);
         run();
-        TEST_ASSERT_EQUAL_INT(fast ? SECOND_DIFFERS : SECOND_AGREES, a.second);
-        TEST_ASSERT_EQUAL_HEX8(fast ? DOUBT_SECOND : 0, a.doubts);
+        TEST_ASSERT_EQUAL_INT(fast ? SECOND_DIFFERS : SECOND_AGREES, a.layout.second);
+        TEST_ASSERT_EQUAL_HEX8(fast ? DOUBT_SECOND : 0, a.certainty.doubts);
     }
 }
 
@@ -236,7 +236,7 @@ static void what_is_left_over_has_a_reason(void)
     element(1, 1, 1.0, 0.01, 100);
     element(1, 2, 0.3, 0.01, 100);
     run();
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
     TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_input_left(&a, 0));
     TEST_ASSERT_EQUAL_INT(LEFT_OVER, certainty_input_left(&a, 2));
     element(0, 2, 0.001, 0.01, 100);
@@ -253,7 +253,7 @@ static void what_is_left_over_has_a_reason(void)
     element(0, 0, 1.0, 0.01, 100);
     element(1, 0, 0.001, 0.01, 100);
     run();
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
     TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_output_left(&a, 1));
     element(1, 0, 0.5, 0.01, 110);
     run();
@@ -292,11 +292,11 @@ static void pairs_that_are_given_need_no_second_opinion_but_all_else(void)
     a.given[0] = 1;
     a.given[1] = 2;
     run();
-    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.second);
-    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.layout.second);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
     a.flags[0][1] = IDENTIFIED_SHORT;
     run();
-    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.doubts);
+    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.certainty.doubts);
     memset(a.flags, 0, sizeof a.flags);
 }
 

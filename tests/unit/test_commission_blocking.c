@@ -336,10 +336,10 @@ static void pairs(void)
     a->pairs.n = 2;
     a->pairs.output[1] = 1;
     a->pairs.input[1] = 1;
-    a->n_cascades = 1;
-    a->cascade[0].inner = 2;
-    a->cascade[0].outer = 1;
-    a->inner_outputs = 4;
+    a->layout.n_cascades = 1;
+    a->layout.cascade[0].inner = 2;
+    a->layout.cascade[0].outer = 1;
+    a->layout.inner_outputs = 4;
 }
 
 static void what_stands_in_the_way_of_a_trial(void)

@@ -319,7 +319,7 @@ static struct analysis *analysed(void)
     has_done(TASK_ANALYSIS);
     c.status.phase = COMMISSION_ANALYSING;
     a->verdict = PAIRING_UNDETERMINED;
-    a->doubts = DOUBT_DRAWS;
+    a->certainty.doubts = DOUBT_DRAWS;
     a->probability = REAL_C(0.75);
     a->config.floor = REAL_C(0.005);
     a->plant.outputs = a->plant.inputs = 2;
@@ -354,14 +354,14 @@ static void another_round_is_made_where_it_would_help(void)
             analysed()->plant.gain_sd[j][i] = REAL_C(0.0101);
             goes_round(true);
         }
-    analysed()->doubts = DOUBT_DRAWS | DOUBT_SHAPE;
+    analysed()->certainty.doubts = DOUBT_DRAWS | DOUBT_SHAPE;
     goes_round(true);
     struct analysis *a = analysed();
-    a->doubts = DOUBT_SHAPE_FINAL; /* more tests change nothing */
+    a->certainty.doubts = DOUBT_SHAPE_FINAL; /* more tests change nothing */
     a->plant.gain_sd[0][0] = 1;
     goes_round(false);
     a = analysed();
-    a->doubts = DOUBT_SHAPE_FINAL | DOUBT_DRAWS;
+    a->certainty.doubts = DOUBT_SHAPE_FINAL | DOUBT_DRAWS;
     a->plant.gain_sd[0][0] = 1;
     goes_round(true);
 }
@@ -379,8 +379,8 @@ static void there_are_as_many_rounds_as_set(void)
 static void inputs_that_a_longer_test_may_resolve_are_remembered(void)
 {
     struct analysis *a = analysed();
-    a->doubts = DOUBT_SHAPE;
-    a->unsettled = 1 << 1;
+    a->certainty.doubts = DOUBT_SHAPE;
+    a->certainty.unsettled = 1 << 1;
     c.analysis_job.column[0] = 1; /* the other way round */
     c.analysis_job.column[1] = 0;
     c.inputs.input[1].unsettled = true;
@@ -389,7 +389,7 @@ static void inputs_that_a_longer_test_may_resolve_are_remembered(void)
     TEST_ASSERT_FALSE(c.inputs.input[1].unsettled);
     TEST_ASSERT_EQUAL_UINT8(0, c.inputs.turn);
     a = analysed();
-    a->doubts = DOUBT_SHAPE | DOUBT_DRAWS;
+    a->certainty.doubts = DOUBT_SHAPE | DOUBT_DRAWS;
     c.inputs.input[0].skipped = true;
     goes_on();
     TEST_ASSERT_EQUAL_UINT8(1, c.inputs.turn);
@@ -399,8 +399,8 @@ static void where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_te
 {
     for (unsigned open = 0; open < 2; open++) {
         struct analysis *a = analysed();
-        a->doubts = (uint8_t)(DOUBT_SHAPE | (open ? DOUBT_DRAWS : 0));
-        a->unsettled = 1 << 1;
+        a->certainty.doubts = (uint8_t)(DOUBT_SHAPE | (open ? DOUBT_DRAWS : 0));
+        a->certainty.unsettled = 1 << 1;
         c.inputs.input[0].skipped = false;
         goes_on();
         TEST_ASSERT_EQUAL_UINT8(open ? 0 : 1, c.inputs.turn);
@@ -411,7 +411,7 @@ static void a_pairing_that_is_determined_is_proposed(void)
 {
     struct analysis *a = analysed();
     a->verdict = PAIRING_DETERMINED;
-    a->doubts = 0;
+    a->certainty.doubts = 0;
     a->designed = true;
     a->plant.gain_sd[0][0] = 1;
     bench.s.time_ms = 99000;

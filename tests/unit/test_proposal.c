@@ -214,7 +214,7 @@ static void whatever_is_proposed_is_a_configuration(void)
         proposed++;
         decoupled += c.work->analysis.decoupler == DECOUPLER_USED;
         fed += config.feedforward[0].from[0] != '\0';
-        inner += c.work->analysis.inner_outputs != 0;
+        inner += c.work->analysis.layout.inner_outputs != 0;
     }
     char text[120];
     snprintf(text, sizeof text,

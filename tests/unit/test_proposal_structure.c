@@ -104,7 +104,7 @@ static void the_outer_loop_drives_the_inner_one_and_that_the_input(void)
     TEST_ASSERT_EQUAL_UINT8(0, plan.loop[inner].mv);
     TEST_ASSERT_EQUAL_STRING("heated", config.loop[outer].pv);
     TEST_ASSERT_EQUAL_STRING("steam", config.loop[inner].pv);
-    TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.inner_tuning[0].gain,
+    TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.layout.inner_tuning[0].gain,
                             config.loop[inner].own.gain);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.decoupler[0][1]);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -167,7 +167,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                                fabs((double)t->loop[0].step);
                 TEST_ASSERT_TRUE((double)t->loop[0].step > 0);
                 TEST_ASSERT_TRUE(moved <= 0.81 * fmin(limit, fmin(y, 1 - y)));
-                double gain = fmax((double)c.work->analysis.inner_tuning[0].gain, 1 / 1.5);
+                double gain = fmax((double)c.work->analysis.layout.inner_tuning[0].gain, 1 / 1.5);
                 TEST_ASSERT_TRUE(moved * gain <= 0.81 * fmin(held, 1 - held));
             }
 }
