@@ -29,7 +29,7 @@ struct adoption {
 };
 
 /* The setpoint step of loop k becomes another. */
-static inline void adoption_set_step(struct adoption *a, uint8_t k, real_t step)
+static inline void adoption_set_step(struct adoption *a, unsigned k, real_t step)
 {
     a->loop[k].step = step;
 }
@@ -46,13 +46,13 @@ static inline uint8_t adoption_turn(const struct adoption *a)
     return a->turn;
 }
 
-static inline const struct adoption_loop *adoption_loop(const struct adoption *a, uint8_t k)
+static inline const struct adoption_loop *adoption_loop(const struct adoption *a, unsigned k)
 {
     return &a->loop[k];
 }
 
 /* Channel k is that of loop k; there are as many as outputs were tested. */
-static inline const struct adoption_channel *adoption_channel(const struct adoption *a, uint8_t k)
+static inline const struct adoption_channel *adoption_channel(const struct adoption *a, unsigned k)
 {
     return &a->channel[k];
 }

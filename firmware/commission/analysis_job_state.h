@@ -19,7 +19,7 @@ static inline enum err analysis_job_error(const struct analysis_job *job)
 }
 
 /* The tested input that is input i of the analysis. */
-static inline uint8_t analysis_job_input(const struct analysis_job *job, uint8_t i)
+static inline uint8_t analysis_job_input(const struct analysis_job *job, unsigned i)
 {
     return job->column[i];
 }

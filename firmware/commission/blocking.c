@@ -54,9 +54,8 @@ static enum err may_test(const struct supervisor *s, const char **what, const ch
     if (sequence_runs(s))
         return blocked_by(what, wanted, NULL, commission_reason_text(REASON_SEQUENCE));
     if (s->state == SUPERVISOR_SAFE)
-        return blocked_by(
-            what, wanted, NULL,
-            "the plant is in the safe state; bring it to its operating point by hand first");
+        return blocked_by(what, wanted, NULL,
+                          "the plant is in the safe state; start it by hand first");
     if (supervisor_excited_by(s))
         return blocked_by(what, wanted, supervisor_excited_by(s),
                           commission_reason_text(REASON_EXCITED));

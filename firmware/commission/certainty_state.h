@@ -40,7 +40,7 @@ static inline bool certainty_is_open(const struct certainty *c, unsigned j)
 }
 
 /* Longer tests of input i may resolve a flag. */
-static inline bool certainty_wants_longer(const struct certainty *c, uint8_t i)
+static inline bool certainty_wants_longer(const struct certainty *c, unsigned i)
 {
     return (c->unsettled & (1u << i)) != 0u;
 }

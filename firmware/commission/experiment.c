@@ -271,7 +271,7 @@ void experiment_take_interim_fit(struct experiment *e)
     e->interim_fitting = false;
     e->interim_fitted = true;
     e->fresh = e->phase == EXPERIMENT_UP;
-    for (uint8_t j = 0; e->fresh && j < e->config.outputs; j++) {
+    for (unsigned j = 0; e->fresh && j < e->config.outputs; j++) {
         const struct identified *f = interim_fit_found(&e->interim_fit, j);
         bool better =
             !(e->early[j].slope > REAL_C(0.0)) || f->dead_time_sd_s < e->early[j].dead_sd_s;

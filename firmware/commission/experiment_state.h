@@ -154,28 +154,28 @@ static inline const real_t *experiment_last(const struct experiment *e)
 }
 
 /* Rest, slope and deviation at the reversal of output j. */
-static inline real_t experiment_rest(const struct experiment *e, uint8_t j)
+static inline real_t experiment_rest(const struct experiment *e, unsigned j)
 {
     return e->rest[j];
 }
 
-static inline real_t experiment_slope(const struct experiment *e, uint8_t j)
+static inline real_t experiment_slope(const struct experiment *e, unsigned j)
 {
     return e->drift_per_s[j];
 }
 
-static inline real_t experiment_at_turn(const struct experiment *e, uint8_t j)
+static inline real_t experiment_at_turn(const struct experiment *e, unsigned j)
 {
     return e->at_turn[j];
 }
 
 /* The lines of rest before the step and after it. */
-static inline const struct steady_result *experiment_before(const struct experiment *e, uint8_t j)
+static inline const struct steady_result *experiment_before(const struct experiment *e, unsigned j)
 {
     return &e->before[j];
 }
 
-static inline const struct steady_result *experiment_after(const struct experiment *e, uint8_t j)
+static inline const struct steady_result *experiment_after(const struct experiment *e, unsigned j)
 {
     return &e->after[j];
 }
@@ -196,13 +196,13 @@ static inline const struct moments *experiment_moments(const struct experiment *
 }
 
 /* The model of output j by the latest interim fit. */
-static inline const struct identified *experiment_found(const struct experiment *e, uint8_t j)
+static inline const struct identified *experiment_found(const struct experiment *e, unsigned j)
 {
     return interim_fit_found(&e->interim_fit, j);
 }
 
 /* The beginning of the response of output j. */
-static inline const struct early_response *experiment_early(const struct experiment *e, uint8_t j)
+static inline const struct early_response *experiment_early(const struct experiment *e, unsigned j)
 {
     return &e->early[j];
 }

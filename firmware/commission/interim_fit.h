@@ -28,7 +28,7 @@ bool interim_fit_run(struct interim_fit *l);
 bool interim_fit_is_known(const struct identified *f);
 
 /* The model of output j. */
-static inline const struct identified *interim_fit_found(const struct interim_fit *l, uint8_t j)
+static inline const struct identified *interim_fit_found(const struct interim_fit *l, unsigned j)
 {
     return &l->found[j];
 }

@@ -25,13 +25,13 @@ static inline enum err model_error(const struct model_fits *m)
 }
 
 /* The fit of output j. */
-static inline const struct identified *model_fitted(const struct model_fits *m, uint8_t j)
+static inline const struct identified *model_fitted(const struct model_fits *m, unsigned j)
 {
     return &m->fitted[j];
 }
 
 /* Measure of how output j went on climbing (test_verdict.h); 0 where it came to rest. */
-static inline real_t model_climbs(const struct model_fits *m, uint8_t j)
+static inline real_t model_climbs(const struct model_fits *m, unsigned j)
 {
     return m->climbs[j];
 }

@@ -14,12 +14,11 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_AWAY] = "did not return after the test: unstable or integrating",
     [REASON_INTEGRATES] =
         "integrates, or is far slower than `test.longest`: it must settle by itself",
-    [REASON_TOO_SLOW] =
-        "is too slow for `test.longest` or its `test_time`: raise it, or exclude the channel",
+    [REASON_TOO_SLOW] = "is too slow for `test.longest` or its `test_time`: raise it",
     [REASON_LEFT] = "left the operating point by more than its drift: bring it back, begin again",
     [REASON_SPAN] = "reads an end of its span: widen the span, or repair the sensor",
     [REASON_REVERSAL] =
-        "would exceed its test limit at the reversal: set a smaller `test_step` or a wider limit",
+        "would exceed its test limit at the reversal: smaller `test_step` or wider limit",
     [REASON_NO_INPUT] = "every input was skipped",
     [REASON_NUMBERS] = "the analysis refused the model",
     [REASON_SAMPLES] = "samples were missing",

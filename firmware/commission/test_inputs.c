@@ -56,8 +56,9 @@ bool inputs_next_round(struct test_inputs *t, bool only_unsettled)
 void inputs_repeat(struct test_inputs *t)
 {
     t->turn--;
-    present(t)->rounds = 0;
-    present(t)->skipped = false;
+    struct tested_input *in = present(t);
+    in->rounds = 0;
+    in->skipped = false;
 }
 
 void inputs_skip(struct test_inputs *t)
@@ -79,8 +80,9 @@ void inputs_note_test(struct test_inputs *t, const struct test_result *result)
 
 void inputs_note_cut(struct test_inputs *t, uint8_t culprit, real_t predicted)
 {
-    present(t)->cut_by = culprit;
-    present(t)->cut_predicted = predicted;
+    struct tested_input *in = present(t);
+    in->cut_by = culprit;
+    in->cut_predicted = predicted;
 }
 
 void inputs_note_worst(struct test_inputs *t, real_t worst)
@@ -90,8 +92,9 @@ void inputs_note_worst(struct test_inputs *t, real_t worst)
 
 void inputs_raise_worst(struct test_inputs *t, real_t worst)
 {
-    if (worst > present(t)->worst)
-        present(t)->worst = worst;
+    struct tested_input *in = present(t);
+    if (worst > in->worst)
+        in->worst = worst;
 }
 
 void inputs_set_amplitude(struct test_inputs *t, real_t amplitude)
@@ -106,20 +109,23 @@ void inputs_count_round(struct test_inputs *t)
 
 uint8_t inputs_want_longer(struct test_inputs *t, uint32_t half)
 {
-    present(t)->half_wanted = half;
-    return ++present(t)->longer_retries;
+    struct tested_input *in = present(t);
+    in->half_wanted = half;
+    return ++in->longer_retries;
 }
 
 uint8_t inputs_want_linear(struct test_inputs *t, real_t amplitude)
 {
-    present(t)->amplitude_wanted = amplitude;
-    return ++present(t)->linear_retries;
+    struct tested_input *in = present(t);
+    in->amplitude_wanted = amplitude;
+    return ++in->linear_retries;
 }
 
 uint8_t inputs_want_uncut(struct test_inputs *t, real_t amplitude)
 {
-    present(t)->amplitude_most = amplitude;
-    return ++present(t)->cut_retries;
+    struct tested_input *in = present(t);
+    in->amplitude_most = amplitude;
+    return ++in->cut_retries;
 }
 
 real_t inputs_small_step(const struct test_inputs *t)

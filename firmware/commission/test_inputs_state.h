@@ -22,7 +22,7 @@ static inline uint8_t inputs_count(const struct test_inputs *t)
     return t->n;
 }
 
-static inline const struct tested_input *inputs_get(const struct test_inputs *t, uint8_t k)
+static inline const struct tested_input *inputs_get(const struct test_inputs *t, unsigned k)
 {
     return &t->input[k];
 }
@@ -72,7 +72,7 @@ static inline void inputs_set_half_least(struct test_inputs *t, uint32_t samples
     t->half_least = samples;
 }
 
-static inline void inputs_set_unsettled(struct test_inputs *t, uint8_t k, bool unsettled)
+static inline void inputs_set_unsettled(struct test_inputs *t, unsigned k, bool unsettled)
 {
     t->input[k].unsettled = unsettled;
 }

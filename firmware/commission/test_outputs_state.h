@@ -24,7 +24,7 @@ static inline uint8_t outputs_count(const struct test_outputs *t)
 }
 
 /* Index of output j in the configuration. */
-static inline uint8_t outputs_measurement(const struct test_outputs *t, uint8_t j)
+static inline uint8_t outputs_measurement(const struct test_outputs *t, unsigned j)
 {
     return t->measurement[j];
 }
@@ -53,7 +53,7 @@ static inline const real_t *outputs_noise(const struct test_outputs *t)
     return t->noise_sd;
 }
 
-static inline void outputs_set_noise(struct test_outputs *t, uint8_t j, real_t sd)
+static inline void outputs_set_noise(struct test_outputs *t, unsigned j, real_t sd)
 {
     t->noise_sd[j] = sd;
 }

@@ -6,13 +6,12 @@
 const struct measurement_config *commission_measurement(const struct console *c, unsigned j)
 {
     return &console_settings(c)
-                ->measurement[outputs_measurement(&c->service->commission->outputs, (uint8_t)j)];
+                ->measurement[outputs_measurement(&c->service->commission->outputs, j)];
 }
 
 const struct mv_config *commission_output(const struct console *c, unsigned k)
 {
-    return &console_settings(c)
-                ->mv[inputs_get(&c->service->commission->inputs, (uint8_t)k)->output];
+    return &console_settings(c)->mv[inputs_get(&c->service->commission->inputs, k)->output];
 }
 
 static void unit(struct text *t, const char *text)
@@ -38,7 +37,7 @@ void commission_flags(struct text *t, unsigned bits)
 
 static bool input_line(const struct console *c, unsigned k, struct text *line)
 {
-    const struct tested_input *in = inputs_get(&c->service->commission->inputs, (uint8_t)k);
+    const struct tested_input *in = inputs_get(&c->service->commission->inputs, k);
     const struct mv_config *o = commission_output(c, k);
     float span = o->hi - o->lo;
     text_str(line, "input ");
@@ -143,7 +142,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
     unsigned j = n / 2u % outputs, k = n / 2u / outputs;
     if (k >= inputs)
         return false;
-    if (inputs_get(&m->inputs, (uint8_t)k)->rounds == 0)
+    if (inputs_get(&m->inputs, k)->rounds == 0)
         return true;
     if (n % 2u == 0)
         element_line(c, j, k, line);
@@ -195,10 +194,9 @@ static void null_line(const struct console *c, bool outputs, struct text *line)
     text_str(line, outputs ? "null outputs" : "null inputs");
     for (unsigned i = 0; i < n; i++) {
         text_char(line, ' ');
-        text_str(
-            line,
-            outputs ? commission_measurement(c, i)->name
-                    : commission_output(c, analysis_job_input(&m->analysis_job, (uint8_t)i))->name);
+        text_str(line, outputs
+                           ? commission_measurement(c, i)->name
+                           : commission_output(c, analysis_job_input(&m->analysis_job, i))->name);
         text_char(line, ' ');
         text_float(line, (float)(outputs ? a->null_output[i] : a->null_input[i]));
     }
@@ -226,8 +224,7 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
         text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
         for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
             text_char(line, ' ');
-            text_str(line,
-                     commission_output(c, analysis_job_input(&m->analysis_job, (uint8_t)k))->name);
+            text_str(line, commission_output(c, analysis_job_input(&m->analysis_job, k))->name);
         }
         return true;
     }

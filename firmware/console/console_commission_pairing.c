@@ -19,9 +19,9 @@ static void names(const struct console *c, unsigned j, unsigned i, struct text *
 {
     text_str(line, commission_measurement(c, j)->name);
     text_char(line, ' ');
-    text_str(line, commission_output(
-                       c, analysis_job_input(&c->service->commission->analysis_job, (uint8_t)i))
-                       ->name);
+    text_str(
+        line,
+        commission_output(c, analysis_job_input(&c->service->commission->analysis_job, i))->name);
 }
 
 /* Of an element: what its tests left open. */
@@ -34,7 +34,7 @@ static void doubt_element_line(const struct console *c, unsigned j, unsigned i, 
     text_str(line, "doubt element ");
     names(c, j, i, line);
     if (bits & CERTAINTY_OPEN_FLAGS) {
-        uint8_t k = analysis_job_input(&m->analysis_job, (uint8_t)i);
+        uint8_t k = analysis_job_input(&m->analysis_job, i);
         text_named_float(line, "half", (float)inputs_get(&m->inputs, k)->half_s);
         text_named_float(line, "s needs", (float)commission_half_needed(m, (uint8_t)j, k));
         text_str(line, " s");
@@ -81,7 +81,7 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
     n -= a->plant.outputs;
     if (n >= inputs_count(&m->inputs))
         return false;
-    const char *reason = inputs_get(&m->inputs, (uint8_t)n)->skipped ? "its test was skipped" : "";
+    const char *reason = inputs_get(&m->inputs, n)->skipped ? "its test was skipped" : "";
     for (uint8_t i = 0; i < a->plant.inputs; i++)
         if (analysis_job_input(&m->analysis_job, i) == n)
             reason = words_of_left(certainty_input_left(a, i));

@@ -104,8 +104,8 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     }
     if (n >= loops)
         return false;
-    const struct adoption_loop *l = adoption_loop(&m->adoption, (uint8_t)n);
-    uint8_t measurement = adoption_channel(&m->adoption, (uint8_t)n)->measurement;
+    const struct adoption_loop *l = adoption_loop(&m->adoption, n);
+    uint8_t measurement = adoption_channel(&m->adoption, n)->measurement;
     const struct measurement_config *y = &config->measurement[measurement];
     float span = y->hi - y->lo;
     bool back = l->step < REAL_C(0.0);
