@@ -66,8 +66,7 @@ static void before_it_begins_every_listing_says_so_and_no_more(void)
             "input S unit lb/min lo 0 hi 4 safe 0");
     for (unsigned i = 0; i < sizeof later / sizeof later[0]; i++)
         answers_with(later[i], nothing);
-    ANSWERS("commission structure",
-            "structure none: the pairing must be determined first");
+    ANSWERS("commission structure", "structure none: the pairing must be determined first");
     ANSWERS("commission trial", "no trial yet: `commission accept` begins one");
     ask_ok("commission model");
     TEST_ASSERT_EQUAL(1, n_reply);
