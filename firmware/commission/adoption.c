@@ -13,13 +13,13 @@ enum stage {
 };
 
 #define NOISE_MULTIPLE REAL_C(4.0)
-#define AUTO_TICKS     3u          /* a mode asked for is there by then */
-#define LISTEN_TICK    2u          /* the first may be that of the beginning itself */
-#define DRIFT_SDS      REAL_C(3.0) /* a slope so many of its standard deviations is a drift */
+#define AUTO_TICKS     3u /* until a requested mode is in force */
+#define LISTEN_TICK    2u /* in which inner loops follow; the first may be that of the beginning */
+#define DRIFT_SDS      REAL_C(3.0) /* standard deviations of a slope from which it is a drift */
 /* Share of a step that a drift may carry in its time without being relevant. */
 #define DRIFT_SHARE REAL_C(0.05)
-#define DRIFT_MOST  REAL_C(0.5) /* of a limit: farther no setpoint goes with it */
-#define PATIENCE    3u          /* windows more, where the line is bent */
+#define DRIFT_MOST  REAL_C(0.5) /* largest share of a limit by which setpoints follow a drift */
+#define PATIENCE    3u          /* further windows where the line is bent */
 #define BEND_SDS    REAL_C(4.0)
 #define BEND_SHARE  REAL_C(0.1) /* of a step */
 #define MOVED_LEAST REAL_C(1e-5)

@@ -8,13 +8,13 @@
 #include <stddef.h>
 #include <string.h>
 
-#define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
+#define HORIZON REAL_C(5.0) /* times integral and dead time: settling time of a single loop */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
 #define PAYS       REAL_C(0.81)
 #define EXTENSIONS 2u
 #define LONGER     REAL_C(4.0)  /* times the duration in which a step did not settle */
-#define RESOLUTION REAL_C(1e-4) /* of a span: no noise, but what 12 bits of conversion leave */
-#define LONGEST_S  REAL_C(1e7)  /* that a trial can be */
+#define RESOLUTION REAL_C(1e-4) /* of a span: resolution of a 12-bit converter */
+#define LONGEST_S  REAL_C(1e7)  /* longest trial */
 
 _Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
 

@@ -7,8 +7,9 @@
 
 #include <string.h>
 
-#define GAIN_FLOOR REAL_C(0.005) /* a first-order model is not the plant: no gain is known better */
-#define STEP       REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
+/* Relative error of any gain, because a first-order model is not the plant. */
+#define GAIN_FLOOR REAL_C(0.005)
+#define STEP       REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
 /* Takes the beginning of a response that is not a lag's. The whole element gets its dead time, too, and lasts as long as
  * before. */

@@ -5,13 +5,13 @@
 
 #include <string.h>
 
-#define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
+#define SHARPEST REAL_C(5.0) /* largest lead over lag of a feedforward, whose input carries noise */
 /* Largest share of the integral of the error that a feedforward may leave to be worth an element. */
 #define LEFT_MOST   REAL_C(0.5)
 #define GAIN_MOST   REAL_C(100.0)
 #define HIDES_SDS   REAL_C(3.0)
 #define HIDES_SHARE REAL_C(0.1)
-#define TIME_MOST   REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
+#define TIME_MOST   REAL_C(1e5) /* s; ranges of an element of the firmware */
 
 /* Ranges of a loop of the firmware. */
 #define LOOP_GAIN_LEAST REAL_C(1e-6)

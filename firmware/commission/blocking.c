@@ -11,10 +11,10 @@
 #include "commission/test_outputs.h"
 #include "exchange/sampling.h"
 
-#define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
-#define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
-#define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
-#define HELD_TICKS   REAL_C(3.5)   /* without a valid reading */
+#define ROOM_LEAST   REAL_C(0.005) /* of span, least room to either side */
+#define FOLLOW_TICKS REAL_C(5.0)   /* time that a valve may take to follow */
+#define FAR_OFF      REAL_C(0.1)   /* of span, distance from the command on trial */
+#define HELD_TICKS   REAL_C(3.5)   /* longest time without a valid reading */
 
 /* The measurement is lost: one or two invalid readings are held and change little, more do not. */
 static bool is_lost(const struct supervisor *s, uint8_t i)

@@ -16,17 +16,17 @@
 #include <string.h>
 
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
-#define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
+#define HYSTERESIS_LEAST REAL_C(0.001) /* of span: residual motion is no response */
 #define FIRST            REAL_C(0.02)
 #define FIRST_MOST       REAL_C(0.05)
 #define WANTED_NOISE     REAL_C(0.5) /* of test.noise: a cycle repeats itself, a step does not */
-#define WANTED_SHARE     REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
-#define WANTED_LEAST     REAL_C(3.0) /* hystereses that it swings at least, its limit permitting */
-#define PATIENCE         2u          /* windows without an answer: a larger amplitude */
-#define DRIFT_PATIENCE   3u          /* windows until a faster drift is valid to be one */
-#define REST_PATIENCE    20u         /* windows until rest is given up */
-#define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
-#define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
+#define WANTED_SHARE     REAL_C(0.5) /* largest wanted swing of the measurement, share of its limit */
+#define WANTED_LEAST     REAL_C(3.0)   /* least wanted swing, in hystereses */
+#define PATIENCE         2u            /* windows without a response before the amplitude grows */
+#define DRIFT_PATIENCE   3u            /* windows before a faster slope counts as a drift */
+#define REST_PATIENCE    20u           /* windows before the test gives up waiting for rest */
+#define DRIFT_SHARE      REAL_C(0.3)   /* share of a limit that a drift may use in a window */
+#define PAST_NOISE       REAL_C(3.0)   /* standard deviations past the limit */
 #define GAIN_MOST        REAL_C(100.0) /* of a loop: loopN.gain */
 
 #define TRIAL_STEP REAL_C(0.05) /* of span */

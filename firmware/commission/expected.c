@@ -6,7 +6,7 @@
 #include "commission/status.h"
 #include "commission/test_inputs.h"
 
-#define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
+#define KNOWN_TIMES REAL_C(4.0) /* shortest half, in times given for a pair */
 #define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */
 #define WINDOWS     REAL_C(2.0) /* of rest before and after */
 /* The longest test waits at the end until a remaining slope counts as a drift. */

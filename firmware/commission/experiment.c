@@ -10,15 +10,17 @@
 #define MOTION_LIMIT   REAL_C(3.0) /* noise standard deviations over the window */
 #define VARIANCE_LIMIT REAL_C(4.0)
 #define FIRST_MOST     REAL_C(0.05) /* of span: largest amplitude to begin with */
-#define DRIFT_SDS      REAL_C(2.0)  /* a drift seen before the step counts from here on */
-#define TAIL_WAITS     2u /* times as long for rest, where nothing drifted before the step */
-#define FIRST_WATCH    4u /* windows before the first test, where noise hides its drift */
-#define FIRST_SAMPLES  REAL_C(1000.0) /* that a test takes ... */
-#define FIRST_SHARE    REAL_C(0.01)   /* of a limit, that the slope's deviation may carry in them */
-#define PATIENCE       20u            /* windows until rest is given up */
-#define WINDOW_MOST    (1u << 20)     /* samples; no sum of counts gets near the end of 32 bits */
-#define HALF_MOST      (1u << 28)
-#define BLANK_MOST     REAL_C(1e6) /* s, as the guard takes it */
+/* Standard deviations of a slope before the step from which it is a drift. */
+#define DRIFT_SDS     REAL_C(2.0)
+#define TAIL_WAITS    2u /* factor for the wait for rest where nothing drifted before the step */
+#define FIRST_WATCH   4u /* windows of rest before the first test where noise hides a drift */
+#define FIRST_SAMPLES REAL_C(1000.0) /* samples of a test, for the next bound */
+/* Share of a limit that the error of the slope may carry in them. */
+#define FIRST_SHARE REAL_C(0.01)
+#define PATIENCE    20u        /* windows before the test gives up waiting for rest */
+#define WINDOW_MOST (1u << 20) /* samples; no sum of counts gets near the end of 32 bits */
+#define HALF_MOST   (1u << 28)
+#define BLANK_MOST  REAL_C(1e6) /* s, as the guard takes it */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be valid */
+#define KNOWN     REAL_C(0.33) /* largest standard deviation of a known gain, over the gain */
 #define FIT_UNITS 4u           /* evaluations in one piece */
 
 void interim_fit_begin(struct interim_fit *l, const struct record *record,

@@ -8,10 +8,10 @@
 #define DRIFT_SHARE REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
 /* Standard deviations of the noise that two samples in a row rarely exceed. */
 #define TWO_SAMPLES REAL_C(2.0)
-#define HARD_NOISE  REAL_C(4.0) /* noise standard deviations past a limit ... */
-#define NOISE_SHARE REAL_C(0.1) /* ... of which this share of it is not noise's */
-#define AHEAD       REAL_C(2.0) /* samples that go by before a limit is known to be passed */
-#define ENDS_SHARE  REAL_C(0.9) /* of the room, where nothing is left to be restored */
+#define HARD_NOISE  REAL_C(4.0) /* standard deviations of the noise past a limit */
+#define NOISE_SHARE REAL_C(0.1) /* share of the limit that is subtracted from them */
+#define AHEAD       REAL_C(2.0) /* samples until a passed limit is detected */
+#define ENDS_SHARE  REAL_C(0.9) /* of the room, where nothing can restore the output */
 #define RUNS_SHARE  REAL_C(0.5) /* of the room */
 
 static real_t left_by_tests(const struct experiment *e, uint8_t j)

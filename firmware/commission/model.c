@@ -8,26 +8,29 @@
 #include "commission/test_outputs.h"
 #include "commission/test_verdict.h"
 
-#define FIT_UNITS   4u          /* evaluations in one piece */
-#define SPREAD_LEFT REAL_C(0.1) /* of the gain: what levels of three time constants leave */
+#define FIT_UNITS 4u /* evaluations in one piece */
+/* Spread that levels of three time constants leave, share of the gain. */
+#define SPREAD_LEFT REAL_C(0.1)
 #define HOPELESS    REAL_C(1.0) /* standard deviation over gain from which a fit says nothing */
-#define CLIMB_SDS   REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define CLIMB_SDS   REAL_C(4.0) /* standard deviations by which a climb exceeds the noise */
 /* Share of the misfit that a bent drift may leave if it, and not the shape of the response, was the cause. */
 #define BENT_LEAVES  REAL_C(0.3)
-#define MISFIT_SHARE REAL_C(1.2) /* of what a first-order model leaves: so wrong may its gain be */
-#define SLOW_LAGS    REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
-#define BEND_SDS     REAL_C(2.0)
+#define MISFIT_SHARE REAL_C(1.2) /* error of the gain, over the misfit of a first-order model */
+/* Time constants of a level after which half of the response is missing. */
+#define SLOW_LAGS REAL_C(0.7)
+#define BEND_SDS  REAL_C(2.0)
 /* Variances of a point that a bend must explain; it has an instant, a slope and a step. */
-#define BENT_BETTER        REAL_C(12.0)
-#define NO_NOISE           REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
-#define LEVEL_LEAST        REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
-#define LEVEL_DOUBT        REAL_C(0.25) /* of what fit and levels differ by */
+#define BENT_BETTER REAL_C(12.0)
+#define NO_NOISE    REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
+/* Least share of a response that levels must show to give the gain. */
+#define LEVEL_LEAST        REAL_C(0.8)
+#define LEVEL_DOUBT        REAL_C(0.25) /* share of the difference between fit and levels */
 #define LEVEL_SD_RATIO_MAX REAL_C(0.5)  /* of the deviation of the fit, to use the levels instead */
-#define UNSEEN_DOUBT       REAL_C(0.5)  /* of what a cut test has not seen of a response */
-#define BEGINNING_SD_RATIO_MAX                                                                     \
-    REAL_C(0.5) /* of the deviation of the dead time of the fit, likewise */
-#define ASYMMETRY_MOST  REAL_C(2000.0)
-#define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
+#define UNSEEN_DOUBT       REAL_C(0.5) /* share of the part of a response that a cut test has not shown */
+/* Of the deviation of the dead time of the fit, likewise. */
+#define BEGINNING_SD_RATIO_MAX REAL_C(0.5)
+#define ASYMMETRY_MOST         REAL_C(2000.0)
+#define ASYMMETRY_AGAIN        REAL_C(2.5) /* factor between two tests of the same asymmetry */
 
 /* Error of a gain by a bend: docs/commissioning-method.md. */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0))

@@ -10,13 +10,13 @@
 /* Share of a limit that a later round may use, by the one before. */
 #define REACHED_SHARE    REAL_C(0.8)
 #define AGAIN_MOST       REAL_C(3.0) /* times the amplitude of the round before */
-#define SHAPE_SMALLER    REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
-#define SHAPE_COUNTS     REAL_C(0.02) /* of a gain */
-#define LONGEST_SHARE    3u /* times what the inputs before have taken: no half is longer at first */
-#define SHARE_LEAST      REAL_C(0.5) /* no half is shorter than this share of the longest before */
-#define UNSETTLED_LONGER REAL_C(2.0) /* times the half that did not show the end of a response */
-#define OVER             REAL_C(3.0) /* time constants: a twentieth is left */
-#define TIME_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
+#define SHAPE_SMALLER    REAL_C(0.35) /* least amplitude over the one before where the shape decides */
+#define SHAPE_COUNTS     REAL_C(0.02) /* least misfit that counts, share of a gain */
+#define LONGEST_SHARE    3u           /* longest first half over the slowest known response */
+#define SHARE_LEAST      REAL_C(0.5)  /* shortest half over the slowest known response */
+#define UNSETTLED_LONGER REAL_C(2.0) /* factor for a half that did not show the end of a response */
+#define OVER             REAL_C(3.0) /* time constants after which a twentieth is left */
+#define TIME_KNOWN       REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
 
 real_t commission_lasts(const struct commission *c, uint8_t k)
 {

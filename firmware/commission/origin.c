@@ -5,7 +5,8 @@
 #define SURE_SDS   REAL_C(2.0) /* of a slope, and of a level */
 #define DRIFT_SDS  REAL_C(3.0) /* of the slope before the first test */
 #define DRIFT_MORE REAL_C(1.25)
-#define LEFT_MOST  REAL_C(0.5) /* of a limit, that may be left before another test or a trial */
+/* Largest share of a limit that may be left before a test or a trial. */
+#define LEFT_MOST REAL_C(0.5)
 
 /* Notes the fastest drift either way, because it may have turned more than once; a slope that is not significant counts only
  * as it is. */

@@ -3,13 +3,14 @@
 #include "commission/experiment_state.h"
 #include "commission/limits.h"
 
-#define OVER         REAL_C(3.0) /* time constants: a twentieth is left */
-#define GROWTH_MOST  REAL_C(4.0) /* of the amplitude in one go */
-#define LIMIT_SHARE  REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
-#define HOPELESS     4u          /* least halves, after which nothing is known still */
-#define MOTION_SHARE REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
-#define NOISY_SHARE  REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
-#define SMALL        REAL_C(5.0)  /* noise standard deviations: how long it takes cannot be told */
+#define OVER         REAL_C(3.0) /* time constants after which a twentieth is left */
+#define GROWTH_MOST  REAL_C(4.0) /* largest growth of the amplitude in one step */
+#define LIMIT_SHARE  REAL_C(0.7) /* share of a limit at which a larger amplitude may aim */
+#define HOPELESS     4u /* shortest halves without a known response before the step turns */
+#define MOTION_SHARE REAL_C(0.5) /* the same without a model */
+/* Share of a limit that the wanted response uses where noise is high. */
+#define NOISY_SHARE REAL_C(0.25)
+#define SMALL       REAL_C(5.0) /* standard deviations of the noise below which a duration is unknown */
 /* Factor for the time where a response is still too small to be known. */
 #define UNKNOWN_WAITS REAL_C(1.5)
 

@@ -16,16 +16,16 @@
 #include "commission/tests.h"
 
 #define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
-#define CLIMBS_TOO REAL_C(0.5) /* ... where the fit thinks so, too */
-#define LONGER     3u          /* times the half before, where an output did not come to rest */
+#define CLIMBS_TOO REAL_C(0.5) /* the same where the fit agrees */
+#define LONGER     3u          /* factor for the half where an output did not come to rest */
 /* Gain up less gain down over their mean from which the step was too large. */
 #define ASYMMETRY_MUCH   REAL_C(0.5)
 #define ASYMMETRY_WANTED REAL_C(0.2)
-#define SMALLER_MOST     REAL_C(0.6) /* times the step that was cut */
+#define SMALLER_MOST     REAL_C(0.6) /* largest smaller step, over the one that was cut */
 #define SMALLER_LEAST    REAL_C(0.2)
-#define SMALLER_SHARE    REAL_C(0.5) /* of the room, that the response to it may take */
-#define UNSEEN_MUCH      REAL_C(0.1) /* of a response that was still to come */
-#define SLOW_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
+#define SMALLER_SHARE    REAL_C(0.5) /* share of the room that the response to it may use */
+#define UNSEEN_MUCH      REAL_C(0.1) /* share of a response that a cut test may miss */
+#define SLOW_KNOWN       REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
 static void analyse(struct commission *c, const struct supervisor *s)

@@ -10,7 +10,7 @@
 
 #include "num/real.h"
 
-#define SWING_DECAY REAL_C(0.7) /* times the half cycle before, at most: a damping of 0.11 */
+#define SWING_DECAY REAL_C(0.7) /* largest ratio of half cycles that decay: a damping of 0.11 */
 
 struct swing;
 

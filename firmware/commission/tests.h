@@ -4,7 +4,7 @@
 
 #include "supervise/supervisor.h"
 
-#define MISSED_MOST 8u /* samples in a row that a test can do without */
+#define MISSED_MOST 8u /* missing samples in a row that a test tolerates */
 
 struct commission;
 

@@ -14,9 +14,9 @@
 #define STEP_SHARE    REAL_C(0.25) /* of the test limit */
 #define STEP_MOST     REAL_C(0.5)
 #define ROOM_SHARE    REAL_C(0.8)
-#define OTHERS_SHARE  REAL_C(0.7) /* of a limit: how far a step may drive what it is not for */
+#define OTHERS_SHARE  REAL_C(0.7) /* share of a limit that a step may use of other measurements */
 #define WINDOW_MOST   10000u
-#define STEP_NEVER    REAL_C(1e-4) /* of span: smaller than this no step of a setpoint is made */
+#define STEP_NEVER    REAL_C(1e-4) /* of span: smallest step of a setpoint */
 
 /* Returns the largest setpoint step of loop k for which, by the model, every input stays within its room and every
  * measurement without a loop within its limit. */
