@@ -43,7 +43,7 @@ class AnySize(unittest.TestCase):
         self.assertEqual(run.first("TRIAL_KEPT").value, n)
         self.assertLessEqual(run.worst(), 1.0)
         decoupler = next(line for line in run.reply("commission proposal") if line.startswith("decoupler "))
-        self.assertEqual("more loops than a decoupler spans" in decoupler, n > DECOUPLED, decoupler)
+        self.assertEqual("too many loops for a decoupler" in decoupler, n > DECOUPLED, decoupler)
         found = run.elements()
         self.assertEqual(len(found), p * m)
         worst = [0.0, 0.0]
