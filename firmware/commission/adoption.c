@@ -71,7 +71,7 @@ static void enter_stage(struct adoption *a, enum stage stage, uint32_t ticks)
     a->stage = (uint8_t)stage;
     a->ticks = 0;
     a->stage_ticks = ticks;
-    trial_step_begin(&a->step);
+    trial_step_begin(&a->trial_step);
 }
 
 void adoption_hold(struct adoption *a, const struct supervisor *s)
@@ -352,8 +352,8 @@ static void look_at_step(struct adoption *a, const struct supervisor *s)
 {
     for (uint8_t k = 0; k < all_loops(a); k++)
         if (output_of(a, s, k) != PLAN_NONE)
-            trial_step_watch_output(&a->step, s, k, output_of(a, s, k));
-    trial_step_sample(&a->step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
+            trial_step_watch_output(&a->trial_step, s, k, output_of(a, s, k));
+    trial_step_sample(&a->trial_step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
                       a->ticks > a->stage_ticks - a->stage_ticks / 4u);
 }
 
@@ -370,7 +370,7 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
-    a->doubt = trial_step_verdict(&a->step, &a->loop[a->turn], &a->channel[a->turn], all_loops(a),
+    a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn], all_loops(a),
                                   a->stage_ticks, s->plan->tick_s);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
@@ -384,7 +384,7 @@ static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 {
-    if (trial_step_swings(&a->step)) {
+    if (trial_step_swings(&a->trial_step)) {
         a->doubt = ADOPTION_SWINGS;
         rest_again(a, s);
         return ADOPTION_RUNNING;
@@ -408,7 +408,7 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     if (a->stage == STAGE_STEP)
         look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
-        trial_step_swing(&a->step, &a->loop[a->turn], &a->channel[a->turn], setpoint_error(a, s),
+        trial_step_swing(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn], setpoint_error(a, s),
                          a->ticks >= a->stage_ticks);
     if (a->ticks >= a->stage_ticks) {
         if (a->stage == STAGE_STEP)

@@ -23,7 +23,7 @@ struct adoption {
     uint32_t ticks, stage_ticks;
     uint32_t since;             /* ticks since the lines were fitted */
     real_t asked[CONFIG_LOOPS]; /* setpoints, as written */
-    struct trial_step step;     /* of the loop under trial */
+    struct trial_step trial_step;     /* of the loop under trial */
     struct steady *steady;      /* work */
     struct origin *origin;
 };

@@ -12,7 +12,7 @@
 #include "kinds/experiment/experiment_stages.h"
 #include "kinds/experiment/experiment_stages_state.h"
 
-struct experiment {
+struct plant_experiment {
     struct experiment_context context;
     struct experiment_lease lease;
     struct experiment_stages stages;
@@ -24,6 +24,6 @@ struct experiment {
     float coefficients[];
 };
 
-NOT_INLINE struct experiment_parts experiment_parts_of(struct experiment *e);
+NOT_INLINE struct experiment_parts experiment_parts_of(struct plant_experiment *e);
 
 #endif

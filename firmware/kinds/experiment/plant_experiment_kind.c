@@ -18,7 +18,7 @@ static const struct block_event experiment_events[EXPERIMENT_EVENTS] = {
     [EVENT_NO_LAW] = {"no_law", BLOCK_INFO, "no law, `block N` says why; of which loop"},
 };
 
-struct experiment_parts experiment_parts_of(struct experiment *e)
+struct experiment_parts experiment_parts_of(struct plant_experiment *e)
 {
     return (struct experiment_parts){.context = &e->context,
                                      .stages = &e->stages,
@@ -36,7 +36,8 @@ struct experiment_parts experiment_parts_of(struct experiment *e)
 static uint32_t experiment_bytes(const struct block_setup *setup)
 {
     size_t numbers = experiment_coefficients(setup->inputs / 2u);
-    return (uint32_t)((sizeof(struct experiment) + numbers * sizeof(float) + 7u) & ~(size_t)7u);
+    return (uint32_t)((sizeof(struct plant_experiment) + numbers * sizeof(float) + 7u) &
+                      ~(size_t)7u);
 }
 
 static uint16_t experiment_history(const struct block_setup *setup)
@@ -54,7 +55,7 @@ static bool differs(const struct experiment_settings *before,
 
 static enum err experiment_configure(void *state, const struct block_setup *setup, bool retune)
 {
-    struct experiment *e = state;
+    struct plant_experiment *e = state;
     const struct experiment_parts parts = experiment_parts_of(e);
     bool other = retune && differs(&e->context.s, setup->settings);
     if (!retune)
@@ -92,7 +93,7 @@ static const char *experiment_describe(const void *state, size_t i, float *value
 {
     /* Nothing behind it writes. */
     const struct experiment_parts parts =
-        experiment_parts_of((struct experiment *)(uintptr_t)state);
+        experiment_parts_of((struct plant_experiment *)(uintptr_t)state);
     return experiment_value(&parts, i, value);
 }
 

@@ -244,7 +244,7 @@ static void its_state_has_room_for_the_model_and_begins_without_a_past(void)
     defaults();
     for (unsigned n = 1; n <= 4; n++) {
         float stage = -1;
-        size_t needs = sizeof(struct experiment) +
+        size_t needs = sizeof(struct plant_experiment) +
                        (n * DIFFERENCE_A_MOST + n * n * DIFFERENCE_B_MOST) * sizeof(float);
         setup.inputs = (uint8_t)(2 * n);
         for (unsigned k = 0; k < 2 * n; k++)
@@ -263,7 +263,7 @@ static void its_state_has_room_for_the_model_and_begins_without_a_past(void)
 
 static void three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing(void)
 {
-    static struct experiment e;
+    static struct plant_experiment e;
     num_t input[4] = {num_zero()};
     uint8_t quality[4] = {QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD};
     struct block_io io = {.input = input, .quality = quality};
@@ -319,7 +319,7 @@ static void the_gain_of_the_recursive_estimate_is_that_at_rest_and_0_of_what_int
 
 static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
 {
-    static struct experiment e;
+    static struct plant_experiment e;
     struct block_excitation excite[BLOCK_INPUTS_MAX] = {{0}};
     struct block_io io = {.excite = excite};
     memset(&e, 0, sizeof e);
