@@ -370,8 +370,8 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
-    a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn], all_loops(a),
-                                  a->stage_ticks, s->plan->tick_s);
+    a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
+                                  all_loops(a), a->stage_ticks, s->plan->tick_s);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
         return ADOPTION_RUNNING;
@@ -408,8 +408,8 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     if (a->stage == STAGE_STEP)
         look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
-        trial_step_swing(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn], setpoint_error(a, s),
-                         a->ticks >= a->stage_ticks);
+        trial_step_swing(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
+                         setpoint_error(a, s), a->ticks >= a->stage_ticks);
     if (a->ticks >= a->stage_ticks) {
         if (a->stage == STAGE_STEP)
             return end_step(a, s);

@@ -21,10 +21,10 @@ struct adoption {
     bool drifting; /* a measurement has drifted: rest between any two steps */
     bool placed;   /* the setpoints are written */
     uint32_t ticks, stage_ticks;
-    uint32_t since;             /* ticks since the lines were fitted */
-    real_t asked[CONFIG_LOOPS]; /* setpoints, as written */
-    struct trial_step trial_step;     /* of the loop under trial */
-    struct steady *steady;      /* work */
+    uint32_t since;               /* ticks since the lines were fitted */
+    real_t asked[CONFIG_LOOPS];   /* setpoints, as written */
+    struct trial_step trial_step; /* of the loop under trial */
+    struct steady *steady;        /* work */
     struct origin *origin;
 };
 

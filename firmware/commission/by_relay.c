@@ -137,7 +137,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
         .noise_sd = at[0].noise_sd,
         .drift = t->slope_per_s[0] * s->plan->tick_s,
         .hysteresis = hysteresis(&at[0]),
-        .amplitude = o->test_step / (o->hi - o->lo),
+        .amplitude = o->start_up.step / (o->hi - o->lo),
         .most = room, /* half of the span at most, since it is to the nearer limit */
         .wanted = WANTED_NOISE * settings(s)->noise_multiple * at[0].noise_sd,
         .patience = PATIENCE * window(s),

@@ -43,20 +43,20 @@ real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
 
 real_t commission_limit(const struct measurement_config *m)
 {
-    real_t limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
-    return m->test_critical ? REAL_C(0.5) * limit : limit;
+    real_t limit = m->start_up.limit > 0.0f ? m->start_up.limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+    return m->start_up.critical ? REAL_C(0.5) * limit : limit;
 }
 
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j)
 {
     const struct mv_config *o = &s->plan->config.mv[j];
-    return o->name[0] && o->test && s->mv[j].bound;
+    return o->name[0] && o->start_up.test && s->mv[j].bound;
 }
 
 bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
 {
     const struct measurement_config *m = &s->plan->config.measurement[i];
-    return m->name[0] && m->test && s->measurement[i].bound;
+    return m->name[0] && m->start_up.test && s->measurement[i].bound;
 }
 
 bool channel_is_valid(const struct supervisor *s, uint8_t i)

@@ -40,21 +40,21 @@ struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
     if (!e.tested)
         return e;
     e.test_base = commission_test_base(s, j);
-    real_t room = commission_room(s, j, e.test_base), given = o->test_step / (o->hi - o->lo);
+    real_t room = commission_room(s, j, e.test_base), given = o->start_up.step / (o->hi - o->lo);
     bool found = !(given > REAL_C(0.0));
     e.first = least_of(room, found ? AMPLITUDE_FIRST : given);
     e.most = least_of(room, found ? AMPLITUDE_MOST : given);
     real_t window_s = (real_t)config->test.window * s->plan->tick_s;
     real_t longest_s = (real_t)commission_longest(s) * s->plan->tick_s;
     real_t least_s = least_of(least_half_s(config, j, window_s), longest_s);
-    if (o->test_time_s > 0.0f)
-        least_s = longest_s = o->test_time_s;
+    if (o->start_up.time_s > 0.0f)
+        least_s = longest_s = o->start_up.time_s;
     e.least_s = HALVES * least_s + WINDOWS * window_s;
     real_t widest_s = WINDOW_WIDEST * longest_s;
     widest_s = widest_s > window_s ? widest_s : window_s;
     e.most_s = HALVES_MOST * longest_s + WINDOWS_MOST * widest_s;
     unsigned again = found ? LINEAR_RETRIES_MAX + RETRIES_MAX : 0u;
-    if (!(o->test_time_s > 0.0f))
+    if (!(o->start_up.time_s > 0.0f))
         again += LONGER_RETRIES_MAX;
     e.tests_most = (uint16_t)(config->test.rounds + again);
     return e;

@@ -166,11 +166,11 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
         .h_s = s->plan->tick_s,
         .window = config->test.window < STEADY_BLOCKS ? STEADY_BLOCKS : config->test.window,
         .noise_floor = NOISE_FLOOR,
-        .amplitude = o->test_step / (o->hi - o->lo),
+        .amplitude = o->start_up.step / (o->hi - o->lo),
         .amplitude_first = AMPLITUDE_FIRST,
         .amplitude_max = ways,
         .noise_multiple = config->test.noise_multiple,
-        .half = commission_samples(s, o->test_time_s),
+        .half = commission_samples(s, o->start_up.time_s),
         .blank_s = config->test.blank_s,
         .origin = &c->origin,
         .line_guard = config->test.guard == TEST_GUARD_LINE};

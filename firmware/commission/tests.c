@@ -41,7 +41,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
     uint8_t turn = 0, inputs = inputs_count(&c->inputs);
     for (unsigned critical = 2; critical-- > 0;)
         for (uint8_t k = 0; k < inputs; k++)
-            if (s->plan->config.mv[inputs_get(&c->inputs, k)->output].test_critical == critical)
+            if (s->plan->config.mv[inputs_get(&c->inputs, k)->output].start_up.critical == critical)
                 inputs_line_up(&c->inputs, turn++, k);
     commission_say(c, s, EVENT_COMMISSION_BEGUN, NULL, (float)inputs);
     commission_start_input(c, s);

@@ -238,11 +238,12 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
 #if CONFIG_STEPS
         if (s->supervisor->measurement[n].offset.on) {
             text_str(line, ", less its offset ");
-            text_float(line, m->offset);
+            text_float(line, m->offset.eu);
         }
 #endif
 #if CONFIG_ANALYSERS
-        if ((m->every > 1 || m->delay > 0) && s->supervisor->measurement[n].valid) {
+        if ((m->analyser.every > 1 || m->analyser.delay > 0) &&
+            s->supervisor->measurement[n].valid) {
             text_str(line, ", sampled at ");
             text_seconds(line, sampling_at_ms(s->supervisor, (uint8_t)n));
             text_str(line, " s");

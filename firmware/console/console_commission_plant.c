@@ -77,13 +77,13 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
     if (n >= CHANNEL_MAX)
         return false;
     const struct measurement_config *m = &config->measurement[n];
-    if (!m->name[0] || !m->test || !s->measurement[n].bound)
+    if (!m->name[0] || !m->start_up.test || !s->measurement[n].bound)
         return true;
     text_str(line, "output ");
     text_str(line, m->name);
     float limit =
-        m->test_limit > 0.0f ? m->test_limit : (float)TEST_LIMIT_DEFAULT * (m->hi - m->lo);
-    text_named_float(line, "limit", m->test_critical ? 0.5f * limit : limit);
+        m->start_up.limit > 0.0f ? m->start_up.limit : (float)TEST_LIMIT_DEFAULT * (m->hi - m->lo);
+    text_named_float(line, "limit", m->start_up.critical ? 0.5f * limit : limit);
     text_char(line, ' ');
     text_str(line, m->unit[0] ? m->unit : "-");
     return true;

@@ -15,28 +15,29 @@ static inline bool near_span(float value, float lo, float hi)
 /* What the plant sends, calibrated, EU. */
 static inline float calibrated(const struct measurement_config *c, float value)
 {
-    return c->zero + c->gain * value;
+    return c->calibration.zero + c->calibration.gain * value;
 }
 /* Limits outside of which a reading is not valid, where they are set. */
 static inline bool has_limits_of_belief(const struct measurement_config *c)
 {
-    return c->valid_lo != 0.0f || c->valid_hi != 0.0f;
+    return c->calibration.valid_lo != 0.0f || c->calibration.valid_hi != 0.0f;
 }
 static inline bool within_limits_of_belief(const struct measurement_config *c, float value)
 {
-    return value >= c->valid_lo && value <= c->valid_hi;
+    return value >= c->calibration.valid_lo && value <= c->calibration.valid_hi;
 }
 static inline bool same_calibration(const struct measurement_config *a,
                                     const struct measurement_config *b)
 {
-    return a->gain == b->gain && a->zero == b->zero;
+    return a->calibration.gain == b->calibration.gain && a->calibration.zero == b->calibration.zero;
 }
 /* What a reading calibrated as `before` says is with another calibration, EU. */
 static inline float recalibrated(const struct measurement_config *c,
                                  const struct measurement_config *before, float value)
 {
-    return same_calibration(c, before) ? value
-                                       : calibrated(c, (value - before->zero) / before->gain);
+    return same_calibration(c, before)
+               ? value
+               : calibrated(c, (value - before->calibration.zero) / before->calibration.gain);
 }
 #else
 #define calibrated(c, value)              ((void)(c), (value))

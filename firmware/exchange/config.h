@@ -77,6 +77,53 @@ enum fallback {
     FALLBACK_SAFE = 3        /* last value for sensor_hold_s, then the safe state */
 };
 
+/* What a board may lack of the settings below is a struct that is empty there. */
+#if COMMISSION_CHANNELS
+struct measurement_start_up {
+    float limit;      /* farthest from rest during tests, EU; 0 = a fifth of the span */
+    uint8_t test;     /* automatic start-up controls it */
+    uint8_t critical; /* its limit is halved while the plant is tested */
+};
+struct mv_start_up {
+    float step;       /* amplitude of the test, EU; 0 = found by trying */
+    float time_s;     /* length of half a double step; 0 = until the plant is at rest */
+    uint8_t test;     /* automatic start-up moves it */
+    uint8_t critical; /* it is tested first: its times suggest those of the others */
+};
+#else
+struct measurement_start_up {
+};
+struct mv_start_up {
+};
+#endif
+#if CONFIG_STEPS
+struct measurement_offset {
+    float eu; /* subtracted from the reading while a sequence has switched it on */
+};
+#else
+struct measurement_offset {
+};
+#endif
+#if CONFIG_CALIBRATION
+struct measurement_calibration {
+    float gain, zero;         /* reading = zero + gain * what the plant sends, EU */
+    float valid_lo, valid_hi; /* a reading outside is not valid, EU; both 0 = as NAMUR NE 43 */
+};
+#else
+struct measurement_calibration {
+};
+#endif
+#if CONFIG_ANALYSERS
+struct measurement_analyser {
+    uint16_t every; /* base ticks from one of its samples to the next */
+    uint16_t phase; /* it comes in base ticks t of plant time with t mod every = phase */
+    uint16_t delay; /* base ticks between sampling and that */
+};
+#else
+struct measurement_analyser {
+};
+#endif
+
 struct measurement_config {
     char name[CHANNEL_NAME_SIZE]; /* as the plant announces it */
     char unit[CHANNEL_UNIT_SIZE]; /* must equal the announced unit */
@@ -89,24 +136,11 @@ struct measurement_config {
     float infer_gain, infer_offset; /* value = offset + gain * what it is inferred from, EU */
     char infer
         [CHANNEL_NAME_SIZE]; /* manipulated variable or estimate to infer a value from; empty = none */
-    uint8_t fallback;        /* enum fallback */
-#if COMMISSION_CHANNELS
-    uint8_t test;          /* automatic start-up controls it */
-    uint8_t test_critical; /* its limit is halved while the plant is tested */
-    float test_limit;      /* farthest from rest during tests, EU; 0 = a fifth of the span */
-#endif
-#if CONFIG_STEPS
-    float offset; /* EU, subtracted from the reading while a sequence has switched it on */
-#endif
-#if CONFIG_ANALYSERS
-    uint16_t every; /* base ticks from one of its samples to the next */
-    uint16_t phase; /* it comes in base ticks t of plant time with t mod every = phase */
-    uint16_t delay; /* base ticks between sampling and that */
-#endif
-#if CONFIG_CALIBRATION
-    float gain, zero;         /* reading = zero + gain * what the plant sends, EU */
-    float valid_lo, valid_hi; /* a reading outside is not valid, EU; both 0 = as NAMUR NE 43 */
-#endif
+    struct measurement_start_up start_up;
+    struct measurement_offset offset;
+    struct measurement_calibration calibration;
+    struct measurement_analyser analyser;
+    uint8_t fallback; /* enum fallback */
 };
 
 struct mv_config {
@@ -119,12 +153,7 @@ struct mv_config {
     float
         readback_band; /* read-back closer than this to the command counts as followed, fraction of span */
     float follow_s; /* not followed for this long is an alarm, s */
-#if COMMISSION_CHANNELS
-    uint8_t test;          /* automatic start-up moves it */
-    uint8_t test_critical; /* it is tested first: its times suggest those of the others */
-    float test_step;       /* amplitude of the test, EU; 0 = found by trying */
-    float test_time_s;     /* length of half a double step; 0 = until the plant is at rest */
-#endif
+    struct mv_start_up start_up;
 };
 
 struct loop_config {
@@ -179,10 +208,10 @@ struct alarm_config {
     uint8_t group;              /* the first of a group is marked; 0 = in none, else a letter */
 };
 
-#if COMMISSION_CHANNELS
 enum test_guard { TEST_GUARD_LINE, TEST_GUARD_MODEL };
 enum test_pairs { TEST_PAIRS_FOUND, TEST_PAIRS_GIVEN };
 
+#if COMMISSION_CHANNELS
 /* How automatic start-up goes about it. */
 struct test_config {
     float noise_multiple; /* a response this many times the noise is enough */
@@ -195,6 +224,10 @@ struct test_config {
     uint8_t
         pairs; /* enum test_pairs: given, every used pair[] is one, and no other is looked for */
 };
+#else
+struct test_config {
+};
+#endif
 
 /* What is known of one element beforehand. */
 struct pair_config {
@@ -203,7 +236,6 @@ struct pair_config {
     float time_s; /* dead time and time constant together; 0 = unknown */
     float gain;   /* EU per EU; 0 = unknown */
 };
-#endif
 
 enum sequence_kind { SEQUENCE_NONE, SEQUENCE_START, SEQUENCE_STOP };
 enum step_action {
@@ -251,6 +283,17 @@ struct block_config {
 
 #define CONFIG_NO_TABLE 0 /* the record, if there is one, is in the pool */
 
+#if CONFIG_LOOP_GUARD
+/* Alarm of every loop that acts. */
+struct deviation_config {
+    float width;   /* distance from the setpoint, fraction of the PV's span; 0 = none */
+    float delay_s; /* for how long */
+};
+#else
+struct deviation_config {
+};
+#endif
+
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
 struct config {
@@ -270,14 +313,9 @@ struct config {
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
-#if CONFIG_LOOP_GUARD
-    /* Alarm of every loop that acts: distance from the setpoint, fraction of the PV's span, 0 = none; for how long, s. */
-    float deviation_width, deviation_delay_s;
-#endif
-#if COMMISSION_CHANNELS
+    struct deviation_config deviation;
     struct test_config test;
     struct pair_config pair[CONFIG_PAIRS];
-#endif
     char console_key[CHANNEL_NAME_SIZE]; /* opens the engineer level; empty = it is open */
     float relock_s; /* without engineer commands for this long it locks again; 0 = never */
     struct block_config block[CONFIG_BLOCKS];

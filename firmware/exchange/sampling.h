@@ -11,7 +11,7 @@
 #if CONFIG_ANALYSERS
 static inline uint16_t sampling_every(const struct measurement_config *c)
 {
-    return c->every;
+    return c->analyser.every;
 }
 /* With `every` above 1: a reading was looked at in this tick. */
 static inline bool sampling_is_fresh(const struct measurement_state *m)
@@ -21,7 +21,7 @@ static inline bool sampling_is_fresh(const struct measurement_state *m)
 /* Base ticks from sampling to coming. */
 static inline uint16_t sampling_delay(const struct measurement_config *c)
 {
-    return c->delay;
+    return c->analyser.delay;
 }
 
 static inline uint32_t sampling_tick_ms(const struct plan *plan)

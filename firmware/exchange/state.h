@@ -409,7 +409,7 @@ static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
 static inline float measurement_offset_in_force(const struct measurement_state *m,
                                                 const struct measurement_config *c)
 {
-    return m->offset.on ? c->offset : 0.0f;
+    return m->offset.on ? c->offset.eu : 0.0f;
 }
 static inline bool measurement_offset_is_on(const struct measurement_state *m)
 {
@@ -417,7 +417,7 @@ static inline bool measurement_offset_is_on(const struct measurement_state *m)
 }
 static inline float measurement_offset_of(const struct measurement_config *c)
 {
-    return c->offset;
+    return c->offset.eu;
 }
 #else
 #define measurement_offset_of(c)          ((void)(c), 0.0f)

@@ -7,16 +7,17 @@ enum err plan_check_calibration(const struct plan *plan, struct config_fault *fa
         const struct measurement_config *m = &plan->config.measurement[i];
         if (!m->name[0])
             continue;
-        if (plan_is_estimate(plan, i) && (m->gain != 1.0f || m->zero != 0.0f))
+        if (plan_is_estimate(plan, i) &&
+            (m->calibration.gain != 1.0f || m->calibration.zero != 0.0f))
             return plan_refuse(fault, ERR_CONFLICT, "meas", i + 1u,
-                               m->gain != 1.0f ? "gain" : "zero", m->name,
+                               m->calibration.gain != 1.0f ? "gain" : "zero", m->name,
                                "is written by a block; calibrate what the block reads");
-        if (m->valid_lo == 0.0f && m->valid_hi == 0.0f)
+        if (m->calibration.valid_lo == 0.0f && m->calibration.valid_hi == 0.0f)
             continue;
-        if (!(m->valid_lo < m->valid_hi))
+        if (!(m->calibration.valid_lo < m->calibration.valid_hi))
             return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "valid_lo", m->name,
                                "must be below valid_hi (both 0: as NAMUR NE 43)");
-        if (!(m->valid_lo < m->hi && m->valid_hi > m->lo))
+        if (!(m->calibration.valid_lo < m->hi && m->calibration.valid_hi > m->lo))
             return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "valid_lo", m->name,
                                "leaves no reading within the span");
     }

@@ -7,12 +7,12 @@ enum err plan_check_sampling(const struct plan *plan, struct config_fault *fault
         const struct measurement_config *m = &plan->config.measurement[i];
         if (!m->name[0])
             continue;
-        if (m->phase >= m->every)
+        if (m->analyser.phase >= m->analyser.every)
             return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "phase", m->name,
                                "must be below `every`");
-        if (plan_is_estimate(plan, i) && (m->every > 1 || m->delay > 0))
+        if (plan_is_estimate(plan, i) && (m->analyser.every > 1 || m->analyser.delay > 0))
             return plan_refuse(fault, ERR_CONFLICT, "meas", i + 1u,
-                               m->every > 1 ? "every" : "delay", m->name,
+                               m->analyser.every > 1 ? "every" : "delay", m->name,
                                "is written by a block in every tick, without delay");
     }
     return ERR_OK;

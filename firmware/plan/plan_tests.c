@@ -6,7 +6,7 @@ enum err plan_check_tests(const struct plan *plan, struct config_fault *fault)
     const struct config *c = &plan->config;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         const struct mv_config *o = &c->mv[i];
-        if (o->name[0] && o->test_step > 0.5f * (o->hi - o->lo))
+        if (o->name[0] && o->start_up.step > 0.5f * (o->hi - o->lo))
             return plan_refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
                                "must be half of the span at most");
     }

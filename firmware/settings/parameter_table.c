@@ -59,13 +59,13 @@ static const struct parameter_field tick_fields[] = {
 /* Of an analyser, and of a calibration. */
 #define A(member, id, lo, hi, initial, help)                                                       \
     {                                                                                              \
-        id, PARAMETER_U16, offsetof(struct measurement_config, member), #member, "ticks", help,    \
-            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+        id, PARAMETER_U16, offsetof(struct measurement_config, analyser.member), #member, "ticks", \
+            help, PLACE(lo), PLACE(hi), PLACE(initial), true                                       \
     }
 #define C(member, id, unit, lo, hi, initial, help)                                                 \
     {                                                                                              \
-        id, PARAMETER_FLOAT, offsetof(struct measurement_config, member), #member, unit, help,     \
-            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+        id, PARAMETER_FLOAT, offsetof(struct measurement_config, calibration.member), #member,     \
+            unit, help, PLACE(lo), PLACE(hi), PLACE(initial), true                                 \
     }
 
 static const struct parameter_field measurement_fields[] = {
@@ -98,14 +98,14 @@ static const struct parameter_field measurement_fields[] = {
     F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
       "inferred value where that output is 0"),
     START_UP_ROWS(
-        W(measurement_config, test, 14, "test", "off|on", 1,
+        W(measurement_config, start_up.test, 14, "test", "off|on", 1,
           "automatic start-up finds a loop for it"),
-        F(measurement_config, test_limit, 15, "test_limit", "EU", 0, BIG, 0,
+        F(measurement_config, start_up.limit, 15, "test_limit", "EU", 0, BIG, 0,
           "farthest it may go from rest while the plant is tested; 0 = a fifth of the span"),
-        W(measurement_config, test_critical, 16, "test_critical", "off|on", 0,
+        W(measurement_config, start_up.critical, 16, "test_critical", "off|on", 0,
           "while the plant is tested it may go only half as far"))
         SEQUENCE_ROWS(
-            F(measurement_config, offset, 17, "offset", "EU", -BIG, BIG, 0,
+            F(measurement_config, offset.eu, 17, "offset", "EU", -BIG, BIG, 0,
               "subtracted from the reading while a sequence has switched it on (offset_on)"))
             ANALYSER_ROWS(
                 A(every, 18, 1, 10000, 1,
@@ -137,12 +137,12 @@ static const struct parameter_field mv_fields[] = {
     F(mv_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
       "a command not followed for this long is an alarm"),
     START_UP_ROWS(
-        W(mv_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
-        F(mv_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
+        W(mv_config, start_up.test, 11, "test", "off|on", 1, "automatic start-up moves it"),
+        F(mv_config, start_up.step, 12, "test_step", "EU", 0, BIG, 0,
           "amplitude of the test; 0 = larger ones are tried until the response stands out"),
-        F(mv_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
+        F(mv_config, start_up.time_s, 13, "test_time", "s", 0, 1e6f, 0,
           "length of half a double step; 0 = until the plant is at rest"),
-        W(mv_config, test_critical, 14, "test_critical", "off|on", 0,
+        W(mv_config, start_up.critical, 14, "test_critical", "off|on", 0,
           "tested first: its times are the first guess for the others"))};
 
 static const struct parameter_field loop_fields[] = {
@@ -281,11 +281,11 @@ static const struct parameter_field restart_fields[] = {
 };
 
 OPTIONAL_FIELDS deviation_fields[] = {GUARD_ROWS(
-    F(config, deviation_width, 1, "width", "fraction", 0, 1, 0.1f,
+    F(config, deviation.width, 1, "width", "fraction", 0, 1, 0.1f,
       "alarm of every loop that acts: its PV is further from the setpoint than this part of its "
       "span; "
       "0 = none. A loop with an alarm of side dev of its own has that instead"),
-    F(config, deviation_delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"))};
+    F(config, deviation.delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"))};
 
 static const struct parameter_field console_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,

@@ -31,13 +31,13 @@ static void run_deviation(struct supervisor *s, uint8_t i)
     struct loop_state *l = &s->loop[i];
     const struct config *c = &s->plan->config;
     const struct measurement_state *m = &s->measurement[s->plan->loop[i].pv];
-    bool acts = loop_acts(s, i) && c->deviation_width > 0.0f && !has_own_deviation(s, i);
+    bool acts = loop_acts(s, i) && c->deviation.width > 0.0f && !has_own_deviation(s, i);
     if (acts && (!m->bound || !m->seen || m->alarm || loop_interlocked(s, i)))
         return; /* it cannot be seen, or an interlock is the reason and has its own alarm */
-    float width = l->deviation.lasting.active ? 0.8f * c->deviation_width : c->deviation_width;
+    float width = l->deviation.lasting.active ? 0.8f * c->deviation.width : c->deviation.width;
     num_t distance = num_abs(num_sub(m->value, l->setpoint));
     bool far = acts && num_lt(num_from_float(width), distance);
-    if (!lasting_changes(&l->deviation.lasting, far, c->deviation_delay_s, s->time_ms))
+    if (!lasting_changes(&l->deviation.lasting, far, c->deviation.delay_s, s->time_ms))
         return;
     const struct measurement_config *mc = &c->measurement[s->plan->loop[i].pv];
     event_put(s->events, s->time_ms,

@@ -9,7 +9,7 @@ static uint64_t came_ago_ms(const struct supervisor *s, uint8_t i, uint32_t *tur
     uint32_t tick_ms = sampling_tick_ms(s->plan);
     /* The nearest: a plant's clock need not hit the base tick to the millisecond. */
     uint64_t now = (s->time_ms + tick_ms / 2u) / tick_ms;
-    uint32_t since = (uint32_t)((now + c->every - c->phase) % c->every);
+    uint32_t since = (uint32_t)((now + c->analyser.every - c->analyser.phase) % c->analyser.every);
     *turn = (uint32_t)(now - since);
     return (uint64_t)since * tick_ms;
 }

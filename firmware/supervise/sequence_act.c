@@ -53,16 +53,16 @@ void measurement_offset(struct supervisor *s, uint8_t i, bool on)
         return;
     m->offset.on = on;
     /* What stands in for a reading is no reading: nothing to correct. */
-    num_t step = num_from_float((on ? -c->offset : c->offset) / (c->hi - c->lo));
+    num_t step = num_from_float((on ? -c->offset.eu : c->offset.eu) / (c->hi - c->lo));
     if (m->seen && !m->alarm) {
         m->value = num_add(m->value, step);
-        m->raw += on ? -c->offset : c->offset;
+        m->raw += on ? -c->offset.eu : c->offset.eu;
         lag_reset(&m->filter, m->value);
     }
     for (uint8_t k = 0; k < CONFIG_LOOPS; k++)
         if (s->plan->loop[k].used && s->plan->loop[k].pv == i)
             s->loop[k].transfer_pending = true;
-    event_put(s->events, s->time_ms, EVENT_OFFSET, c->name, on ? c->offset : 0.0f, 0);
+    event_put(s->events, s->time_ms, EVENT_OFFSET, c->name, on ? c->offset.eu : 0.0f, 0);
 }
 
 static void drop_guards(struct supervisor *s, uint8_t measurement)

@@ -117,7 +117,7 @@ static void what_it_gives_as_a_number_is_looked_at_like_a_word(void)
     struct parameter name = parameter("loop1.name");
     float none;
     REFUSED(ERR_PARSE, parameter_get_number(&name, operate_settings(&client), &none));
-    TEST_ASSERT_FALSE(signbit(operate_settings(&client)->measurement[0].offset));
+    TEST_ASSERT_FALSE(signbit(operate_settings(&client)->measurement[0].offset.eu));
     TEST_ASSERT_EQUAL_DOUBLE(1500, has("loop1.ti"));
     /* Each may be right and all together wrong: said as the field and what would be right. */
     REFUSED(ERR_RANGE, number(&client, "meas1.lo", 1e6));

@@ -241,7 +241,7 @@ static bool must_be_held(const struct config *c, const struct supervisor *s, con
             for (unsigned m = 0; m < s->placed[PLACED_MEASUREMENTS]; m++) {
                 const struct measurement_config *mc = &c->measurement[m];
                 if (strcmp(mc->name, l->measurement) != 0 || !s->measurement[m].bound ||
-                    mc->every > 1 || mc->offset != 0)
+                    mc->analyser.every > 1 || mc->offset.eu != 0)
                     continue;
                 float x = last_sample.measurement[which].value;
                 if (last_sample.measurement[which].quality > QUALITY_UNCERTAIN || !isfinite(x))

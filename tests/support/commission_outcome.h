@@ -70,8 +70,8 @@ static inline void outcome_begin(void)
     cf->test =
         (struct test_config){.noise_multiple = 20, .confidence = 0.95f, .rounds = 3, .window = 40};
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = cf->mv[i].test = i < 2;
-        cf->measurement[i].test_limit = cf->mv[i].test_step = 0;
+        cf->measurement[i].start_up.test = cf->mv[i].start_up.test = i < 2;
+        cf->measurement[i].start_up.limit = cf->mv[i].start_up.step = 0;
     }
     fitted();
 }

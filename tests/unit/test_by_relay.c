@@ -25,9 +25,9 @@ void setUp(void)
     cf = &bench.plan[bench.current].config;
     cf->test = (struct test_config){.noise_multiple = 20, .rounds = 1, .window = WINDOW};
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = i == T10;
-        cf->measurement[i].test_critical = 0;
-        cf->measurement[i].test_limit = cf->mv[i].test_step = 0;
+        cf->measurement[i].start_up.test = i == T10;
+        cf->measurement[i].start_up.critical = 0;
+        cf->measurement[i].start_up.limit = cf->mv[i].start_up.step = 0;
     }
     y[0] = y[1] = 0.25;
     commission_init(&c, &bench.events, commission_fresh_region());
@@ -86,8 +86,8 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     c.outputs.n = c.inputs.n = 3;
     c.status.analysed = true;
     bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* it is no hand that this one acts already */
-    cf->measurement[T1].test = 1;
-    cf->measurement[FEED].test = 1;
+    cf->measurement[T1].start_up.test = 1;
+    cf->measurement[FEED].start_up.test = 1;
     commission_begin_relay(&c, &bench.s);
     TEST_ASSERT_TRUE(c.by_relay.latest);
     TEST_ASSERT_EQUAL_UINT8(TOP, c.by_relay.loop);
@@ -234,7 +234,7 @@ static void the_relay_is_made_for_the_noise_the_limit_and_the_room(void)
 static void the_relay_is_made_for_what_is_set(void)
 {
     begin();
-    cf->measurement[T1].test_limit = 0.5f; /* half of it is less than three hystereses */
+    cf->measurement[T1].start_up.limit = 0.5f; /* half of it is less than three hystereses */
     commission_start_relay(&c, &bench.s);
     cf->test.noise_multiple = 2;
     cf->test.longest_s = 129; /* to the nearest tick: 65 */
@@ -252,19 +252,19 @@ static void the_relay_is_made_for_what_is_set(void)
     rests(0, 0, 0, 100);
     TEST_ASSERT_EQUAL_UINT32(66, r->half_most);
     begin();
-    cf->mv[REFLUX].test_step = 2; /* of 10 */
+    cf->mv[REFLUX].start_up.step = 2; /* of 10 */
     cf->loop[TOP].own.action = LOOP_REVERSE;
     rests(0, 0, 0, 100);
     NEAR(0.2, r->amplitude);
     TEST_ASSERT_EQUAL_INT(1, r->sign);
     begin();
     cf->mv[REFLUX].lo = 2;
-    cf->mv[REFLUX].test_step = 2; /* of 8 */
+    cf->mv[REFLUX].start_up.step = 2; /* of 8 */
     rests(0, 0, 0, 100);
     NEAR(0.25, r->amplitude);
     begin();
     c.inputs.input[0].test_base = REAL_C(0.03);
-    cf->mv[REFLUX].test_step = 2;
+    cf->mv[REFLUX].start_up.step = 2;
     rests(0, 0, 0, 100);
     NEAR(0.03, r->most);
     NEAR(0.03, r->amplitude);
@@ -393,7 +393,7 @@ static void numbers_that_are_none_end_it(void)
     ended(REASON_NUMBERS, "top", (double)ERR_STATE);
     begin();
     cf->test.noise_multiple = -1e9f;
-    cf->measurement[T1].test_limit = 0;
+    cf->measurement[T1].start_up.limit = 0;
     c.inputs.input[0].test_base = 0; /* no room */
     rests(0, 0, 0, 100);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.status.phase);

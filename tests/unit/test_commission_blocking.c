@@ -19,9 +19,9 @@ void setUp(void)
     bench.plan[bench.current].tick_s = 2;
     cf = &bench.plan[bench.current].config;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = cf->mv[i].test = i < 2;
-        cf->measurement[i].test_critical = 0;
-        cf->measurement[i].test_limit = 0;
+        cf->measurement[i].start_up.test = cf->mv[i].start_up.test = i < 2;
+        cf->measurement[i].start_up.critical = 0;
+        cf->measurement[i].start_up.limit = 0;
     }
     bench.s.time_ms = 1000000;
     commission_init(&c, &bench.events, commission_fresh_region());
@@ -56,11 +56,11 @@ static void a_limit_is_a_fifth_of_the_span_or_what_is_set_and_half_where_it_is_c
 {
     struct measurement_config m = {.lo = 60, .hi = 160};
     NEAR(0.2, commission_limit(&m));
-    m.test_limit = 0.5f;
+    m.start_up.limit = 0.5f;
     NEAR(0.005, commission_limit(&m));
-    m.test_critical = 1;
+    m.start_up.critical = 1;
     NEAR(0.0025, commission_limit(&m));
-    m.test_limit = 0;
+    m.start_up.limit = 0;
     NEAR(0.1, commission_limit(&m));
 }
 
@@ -172,9 +172,9 @@ static void tests_begin_where_all_is_in_hand(void)
     begins(true, NULL, NULL);
     bench.s.mv[HEAT].manual = N(0.9951);
     begins(false, "heat", "no room");
-    cf->mv[HEAT].test = 0; /* what is not tested does not matter */
+    cf->mv[HEAT].start_up.test = 0; /* what is not tested does not matter */
     begins(true, NULL, NULL);
-    cf->measurement[T10].test = 0;
+    cf->measurement[T10].start_up.test = 0;
     bench.s.measurement[T10].quality = QUALITY_BAD;
     begins(true, NULL, NULL);
     bench.s.mv[REFLUX].bound = false;
@@ -192,7 +192,7 @@ static void channels_that_are_there_and_named_are_tested(void)
         if (n == 1)
             cf->mv[1].name[0] = cf->measurement[1].name[0] = '\0';
         else if (n == 2)
-            cf->mv[1].test = cf->measurement[1].test = 0;
+            cf->mv[1].start_up.test = cf->measurement[1].start_up.test = 0;
         else if (n == 3)
             bench.s.mv[1].bound = bench.s.measurement[1].bound = false;
         TEST_ASSERT_EQUAL(n == 0, commission_input_is_tested(&bench.s, 1));

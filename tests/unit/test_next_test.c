@@ -26,9 +26,9 @@ void setUp(void)
                                     .window = 40,
                                     .guard = TEST_GUARD_MODEL};
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = cf->mv[i].test = i < 2;
-        cf->measurement[i].test_critical = cf->mv[i].test_critical = 0;
-        cf->measurement[i].test_limit = cf->mv[i].test_step = cf->mv[i].test_time_s = 0;
+        cf->measurement[i].start_up.test = cf->mv[i].start_up.test = i < 2;
+        cf->measurement[i].start_up.critical = cf->mv[i].start_up.critical = 0;
+        cf->measurement[i].start_up.limit = cf->mv[i].start_up.step = cf->mv[i].start_up.time_s = 0;
     }
     commission_init(&c, &bench.events, commission_fresh_region());
     commission_lease(&c);
@@ -96,8 +96,8 @@ static void a_first_test_has_the_settings_and_finds_its_amplitude(void)
 
 static void what_is_configured_is_taken(void)
 {
-    cf->measurement[0].test_limit = 10;   /* of 100 */
-    cf->measurement[1].test_critical = 1; /* half of it */
+    cf->measurement[0].start_up.limit = 10;   /* of 100 */
+    cf->measurement[1].start_up.critical = 1; /* half of it */
     cf->test.guard = TEST_GUARD_LINE;
     cf->test.window = 15; /* of rest, 16 blocks at least */
     start(0);
@@ -113,8 +113,8 @@ static void what_is_configured_is_taken(void)
 
 static void an_amplitude_and_a_half_that_are_given_hold(void)
 {
-    cf->mv[0].test_step = 1; /* of 10 */
-    cf->mv[0].test_time_s = 101;
+    cf->mv[0].start_up.step = 1; /* of 10 */
+    cf->mv[0].start_up.time_s = 101;
     start(0);
     NEAR(0.1, x->amplitude);
     NEAR(0.5, x->amplitude_max);
@@ -128,7 +128,7 @@ static void an_amplitude_and_a_half_that_are_given_hold(void)
     NEAR(0.05, x->amplitude);
     NEAR(0.05, x->amplitude_max);
     c.inputs.input[0].amplitude_most = 0;
-    cf->mv[0].test_step = 0.6f;
+    cf->mv[0].start_up.step = 0.6f;
     start(0);
     NEAR(0.06, x->amplitude);
     c.inputs.input[0].amplitude_most = REAL_C(0.07); /* no room for it */
@@ -238,7 +238,7 @@ static void what_is_known_of_a_pair_beforehand_is_taken(void)
     start(0);
     TEST_ASSERT_EQUAL_UINT32(200, x->half_least); /* four times that */
     NEAR(0.1, x->amplitude_first);                /* a quarter of 0.2 */
-    cf->measurement[1].test_limit = 10;
+    cf->measurement[1].start_up.limit = 10;
     start(0);
     NEAR(0.05, x->amplitude_first);
     start(1);
@@ -262,7 +262,7 @@ static void what_is_known_of_a_pair_beforehand_is_taken(void)
     cf->mv[0].lo = cf->mv[0].min = -10; /* of a span of 20 */
     start(0);
     NEAR(0.05, x->amplitude_first);
-    cf->mv[0].test_step = 2;
+    cf->mv[0].start_up.step = 2;
     start(0);
     NEAR(0.1, x->amplitude);
 }
@@ -483,7 +483,7 @@ static void a_response_of_another_shape_gets_a_smaller_step(void)
 static void a_given_amplitude_stays_in_later_rounds(void)
 {
     tested(0.05, 2, 0.1);
-    cf->mv[0].test_step = 1;
+    cf->mv[0].start_up.step = 1;
     start(0);
     NEAR(0.1, x->amplitude);
 }
@@ -554,7 +554,7 @@ static void critical_inputs_come_first(void)
 {
     bench.config = *cf;
     strcpy(bench.config.mv[2].name, "spare");
-    bench.config.mv[2].test = bench.config.mv[2].test_critical = 1;
+    bench.config.mv[2].start_up.test = bench.config.mv[2].start_up.critical = 1;
     apply();
     cf = &bench.plan[bench.current].config;
     bench.s.mv[2].manual = N(0.3);
@@ -614,18 +614,18 @@ static void what_a_test_would_do_is_told_beforehand(void)
     NEAR(0.015625, e.first);
     NEAR(0.015625, e.most);
     bench.s.mv[0].manual = N(0.5);
-    cf->mv[0].test_step = 3;
+    cf->mv[0].start_up.step = 3;
     e = expected_of_input(&bench.s, 0);
     NEAR(0.3, e.first);
     NEAR(0.3, e.most);
-    cf->mv[0].test_time_s = 0.5f;
+    cf->mv[0].start_up.time_s = 0.5f;
     e = expected_of_input(&bench.s, 0);
     NEAR(1.75 + 240.0, e.most_s);
     TEST_ASSERT_EQUAL_UINT16(3, e.tests_most); /* what is given is not changed */
     cf->mv[0].lo = cf->mv[0].min = -10;        /* of a span of 20 */
     bench.s.mv[0].manual = N(0.5);
     NEAR(0.15, expected_of_input(&bench.s, 0).first);
-    cf->mv[0].test_time_s = 100;
+    cf->mv[0].start_up.time_s = 100;
     e = expected_of_input(&bench.s, 0);
     NEAR(460.0, e.least_s);
     NEAR(350.0 + 240.0, e.most_s);

@@ -20,7 +20,7 @@ void setUp(void)
     cf = &bench.plan[bench.current].config;
     cf->test.window = 40;
     for (unsigned i = 0; i < CHANNEL_MAX; i++)
-        cf->measurement[i].test_limit = cf->measurement[i].test_critical = 0;
+        cf->measurement[i].start_up.limit = cf->measurement[i].start_up.critical = 0;
     memset(&c, 0, sizeof c);
     commission_lease(&c);
     a = &c.work->analysis;
@@ -118,9 +118,9 @@ static void a_step_stands_out_of_the_noise_within_the_limit(void)
     c.outputs.noise_sd[1] = REAL_C(0.02);
     NEAR(0.1, step()); /* half of the limit at most */
     c.outputs.noise_sd[1] = REAL_C(0.001);
-    cf->measurement[T1].test_limit = 3; /* of 100 */
+    cf->measurement[T1].start_up.limit = 3; /* of 100 */
     NEAR(0.01, step());
-    cf->measurement[T1].test_limit = 1.8f;
+    cf->measurement[T1].start_up.limit = 1.8f;
     NEAR(0.009, step());
 }
 
@@ -152,7 +152,7 @@ static void a_step_leaves_a_fifth_of_the_room_of_every_input(void)
     a->tried[0].moved[0] = a->tried[0].moved[1] = REAL_C(0.001);
     bench.s.mv[REFLUX].manual = N(0.5);
     bench.s.mv[HEAT].manual = N(0.5);
-    cf->measurement[T1].test_limit = 100;
+    cf->measurement[T1].start_up.limit = 100;
     c.outputs.noise_sd[1] = 1;
     NEAR(0.5, step());
 }
@@ -171,7 +171,7 @@ static void a_step_leaves_what_no_loop_holds_within_07_of_its_limit(void)
     NEAR(0.14 * 0.05 / 0.15, step());
     a->plant.element[1][0].gain = a->plant.element[2][1].gain = 100; /* those that are held */
     NEAR(0.14 * 0.05 / 0.15, step());
-    cf->measurement[T5].test_limit = 10;
+    cf->measurement[T5].start_up.limit = 10;
     NEAR(0.07 * 0.05 / 0.15, step());
 }
 
