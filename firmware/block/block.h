@@ -55,13 +55,13 @@ struct block_member {
         out_reach; /* the largest |MV less feedforward|, fraction of span; of a compensator with another behind it no bound */
 };
 
-#if CONFIG_BLOCKS
 /* What fractions of it are of. */
 struct block_signal {
     float lo, hi; /* EU */
     bool is_mv;   /* else a measurement */
 };
-#endif
+
+#define BLOCK_SIGNALS(n) (CONFIG_BLOCKS ? (n) : 0) /* a board without blocks needs none */
 
 struct block_setup {
     const void *settings; /* of the kind: block/settings.h, or the struct its parameters fill */
@@ -70,16 +70,15 @@ struct block_setup {
     uint8_t there;        /* bit k: there is a member k */
     uint8_t inputs, points;
     struct block_member member[BLOCK_MEMBERS_MAX];
-#if CONFIG_BLOCKS
     /* Of blocks with a record. Where any of these has another span the block begins without a past. */
-    struct block_signal pv[BLOCK_MEMBERS_MAX]; /* of the members */
-    struct block_signal input[BLOCK_INPUTS_MAX],
-        point[BLOCK_POINTS_MAX]; /* of an element the MVs it adds to */
+    struct block_signal pv[BLOCK_SIGNALS(BLOCK_MEMBERS_MAX)]; /* of the members */
+    struct block_signal input[BLOCK_SIGNALS(BLOCK_INPUTS_MAX)];
+    struct block_signal
+        point[BLOCK_SIGNALS(BLOCK_POINTS_MAX)]; /* of an element the MVs it adds to */
     /* Settings of the block that it names, NULL: it names nobody. A state may keep it until it is configured again, which it
      * is whenever this changes; what is there was accepted by its own kind's check() only if this one's accepts it as well. */
     const void *named;
     bool named_other; /* of the kind's other_kind */
-#endif
 };
 
 /* Why settings were refused. */
@@ -87,57 +86,78 @@ struct block_fault {
     uint8_t member;     /* the first that is concerned */
     const char *field;  /* as the parameter is called; "" when it is the interval */
     const char *wanted; /* what would be right, in words */
-#if CONFIG_BLOCKS
-    bool must_be; /* wanted is a range: in words it is "must be" and that */
-#endif
+    bool must_be;       /* wanted is a range: in words it is "must be" and that */
 };
 
-struct block_io {
+/* What a block is given and gives, by role. Arrays have an entry for each member, input, point, or event of the kind. */
+struct block_members {
     uint8_t acting;        /* bit k: member k has the block's output */
-    const num_t *setpoint; /* [members], of controllers */
-    const num_t *in; /* [members] PVs; what goes into a compensator; of an element its inputs */
-    num_t *
-        out; /* [members] outputs: given by step, told to back_calculate, follow and shift; what an element adds, [points] */
-    const uint8_t *clamp; /* [members] enum integral_clamp, back_calculate */
-    uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
+    const num_t *setpoint; /* of controllers */
+    /* PVs; what goes into a compensator; of an element its inputs */
+    const num_t *in;
+    /* outputs: given by step, told to back_calculate, follow and shift; what an element adds, for each point */
+    num_t *out;
+    const uint8_t *clamp; /* enum integral_clamp, back_calculate */
+    uint8_t *limited;     /* enum integral_clamp: limits of its own that its output is at */
+    /* Blocks with a number (blockN), in step: */
+    /* What took effect of the member's MV, where the kind keeps a history; NULL of a member that drives a loop. */
+    const struct applied_history **applied;
+    uint8_t going_on; /* of a compensator, follow: acting members that also did in the last step */
+    uint16_t divisor; /* base ticks of a step */
+};
 
 #if CONFIG_BLOCKS
-    /* Blocks with a record of their own (blockN), in step: */
-    const num_t *input; /* [inputs] */
-    const uint8_t *
-        quality; /* [inputs] enum quality; nothing that was held or made up is good for an estimator */
-    const float *age_s;     /* [inputs] since the last valid reading was sampled, s; 0 of an MV */
-    num_t *point;           /* [points] given */
-    uint8_t *point_quality; /* [points] enum quality, given; QUALITY_MISSING where it is not */
-    bool work_done;         /* what was asked of work() is there: once */
-    bool work_wanted;       /* asked for before, and not over yet: asking again is in vain */
-    uint8_t
-        ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
-    const char *
-        gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already; an element adds
-                   * nothing from this step on, of a compensator the MVs stay for this tick, and are passed over it from the
-                   * next on. It may do so in back_calculate and follow as well. */
-    /* What took effect of MVs, where the kind keeps a history; NULL where there is no MV: a member that drives a loop, an
-     * input that is a measurement. */
-    const struct applied_history **member_applied; /* [members] */
-    const struct applied_history **input_applied;  /* [inputs] */
-    uint16_t divisor;                              /* base ticks of a step */
-    struct block_proposal
-        *proposal;  /* a step may put one there; NULL: another waits (block/proposal.h) */
+struct block_inputs {
+    const num_t *value;
+    const uint8_t
+        *quality; /* enum quality; nothing that was held or made up is good for an estimator */
+    const float *age_s; /* since the last valid reading was sampled, s; 0 of an MV */
+    /* What took effect of an input that is an MV, where the kind keeps a history; NULL of a measurement. */
+    const struct applied_history **applied;
+};
+
+struct block_points {
+    num_t *value;     /* given */
+    uint8_t *quality; /* enum quality, given; QUALITY_MISSING where it is not */
+};
+
+struct block_requests {
+    bool work_done;   /* what was asked of work() is there: once */
+    bool work_wanted; /* asked for before, and not over yet: asking again is in vain */
+    /* given: work() is wanted, and its result taken after so many steps; 0 = no */
+    uint8_t ask_work;
+    /* given: why, in a word; the loops' own controllers take over, in this step already; an element adds nothing from this step
+     * on, of a compensator the MVs stay for this tick, and are passed over it from the next on. It may do so in back_calculate
+     * and follow as well. */
+    const char *gives_up;
+    /* a step may put one there; NULL: another waits (block/proposal.h) */
+    struct block_proposal *proposal;
     bool withdraws; /* given: what it has proposed and nobody has accepted holds no longer */
-    struct block_switch_off
-        *switch_off;  /* a step may put one there; NULL: its last one waits (block/proposal.h) */
-    uint8_t silenced; /* of an element, bit k: term k is switched off, and adds nothing */
-    uint8_t going_on; /* of a compensator, follow: acting members that also did in the last step */
-    uint16_t raised;  /* given: bit k: the k-th of the kind's events holds in this step */
-    float *event_value; /* [events] given with it, in the unit its words name */
-    /* Test signals: */
-    struct block_excitation
-        *excite; /* [BLOCK_EXCITES_MAX] given, in every step anew; EXCITE_NOTHING where it is not */
+    /* a step may put one there; NULL: its last one waits (block/proposal.h) */
+    struct block_switch_off *switch_off;
+    uint8_t silenced;   /* of an element, bit k: term k is switched off, and adds nothing */
+    uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
+    float *event_value; /* given with it, in the unit its words name */
+    /* Test signals: [BLOCK_EXCITES_MAX] given, in every step anew; EXCITE_NOTHING where it is not */
+    struct block_excitation *excite;
     uint8_t excite_state;      /* enum excite_state: what became of the last asking */
     uint8_t excite_reason;     /* enum excite_reason, of EXCITE_REFUSED and EXCITE_ENDED */
     const char *excite_holder; /* who excites the plant now, in a word, or NULL */
+};
+#else
+struct block_inputs {
+};
+struct block_points {
+};
+struct block_requests {
+};
 #endif
+
+struct block_io {
+    struct block_members members;
+    struct block_inputs inputs;
+    struct block_points points;
+    struct block_requests requests;
 };
 
 enum block_value { BLOCK_FLOAT, BLOCK_U16, BLOCK_WORD };
@@ -179,7 +199,7 @@ struct block_verb {
 enum block_event_level { BLOCK_INFO, BLOCK_ALARM };
 
 /* What a block of the kind may say: that something has begun to hold, or happens. It is told once, with its value, in the
- * first of the steps in a row in which its bit of block_io.raised is set. An entry of the alarms on `blockN.CODE` is on
+ * first of the steps in a row in which its bit of block_io.requests.raised is set. An entry of the alarms on `blockN.CODE` is on
  * the list while the bit is set; a block that makes no steps raises nothing, but for what it raised when it gave up. */
 struct block_event {
     const char *code; /* "drift" */
@@ -188,7 +208,6 @@ struct block_event {
         *words; /* with the unit of its value: "the model has left the plant, fraction of span" */
 };
 
-#if CONFIG_BLOCKS
 /* What the setpoint of a loop does when the loop above it loses the estimate that it acts on, EU of that setpoint. Both 0: the setpoint
  * is again what it was when the cascade began, and there is no limit. */
 struct block_return {
@@ -196,7 +215,6 @@ struct block_return {
     float
         within; /* while the estimate is not good the setpoint stays this near to the last one with a good estimate; 0: anywhere */
 };
-#endif
 
 struct block_kind {
     const char *name; /* "pid" */
@@ -211,7 +229,6 @@ struct block_kind {
     /* Why its outputs pass through no compensator, in words; NULL: they may. */
     const char *uncompensated;
 
-#if CONFIG_BLOCKS
     /* What it may be given by blockN.kind; none where it has parameters of another group (block/settings.h). */
     const struct block_parameter *parameter;
     uint8_t parameters;
@@ -238,7 +255,6 @@ struct block_kind {
     uint8_t verbs;
     const struct block_event *event;
     uint8_t events; /* up to BLOCK_EVENTS_MAX */
-#endif
 
     /* Bytes of state these settings need; settings that are refused need none. */
     uint32_t (*bytes)(const struct block_setup *setup);
@@ -255,7 +271,7 @@ struct block_kind {
     /* Of an estimator it may be NULL; of a compensator whose back_calculate does for values as well. */
     void (*follow)(void *state, struct block_io *io);
     /* Controllers that act: `out` gets another meaning (another compensator, another feedforward). The next step gives
-     * io->out and what has changed since the last one; what is under way goes on. */
+     * io->members.out and what has changed since the last one; what is under way goes on. */
     void (*shift)(void *state, struct block_io *io);
     /* Compensators: only the acting members take part from now on. Returns whether that is a change, after which
      * all of them need a bumpless transfer. One with a record may do without: follow and step are told which act. */

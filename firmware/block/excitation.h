@@ -1,7 +1,7 @@
 /* Test signals that blocks ask for: excitation of a manipulated variable, or of a setpoint.
  *
  * One block at a time has the plant, or automatic start-up has it. A block asks in its step, and anew in every following one
- * for as long as it wants to go on (block_io.excite); with the first asking it says what it excites, how far at most, and
+ * for as long as it wants to go on (block_io.requests.excite); with the first asking it says what it excites, how far at most, and
  * within which limits, and that holds until the end. Whatever comes between ends all of it in the same tick, and the block is
  * told why in its next step. After an end it has to let one step pass without asking; where the plant was taken it may go on
  * asking, and gets it when it is free. */
@@ -35,7 +35,7 @@ enum excite_state { EXCITE_OFF, EXCITE_RUNS, EXCITE_REFUSED, EXCITE_ENDED };
 /* Why it was refused, or has ended. */
 enum excite_reason {
     EXCITE_FINE,
-    EXCITE_TAKEN, /* somebody else has the plant: block_io.excite_holder */
+    EXCITE_TAKEN, /* somebody else has the plant: block_io.requests.excite_holder */
     EXCITE_ASKED, /* the block asked no more */
     EXCITE_LIMIT, /* command or setpoint came to a limit: its own, the loop's, the operating limits; or has no room */
     EXCITE_INTERLOCK, /* holds the MV */

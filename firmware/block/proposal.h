@@ -1,5 +1,5 @@
 /* Proposals: settings that a block has found, for itself or for another block (a tuner, a fit of a feedforward element). It
- * puts ids and values into block_io.proposal in its step; the main loop checks them whole, as an `apply` would, and puts
+ * puts ids and values into block_io.requests.proposal in its step; the main loop checks them whole, as an `apply` would, and puts
  * them into force without a bump: at once, or when somebody has accepted them. The old values are kept for the way back
  * (operate/operate.h).
  */

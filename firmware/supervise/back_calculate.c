@@ -104,7 +104,7 @@ static void back_compensated(struct supervisor *s, num_t *told)
         const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
         u[i] = num_sub(mv_without_signal(o, o->applied), s->loop[i].feedforward);
     }
-    struct block_io io = {.acting = b->acting, .in = u, .out = told};
+    struct block_io io = {.members.acting = b->acting, .members.in = u, .members.out = told};
     block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);
     for (uint8_t i = 0; !whole && i < DECOUPLER_MAX; i++)
         if (b->acting & (1u << i))

@@ -267,7 +267,7 @@ static uint8_t resolve_targets(const struct supervisor *s, uint8_t n, const stru
 {
     uint8_t targets = 0;
     for (uint8_t k = 0; k < BLOCK_EXCITES_MAX; k++) {
-        const struct block_excitation *a = &io->excite[k];
+        const struct block_excitation *a = &io->requests.excite[k];
         if (a->what == EXCITE_NOTHING)
             continue;
         struct excited *t = &target[targets];
@@ -311,7 +311,7 @@ static bool take_values(struct supervisor *s, const struct block_io *io)
 {
     const struct excited *t = s->excitation.target;
     for (uint8_t k = 0; k < BLOCK_EXCITES_MAX; k++) {
-        const struct block_excitation *a = &io->excite[k];
+        const struct block_excitation *a = &io->requests.excite[k];
         if (a->what == EXCITE_NOTHING)
             continue;
         if (!is_at_most(num_abs(a->value), t->amplitude))
@@ -348,10 +348,10 @@ void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *
 {
     const struct excite_told *told = &s->excitation.told[slot - SLOT_RECORDS];
     memset(ask, 0, BLOCK_EXCITES_MAX * sizeof *ask);
-    io->excite = ask;
-    io->excite_state = told->state;
-    io->excite_reason = told->reason;
-    io->excite_holder = who_excites(s);
+    io->requests.excite = ask;
+    io->requests.excite_state = told->state;
+    io->requests.excite_reason = told->reason;
+    io->requests.excite_holder = who_excites(s);
 }
 
 void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io)

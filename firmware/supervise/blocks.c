@@ -77,12 +77,12 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
 static void fill_io(struct supervisor *s, uint8_t i, struct block_io *io)
 {
     struct loop_state *l = &s->loop[i];
-    io->acting = 1;
-    io->setpoint = &l->setpoint;
-    io->in = &s->measurement[s->plan->loop[i].pv].value;
-    io->out = &l->v;
-    io->clamp = &l->clamp;
-    io->limited = &l->limited;
+    io->members.acting = 1;
+    io->members.setpoint = &l->setpoint;
+    io->members.in = &s->measurement[s->plan->loop[i].pv].value;
+    io->members.out = &l->v;
+    io->members.clamp = &l->clamp;
+    io->members.limited = &l->limited;
 }
 
 void block_step(struct supervisor *s, uint8_t i)
@@ -99,8 +99,8 @@ NOT_INLINE static void follow_output(struct supervisor *s, uint8_t i, num_t *v, 
 {
     struct block_io io;
     fill_io(s, i, &io);
-    io.out = v;
-    io.limited = limited;
+    io.members.out = v;
+    io.members.limited = limited;
     s->block[i].stepped = false;
     kind_of(s, i)->follow(supervisor_block(s, i), &io);
 }
@@ -130,8 +130,8 @@ void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_
 {
     struct block_io io;
     fill_io(s, i, &io);
-    io.out = &applied;
-    io.clamp = &clamp;
+    io.members.out = &applied;
+    io.members.clamp = &clamp;
     s->block[i].stepped = false;
     kind_of(s, i)->back_calculate(supervisor_block(s, i), &io);
 }

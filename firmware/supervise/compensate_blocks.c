@@ -41,10 +41,10 @@ static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t
 {
     const struct record_plan *r = served_record(s, slot);
     served_gather(s, slot, g);
-    g->io.acting = s->block[slot].acting;
-    g->io.going_on = s->block[slot].going_on;
+    g->io.members.acting = s->block[slot].acting;
+    g->io.members.going_on = s->block[slot].going_on;
     for (uint8_t k = 0; k < r->members; k++) {
-        if (g->io.acting & (1u << k))
+        if (g->io.members.acting & (1u << k))
             g->in[k] = signal[r->member[k]];
         else
             g->in[k] = differences ? num_zero() : s->loop[r->member[k]].v;
@@ -55,9 +55,9 @@ static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t
 /* What it gave holds for those that take part. Otherwise it gives up. */
 static bool gave_signals(struct supervisor *s, uint8_t slot, const struct served_io *g)
 {
-    const char *reason = g->io.gives_up;
+    const char *reason = g->io.requests.gives_up;
     for (uint8_t k = 0; k < served_record(s, slot)->members; k++)
-        if ((g->io.acting & (1u << k)) && !served_is_number(g->out[k]) && !reason)
+        if ((g->io.members.acting & (1u << k)) && !served_is_number(g->out[k]) && !reason)
             reason = SERVED_NO_NUMBER;
     if (reason)
         served_give_up(s, slot, reason);
@@ -143,7 +143,7 @@ static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
     if (kind->select)
         (void)kind->select(supervisor_block(s, slot),
                            config_record(&s->plan->config, (uint8_t)(slot - SLOT_RECORDS)),
-                           g.io.acting);
+                           g.io.members.acting);
     (kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, slot), &g.io);
     s->block[slot].must_follow = false;
     if (!gave_signals(s, slot, &g)) {
@@ -151,7 +151,7 @@ static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
         return;
     }
     for (uint8_t k = 0; k < r->members; k++) {
-        if (!(g.io.acting & (1u << k)))
+        if (!(g.io.members.acting & (1u << k)))
             continue;
         passed[k] = (struct passed){.in = g.out[k], .out = g.in[k]};
         v[r->member[k]] = g.out[k];
@@ -189,7 +189,7 @@ static void step_compensator(struct supervisor *s, uint8_t slot, num_t *u)
         served_grant(s, slot, &g);
     }
     for (uint8_t k = 0; k < r->members; k++) {
-        if (!(g.io.acting & (1u << k)))
+        if (!(g.io.members.acting & (1u << k)))
             continue;
         if (gave)
             passed[k] = (struct passed){.in = g.in[k], .out = g.out[k]};
@@ -223,13 +223,13 @@ static void back_compensator(struct supervisor *s, uint8_t slot, num_t *whole, n
     bool by_whole = beyond_numbers(s, slot);
     struct served_io g;
     gather_signals(s, slot, by_whole ? whole : less, !by_whole, &g);
-    g.io.going_on = g.io.acting;
+    g.io.members.going_on = g.io.members.acting;
     (by_whole && kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, slot),
                                                                      &g.io);
     bool gave = gave_signals(s, slot, &g);
     for (uint8_t k = 0; k < r->members; k++) {
         uint8_t i = r->member[k];
-        if (!(g.io.acting & (1u << k)))
+        if (!(g.io.members.acting & (1u << k)))
             continue;
         less[i] = !gave ? num_zero() : by_whole ? num_sub(g.out[k], passed[k].in) : g.out[k];
         whole[i] = gave && by_whole ? g.out[k] : num_add(passed[k].in, less[i]);

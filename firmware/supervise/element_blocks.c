@@ -59,23 +59,24 @@ static void run_element(struct supervisor *s, uint8_t slot, struct served_io *g)
     const struct record_plan *r = served_record(s, slot);
     const struct block_kind *kind = served_kind(s, slot);
     void *state = supervisor_block(s, slot);
-    g->io.in = g->input;
-    g->io.out = g->point;
+    g->io.members.in = g->input;
+    g->io.members.out = g->point;
     for (uint8_t k = 0; k < r->points; k++)
         if (loop_drives(s, s->plan->owner[r->point[k]]))
-            g->io.acting = (uint8_t)(g->io.acting | (1u << k));
-    g->io.silenced = s->silenced[1 + slot - SLOT_RECORDS];
-    if (s->served[slot - SLOT_RECORDS].silenced != g->io.silenced)
+            g->io.members.acting = (uint8_t)(g->io.members.acting | (1u << k));
+    g->io.requests.silenced = s->silenced[1 + slot - SLOT_RECORDS];
+    if (s->served[slot - SLOT_RECORDS].silenced != g->io.requests.silenced)
         loops_make_room(s, slot);
-    s->served[slot - SLOT_RECORDS].silenced = g->io.silenced;
+    s->served[slot - SLOT_RECORDS].silenced = g->io.requests.silenced;
     if (!s->block[slot].running) {
         loops_make_room(s, slot);
         s->block[slot].running = true;
         kind->follow(state, &g->io);
     }
     served_step(s, slot, g);
-    if (g->io.gives_up || !gave_corrections(g, r->points)) {
-        served_give_up(s, slot, g->io.gives_up ? g->io.gives_up : SERVED_NO_NUMBER);
+    if (g->io.requests.gives_up || !gave_corrections(g, r->points)) {
+        served_give_up(s, slot,
+                       g->io.requests.gives_up ? g->io.requests.gives_up : SERVED_NO_NUMBER);
         stop_element(s, slot);
         return;
     }

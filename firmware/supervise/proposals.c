@@ -18,7 +18,7 @@ void proposal_withdraw(struct supervisor *s, uint8_t slot)
 
 void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
-    struct block_proposal *p = io->proposal;
+    struct block_proposal *p = io->requests.proposal;
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     if (!p || !p->n)
         return;

@@ -294,7 +294,7 @@ static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
 static bool gives_numbers(const struct served_io *g, uint8_t members)
 {
     for (uint8_t k = 0; k < members; k++)
-        if ((g->io.acting & (1u << k)) &&
+        if ((g->io.members.acting & (1u << k)) &&
             (!served_is_number(g->out[k]) ||
              !num_lt(num_abs(g->out[k]), num_from_float(COMMAND_MAX))))
             return false;
@@ -311,23 +311,23 @@ void serve_step(struct supervisor *s, uint8_t i)
     const struct block_kind *kind = served_kind(s, slot);
     struct served_io g;
     served_gather(s, slot, &g);
-    if (!g.io.acting) {
+    if (!g.io.members.acting) {
         raised_forget(s, slot);
         return;
     }
     if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     served_step(s, slot, &g);
-    if (!g.io.gives_up && !gives_numbers(&g, r->members))
-        g.io.gives_up = SERVED_NO_NUMBER;
-    if (g.io.gives_up) {
-        served_give_up(s, slot, g.io.gives_up);
-        own_step(s, slot, g.io.acting);
+    if (!g.io.requests.gives_up && !gives_numbers(&g, r->members))
+        g.io.requests.gives_up = SERVED_NO_NUMBER;
+    if (g.io.requests.gives_up) {
+        served_give_up(s, slot, g.io.requests.gives_up);
+        own_step(s, slot, g.io.members.acting);
         return;
     }
     served_grant(s, slot, &g);
     for (uint8_t k = 0; k < r->members; k++) {
-        if (!(g.io.acting & (1u << k)))
+        if (!(g.io.members.acting & (1u << k)))
             continue;
         s->loop[r->member[k]].v = g.out[k];
         s->loop[r->member[k]].limited = g.limited[k];
@@ -344,19 +344,19 @@ void serve_back_calculate(struct supervisor *s)
             continue;
         struct served_io g;
         served_gather(s, slot, &g);
-        if (b->off || !g.io.acting || b->must_follow) {
+        if (b->off || !g.io.members.acting || b->must_follow) {
             b->must_follow = !b->off; /* before it acts again */
             continue;
         }
         if (!b->stepped || !loop_due(s, r->member[0], s->ticks + 1u))
             continue;
         for (uint8_t k = 0; k < r->members; k++)
-            if (g.io.acting & (1u << k))
+            if (g.io.members.acting & (1u << k))
                 g.out[k] = s->loop[r->member[k]].served.applied;
         b->stepped = false;
         served_kind(s, slot)->back_calculate(supervisor_block(s, slot), &g.io);
         for (uint8_t k = 0; k < r->members; k++)
-            if (g.io.acting & (1u << k))
+            if (g.io.members.acting & (1u << k))
                 s->loop[r->member[k]].limited = g.limited[k];
     }
 }

@@ -58,21 +58,21 @@ static void gather_inputs(const struct supervisor *s, uint8_t slot, struct serve
 void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g)
 {
     const struct record_plan *r = served_record(s, slot);
-    g->io =
-        (struct block_io){.setpoint = g->setpoint,
-                          .in = g->in,
-                          .out = g->out,
-                          .clamp = g->clamp,
-                          .limited = g->limited,
-                          .input = g->input,
-                          .quality = g->quality,
-                          .age_s = g->age_s,
-                          .point = g->point,
-                          .point_quality = g->point_quality,
-                          .event_value = g->event_value,
-                          .member_applied = g->member_applied,
-                          .input_applied = g->input_applied,
-                          .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
+    g->io = (struct block_io){.members.setpoint = g->setpoint,
+                              .members.in = g->in,
+                              .members.out = g->out,
+                              .members.clamp = g->clamp,
+                              .members.limited = g->limited,
+                              .inputs.value = g->input,
+                              .inputs.quality = g->quality,
+                              .inputs.age_s = g->age_s,
+                              .points.value = g->point,
+                              .points.quality = g->point_quality,
+                              .requests.event_value = g->event_value,
+                              .members.applied = g->member_applied,
+                              .inputs.applied = g->input_applied,
+                              .members.divisor =
+                                  plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
     REFLUX_ASSERT(r->members <= BLOCK_MEMBERS_MAX && r->inputs <= BLOCK_INPUTS_MAX &&
                   r->points <= BLOCK_POINTS_MAX);
     for (uint8_t k = 0; k < r->members; k++) {
@@ -86,7 +86,7 @@ void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g
         g->limited[k] = INTEGRAL_FREE;
         g->member_applied[k] = history_of(s, s->plan->loop[i].mv);
         if (loop_drives(s, i))
-            g->io.acting = (uint8_t)(g->io.acting | (1u << k));
+            g->io.members.acting = (uint8_t)(g->io.members.acting | (1u << k));
     }
     for (uint8_t k = 0; k < BLOCK_EVENTS_MAX; k++)
         g->event_value[k] = 0.0f;
@@ -97,18 +97,19 @@ static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
     if (!job_is_asked(work)) {
-        io->work_wanted = job_is_working(work); /* given up in the midst of a piece */
+        io->requests.work_wanted = job_is_working(work); /* given up in the midst of a piece */
         return;
     }
-    io->work_done = job_take(work, s->events, s->time_ms);
-    io->work_wanted = !io->work_done;
+    io->requests.work_done = job_take(work, s->events, s->time_ms);
+    io->requests.work_wanted = !io->requests.work_done;
 }
 
 static void ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
-    if (io->ask_work && served_kind(s, slot)->work && !job_is_asked(work) && !job_is_working(work))
-        job_ask(work, io->ask_work);
+    if (io->requests.ask_work && served_kind(s, slot)->work && !job_is_asked(work) &&
+        !job_is_working(work))
+        job_ask(work, io->requests.ask_work);
 }
 
 void served_give_up(struct supervisor *s, uint8_t slot, const char *reason)
@@ -144,8 +145,8 @@ void served_step(struct supervisor *s, uint8_t slot, struct served_io *g)
 {
     take_work(s, slot, &g->io);
     excitation_tell(s, slot, &g->io, g->excite);
-    g->io.proposal = proposal_room(s);
-    g->io.switch_off = switch_off_room(s, slot);
+    g->io.requests.proposal = proposal_room(s);
+    g->io.requests.switch_off = switch_off_room(s, slot);
     served_kind(s, slot)->step(supervisor_block(s, slot), &g->io);
     raised_tell(s, slot, &g->io);
 }
@@ -154,7 +155,7 @@ void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g)
 {
     ask_work(s, slot, &g->io);
     excitation_take(s, slot, &g->io);
-    if (g->io.withdraws)
+    if (g->io.requests.withdraws)
         proposal_withdraw(s, slot);
     proposal_hand_over(s, slot, &g->io);
     switch_off_hand_over(s, slot, &g->io);

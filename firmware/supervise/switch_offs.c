@@ -43,7 +43,7 @@ void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     struct switch_off_slot *w = &s->switch_off[n];
-    const struct block_switch_off *is = io->switch_off;
+    const struct block_switch_off *is = io->requests.switch_off;
     char name[CHANNEL_NAME_SIZE];
     if (!is || !is->n || !is_element(is->element))
         return;

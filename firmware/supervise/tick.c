@@ -88,7 +88,7 @@ static void feed_forward(struct supervisor *s, num_t *before)
             continue;
         const struct block_kind *kind = block_kinds[b->kind];
         void *state = supervisor_block(s, (uint8_t)(SLOT_ELEMENTS + k));
-        struct block_io io = {.acting = 1, .in = &d, .out = &added};
+        struct block_io io = {.members.acting = 1, .members.in = &d, .members.out = &added};
         if (!ran)
             kind->follow(state, &io);
         kind->step(state, &io);
@@ -125,7 +125,7 @@ static void make_commands(struct supervisor *s)
     if (b->kind != PLAN_NONE) {
         num_t v[DECOUPLER_MAX];
         memcpy(v, u, sizeof v);
-        struct block_io io = {.acting = b->acting, .in = v, .out = u};
+        struct block_io io = {.members.acting = b->acting, .members.in = v, .members.out = u};
         block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
     }
     compensators_step(s, u);

@@ -71,7 +71,7 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
     if (together) {
         num_t u[DECOUPLER_MAX];
         memcpy(u, v, sizeof u);
-        struct block_io io = {.acting = together, .in = u, .out = v};
+        struct block_io io = {.members.acting = together, .members.in = u, .members.out = v};
         block_kinds[s->block[SLOT_MATRIX].kind]->back_calculate(supervisor_block(s, SLOT_MATRIX),
                                                                 &io);
     }

@@ -136,17 +136,19 @@ static void imp_looks_back(const struct applied_history *history)
 static void imp_says(struct imp *p, struct block_io *io)
 {
     unsigned members = p->members, inputs = p->inputs;
-    TEST_ASSERT_TRUE_MESSAGE(!io->work_done || p->asked, "a result that nobody has asked for");
-    if (io->work_done)
+    TEST_ASSERT_TRUE_MESSAGE(!io->requests.work_done || p->asked,
+                             "a result that nobody has asked for");
+    if (io->requests.work_done)
         p->asked = false;
-    if (!io->work_wanted && imp_one_in(5)) {
+    if (!io->requests.work_wanted && imp_one_in(5)) {
         p->asked = true;
         p->left = random_below(&imp_random, 30);
-        io->ask_work = (uint8_t)(1 + random_below(&imp_random, 12));
+        io->requests.ask_work = (uint8_t)(1 + random_below(&imp_random, 12));
     }
-    io->raised = (uint16_t)(imp_mischief ? random_below(&imp_random, 4) : 0);
-    io->event_value[0] = io->event_value[1] = (float)random_below(&imp_random, 100);
-    if (io->proposal && imp_one_in(40)) {
+    io->requests.raised = (uint16_t)(imp_mischief ? random_below(&imp_random, 4) : 0);
+    io->requests.event_value[0] = io->requests.event_value[1] =
+        (float)random_below(&imp_random, 100);
+    if (io->requests.proposal && imp_one_in(40)) {
         static const uint32_t what[] = {PROPOSED_LOOP_GAIN,
                                         PROPOSED_LOOP_TI,
                                         PROPOSED_LOOP_TD,
@@ -154,21 +156,21 @@ static void imp_says(struct imp *p, struct block_io *io)
                                         PROPOSED_DECOUPLE_D1,
                                         0x3040,
                                         0x7100};
-        io->proposal->n = (uint8_t)(1 + random_below(&imp_random, PROPOSAL_MAX));
-        io->proposal->manner = (uint8_t)random_below(&imp_random, 2);
-        for (unsigned i = 0; i < io->proposal->n; i++) {
+        io->requests.proposal->n = (uint8_t)(1 + random_below(&imp_random, PROPOSAL_MAX));
+        io->requests.proposal->manner = (uint8_t)random_below(&imp_random, 2);
+        for (unsigned i = 0; i < io->requests.proposal->n; i++) {
             uint32_t id = proposed_setting((enum proposed)what[random_below(&imp_random, 7)],
                                            (uint8_t)random_below(&imp_random, 4));
-            io->proposal->value[i] = (struct proposed_value){
+            io->requests.proposal->value[i] = (struct proposed_value){
                 random_below(&imp_random, 3) ? id
                                              : proposed_own((uint8_t)random_below(&imp_random, 6)),
                 random_below(&imp_random, 9) ? 0.01f * (float)random_below(&imp_random, 200) : NAN};
         }
     }
-    io->withdraws = imp_one_in(60);
-    if (io->switch_off && imp_one_in(60)) {
+    io->requests.withdraws = imp_one_in(60);
+    if (io->requests.switch_off && imp_one_in(60)) {
         uint8_t element = (uint8_t)random_below(&imp_random, ELEMENT_TERMS * (CONFIG_BLOCKS + 2u));
-        *io->switch_off = (struct block_switch_off){
+        *io->requests.switch_off = (struct block_switch_off){
             (uint8_t)(1 + random_below(&imp_random, SWITCH_OFF_MAX)),
             element,
             {{proposed_setting(PROPOSED_FF_GAIN, element % ELEMENT_TERMS), 0},
@@ -198,13 +200,13 @@ static void imp_says(struct imp *p, struct block_io *io)
     if (p->excites) {
         p->excites--;
         for (unsigned i = 0; i < BLOCK_EXCITES_MAX; i++) {
-            io->excite[i] = p->excite[i];
+            io->requests.excite[i] = p->excite[i];
             if (random_below(&imp_random, 2))
-                io->excite[i].value = num_neg(io->excite[i].value);
+                io->requests.excite[i].value = num_neg(io->requests.excite[i].value);
         }
     }
     if (imp_one_in(100))
-        io->gives_up = "mischief";
+        io->requests.gives_up = "mischief";
 }
 
 static num_t imp_odd(num_t was)
@@ -217,9 +219,10 @@ static void imp_control(void *state, struct block_io *io)
 {
     struct imp *p = imp_of(state);
     for (unsigned k = 0; k < p->members; k++) {
-        p->u[k] = num_add(p->u[k], num_mul(p->rate, num_sub(io->setpoint[k], io->in[k])));
-        io->out[k] = imp_odd(p->u[k]);
-        imp_looks_back(io->member_applied[k]);
+        p->u[k] =
+            num_add(p->u[k], num_mul(p->rate, num_sub(io->members.setpoint[k], io->members.in[k])));
+        io->members.out[k] = imp_odd(p->u[k]);
+        imp_looks_back(io->members.applied[k]);
     }
     imp_says(p, io);
 }
@@ -228,19 +231,19 @@ static void imp_told(void *state, struct block_io *io)
 {
     struct imp *p = imp_of(state);
     for (unsigned k = 0; k < p->members; k++)
-        p->u[k] = io->out[k];
+        p->u[k] = io->members.out[k];
     if (imp_one_in(400))
-        io->gives_up = "told";
+        io->requests.gives_up = "told";
 }
 
 static void imp_estimate(void *state, struct block_io *io)
 {
     struct imp *p = imp_of(state);
     for (unsigned k = 0; k < p->points && k < p->inputs; k++) {
-        io->point[k] = imp_odd(io->input[k]);
-        io->point_quality[k] =
-            imp_one_in(50) ? (uint8_t)random_below(&imp_random, 4) : io->quality[k];
-        imp_looks_back(io->input_applied[k]);
+        io->points.value[k] = imp_odd(io->inputs.value[k]);
+        io->points.quality[k] =
+            imp_one_in(50) ? (uint8_t)random_below(&imp_random, 4) : io->inputs.quality[k];
+        imp_looks_back(io->inputs.applied[k]);
     }
     imp_says(p, io);
 }
@@ -255,18 +258,18 @@ static void imp_passes(void *state, struct block_io *io)
 {
     const struct imp *p = imp_of(state);
     for (unsigned k = 0; k < p->members; k++)
-        if (io->acting & (1u << k))
-            io->out[k] = imp_odd(io->in[k]);
+        if (io->members.acting & (1u << k))
+            io->members.out[k] = imp_odd(io->members.in[k]);
     if (imp_one_in(300))
-        io->gives_up = "passes";
+        io->requests.gives_up = "passes";
 }
 
 static void imp_passes_back(void *state, struct block_io *io)
 {
     const struct imp *p = imp_of(state);
     for (unsigned k = 0; k < p->members; k++)
-        if (io->acting & (1u << k))
-            io->out[k] = io->in[k];
+        if (io->members.acting & (1u << k))
+            io->members.out[k] = io->members.in[k];
 }
 
 static const char *imp_verb(void *state, const float *number)

@@ -84,16 +84,16 @@ static inline void bench_pilot(void)
     loop_is(BOTTOM, 2, IN_HEAT);
     memset(quality, QUALITY_GOOD, sizeof quality);
     memset(clamp, INTEGRAL_FREE, sizeof clamp);
-    io = (struct block_io){.acting = 3,
-                           .setpoint = setpoint,
-                           .in = in,
-                           .out = out,
-                           .clamp = clamp,
-                           .limited = limited,
-                           .input = input,
-                           .quality = quality,
-                           .event_value = event_value,
-                           .divisor = 1};
+    io = (struct block_io){.members.acting = 3,
+                           .members.setpoint = setpoint,
+                           .members.in = in,
+                           .members.out = out,
+                           .members.clamp = clamp,
+                           .members.limited = limited,
+                           .inputs.value = input,
+                           .inputs.quality = quality,
+                           .requests.event_value = event_value,
+                           .members.divisor = 1};
     mv[TOP] = 2.6;
     mv[BOTTOM] = 0.65;
     mv_lo[TOP] = 1;
@@ -196,7 +196,7 @@ static inline void apply(void)
 {
     const struct block_signal *signal[LOOPS] = {&setup.input[IN_REFLUX], &setup.input[IN_HEAT]};
     for (unsigned i = 0; i < LOOPS; i++) {
-        if (!(io.acting & (1u << i)))
+        if (!(io.members.acting & (1u << i)))
             continue;
         double span = (double)signal[i]->hi;
         double asked = D(out[i]) * span + added[i];
@@ -210,11 +210,11 @@ static inline void apply(void)
 
 static inline void tick(void)
 {
-    io.raised = 0;
-    io.gives_up = NULL;
+    io.requests.raised = 0;
+    io.requests.gives_up = NULL;
     measure();
     kind->step(state, &io);
-    TEST_ASSERT_NULL_MESSAGE(io.gives_up, io.gives_up);
+    TEST_ASSERT_NULL_MESSAGE(io.requests.gives_up, io.requests.gives_up);
     apply();
     plant_runs((double)INTERVAL_S);
     measure();

@@ -84,11 +84,11 @@ static inline void bench_pilot(void)
     point_of(TOP_FRACTION, 12, 1);
     point_of(BOTTOM_FRACTION, 1, 1);
     point_of(INNER_TEMPERATURE, 7, 0);
-    io = (struct block_io){.input = input,
-                           .quality = quality,
-                           .point = point,
-                           .point_quality = point_quality,
-                           .event_value = event_value};
+    io = (struct block_io){.inputs.value = input,
+                           .inputs.quality = quality,
+                           .points.value = point,
+                           .points.quality = point_quality,
+                           .requests.event_value = event_value};
     memset(quality, QUALITY_GOOD, sizeof quality);
     put(FEED, 5);
     put(HEAT, 800); /* 150 W of it are lost */
@@ -126,8 +126,8 @@ static inline void measure(void)
 
 static inline void step(void)
 {
-    io.raised = 0xFFFF;
-    io.ask_work = 0;
+    io.requests.raised = 0xFFFF;
+    io.requests.ask_work = 0;
     kind->step(&block, &io);
 }
 
@@ -170,7 +170,7 @@ static inline float shown(const char *name)
 
 static inline bool raised(unsigned event)
 {
-    return ((unsigned)io.raised >> event & 1u) != 0;
+    return ((unsigned)io.requests.raised >> event & 1u) != 0;
 }
 
 /* Steps until it has locked on, until its gate has begun, and until its monitor has. */

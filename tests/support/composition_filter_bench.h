@@ -54,7 +54,7 @@ static inline void bench_filter(enum composition_method method,
     workspace_of(WORKSPACE_BYTES);
     memset(&filter, 0, sizeof filter);
     memset(age, 0, sizeof age);
-    io.age_s = age;
+    io.inputs.age_s = age;
     all_settings.s.method = (uint8_t)method;
     all_settings.s.covariance = (uint8_t)covariance;
     /* Numbers of the bench's own: what defaults are good for is a campaign's affair (tests/campaign/composition). */
@@ -84,21 +84,21 @@ static inline void work_all(struct filter_bench *f)
 
 static inline void step_alone(struct filter_bench *f)
 {
-    io.raised = 0;
-    io.ask_work = 0;
-    io.work_done = io.work_wanted = false;
+    io.requests.raised = 0;
+    io.requests.ask_work = 0;
+    io.requests.work_done = io.requests.work_wanted = false;
     if (f->asked) {
         f->ticks += f->ticks < f->due ? 1u : 0;
-        io.work_done = f->done && f->ticks >= f->due;
-        io.work_wanted = !io.work_done;
-        f->asked = io.work_wanted;
+        io.requests.work_done = f->done && f->ticks >= f->due;
+        io.requests.work_wanted = !io.requests.work_done;
+        f->asked = io.requests.work_wanted;
     }
     kind->step(f->b, &io);
-    if (io.ask_work && !f->asked) {
+    if (io.requests.ask_work && !f->asked) {
         f->asked = true;
         f->done = false;
         f->ticks = 0;
-        f->due = io.ask_work;
+        f->due = io.requests.ask_work;
     }
 }
 

@@ -50,12 +50,12 @@ static enum err held_configure(void *state, const struct block_setup *setup, boo
 static void ask_for(struct wish *w, struct block_io *io)
 {
     w->steps++;
-    w->state = io->excite_state;
-    w->reason = io->excite_reason;
-    w->holder = io->excite_holder;
+    w->state = io->requests.excite_state;
+    w->reason = io->requests.excite_reason;
+    w->holder = io->requests.excite_holder;
     for (unsigned k = 0; k < BLOCK_EXCITES_MAX; k++) {
-        TEST_ASSERT_EQUAL(EXCITE_NOTHING, io->excite[k].what);
-        io->excite[k] = w->ask[k];
+        TEST_ASSERT_EQUAL(EXCITE_NOTHING, io->requests.excite[k].what);
+        io->requests.excite[k] = w->ask[k];
     }
 }
 
@@ -64,11 +64,11 @@ static void held_step(void *state, struct block_io *io)
     struct held *h = state;
     struct wish *w = &wish[CONTROLLER];
     for (int k = 0; k < 2; k++) {
-        io->out[k] = h->u[k];
-        w->setpoint[k] = D(io->setpoint[k]);
+        io->members.out[k] = h->u[k];
+        w->setpoint[k] = D(io->members.setpoint[k]);
     }
     if (w->gives_up)
-        io->gives_up = "test";
+        io->requests.gives_up = "test";
     ask_for(w, io);
 }
 
@@ -76,7 +76,7 @@ static void held_follow(void *state, struct block_io *io)
 {
     struct held *h = state;
     for (int k = 0; k < 2; k++)
-        h->u[k] = io->out[k];
+        h->u[k] = io->members.out[k];
 }
 
 static void held_back_calculate(void *state, struct block_io *io)
@@ -129,8 +129,8 @@ static const struct block_kind shake_kind = {
 static void pass_on(void *state, struct block_io *io)
 {
     (void)state;
-    if (io->acting)
-        io->out[0] = io->in[0];
+    if (io->members.acting)
+        io->members.out[0] = io->members.in[0];
 }
 
 static void pass_step(void *state, struct block_io *io)
@@ -142,7 +142,7 @@ static void pass_step(void *state, struct block_io *io)
 static void add_nothing(void *state, struct block_io *io)
 {
     (void)state;
-    io->out[0] = num_zero();
+    io->members.out[0] = num_zero();
     ask_for(&wish[ESTIMATOR], io);
 }
 

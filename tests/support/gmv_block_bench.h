@@ -64,19 +64,19 @@ static inline bool gmv_block_begin(struct gmv_block_bench *b, float interval_s, 
         b->applied[i] = gmv_bench_history(b, i);
         b->out[i] = num_from_float(rest);
     }
-    b->io = (struct block_io){.setpoint = b->setpoint,
-                              .in = b->in,
-                              .out = b->out,
-                              .clamp = b->clamp,
-                              .limited = b->limited,
-                              .input = b->input,
-                              .quality = b->quality,
-                              .age_s = b->age_s,
-                              .event_value = b->event_value,
-                              .member_applied = b->applied,
-                              .excite = b->excite,
-                              .divisor = 1,
-                              .acting = (uint8_t)((1u << loops) - 1u)};
+    b->io = (struct block_io){.members.setpoint = b->setpoint,
+                              .members.in = b->in,
+                              .members.out = b->out,
+                              .members.clamp = b->clamp,
+                              .members.limited = b->limited,
+                              .inputs.value = b->input,
+                              .inputs.quality = b->quality,
+                              .inputs.age_s = b->age_s,
+                              .requests.event_value = b->event_value,
+                              .members.applied = b->applied,
+                              .requests.excite = b->excite,
+                              .members.divisor = 1,
+                              .members.acting = (uint8_t)((1u << loops) - 1u)};
     return gmv_kind.check(&b->setup, &fault) == ERR_OK &&
            gmv_kind.bytes(&b->setup) <= sizeof b->state &&
            gmv_kind.history(&b->setup) <= GMV_BENCH_DEPTH &&
@@ -92,11 +92,11 @@ static inline void gmv_block_signals(struct gmv_block_bench *b, unsigned i, doub
 /* Does the main loop's work between two steps. */
 static inline void gmv_block_work(struct gmv_block_bench *b)
 {
-    if (b->io.work_wanted && b->io.ask_work && --b->io.ask_work == 0) {
+    if (b->io.requests.work_wanted && b->io.requests.ask_work && --b->io.requests.ask_work == 0) {
         while (gmv_kind.work(b->state)) {
         }
-        b->io.work_done = true;
-        b->io.work_wanted = false;
+        b->io.requests.work_done = true;
+        b->io.requests.work_wanted = false;
     }
 }
 
@@ -107,23 +107,23 @@ static inline bool gmv_block_step(struct gmv_block_bench *b)
         gmv_kind.follow(b->state, &b->io);
     b->followed = true;
     gmv_block_work(b);
-    uint8_t waiting = b->io.ask_work;
+    uint8_t waiting = b->io.requests.ask_work;
     b->proposal.n = 0;
-    b->io.proposal = &b->proposal;
-    b->io.raised = 0;
-    b->io.ask_work = 0;
+    b->io.requests.proposal = &b->proposal;
+    b->io.requests.raised = 0;
+    b->io.requests.ask_work = 0;
     gmv_kind.step(b->state, &b->io);
-    if (b->io.ask_work && !b->io.work_wanted)
-        b->io.work_wanted = true;
+    if (b->io.requests.ask_work && !b->io.requests.work_wanted)
+        b->io.requests.work_wanted = true;
     else
-        b->io.ask_work = waiting;
-    b->io.work_done = false;
+        b->io.requests.ask_work = waiting;
+    b->io.requests.work_done = false;
     for (unsigned i = 0; i < b->setup.members; i++)
         b->out[i] = num_clamp(b->out[i], num_zero(), num_one());
     gmv_kind.back_calculate(b->state, &b->io);
     for (unsigned i = 0; i < b->setup.members; i++)
         applied_history_append(gmv_bench_history(b, i), b->out[i]);
-    return b->io.gives_up == NULL;
+    return b->io.requests.gives_up == NULL;
 }
 
 #endif

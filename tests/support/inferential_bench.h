@@ -90,18 +90,18 @@ static inline void bench_wire(struct infer_bench *b, unsigned members, unsigned 
         applied_history_begin(bench_ring(b, k), 8, num_zero());
         b->member_applied[k] = b->input_applied[seconds + k] = bench_ring(b, k);
     }
-    b->io = (struct block_io){.setpoint = b->setpoint,
-                              .in = b->pv,
-                              .out = b->out,
-                              .clamp = b->clamp,
-                              .limited = b->limited,
-                              .input = b->input,
-                              .quality = b->quality,
-                              .age_s = b->age_s,
-                              .member_applied = b->member_applied,
-                              .input_applied = b->input_applied,
-                              .divisor = 1,
-                              .event_value = b->event_value};
+    b->io = (struct block_io){.members.setpoint = b->setpoint,
+                              .members.in = b->pv,
+                              .members.out = b->out,
+                              .members.clamp = b->clamp,
+                              .members.limited = b->limited,
+                              .inputs.value = b->input,
+                              .inputs.quality = b->quality,
+                              .inputs.age_s = b->age_s,
+                              .members.applied = b->member_applied,
+                              .inputs.applied = b->input_applied,
+                              .members.divisor = 1,
+                              .requests.event_value = b->event_value};
 }
 
 static inline enum err bench_check(struct infer_bench *b, struct block_fault *fault)
@@ -136,15 +136,15 @@ static inline void bench_measure(struct infer_bench *b)
     }
     for (unsigned j = 0; j < b->seconds; j++)
         b->input[j] = bench_fraction(b->plant[b->second_of[j]].t[1], &b->setup.input[j]);
-    b->io.raised = 0;
-    b->io.gives_up = NULL;
+    b->io.requests.raised = 0;
+    b->io.requests.gives_up = NULL;
 }
 
 /* None acts: the outputs are where the MVs are. */
 static inline void bench_follow(struct infer_bench *b)
 {
     bench_measure(b);
-    b->io.acting = 0;
+    b->io.members.acting = 0;
     for (unsigned k = 0; k < b->setup.members; k++)
         b->out[k] = b->input[b->seconds + k];
     inferential_kind.follow(b->state, &b->io);
@@ -246,7 +246,7 @@ static inline void bench_begin(struct infer_bench *b)
 {
     bench_configure(b, false);
     bench_follow(b);
-    b->io.acting = b->setup.there;
+    b->io.members.acting = b->setup.there;
 }
 
 static inline void bench_cycle(struct infer_bench *b)

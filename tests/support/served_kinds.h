@@ -82,17 +82,19 @@ static void mean_step(void *state, struct block_io *io)
 {
     struct mean *m = state;
     num_t rest = num_sub(num_one(), m->weight);
-    io->point[0] = num_add(num_mul(m->weight, io->input[0]), num_mul(rest, io->input[1]));
-    io->point[1] = num_sub(io->input[1], io->input[0]);
-    io->point_quality[0] = io->point_quality[1] =
-        io->quality[0] > io->quality[1] ? io->quality[0] : io->quality[1];
-    io->point[0] = num_add(io->point[0], num_from_float(mean_adds));
-    m->results += io->work_done;
-    mean_waits = io->work_wanted;
-    if (!m->begun || (mean_again && !io->work_wanted)) {
+    io->points.value[0] =
+        num_add(num_mul(m->weight, io->inputs.value[0]), num_mul(rest, io->inputs.value[1]));
+    io->points.value[1] = num_sub(io->inputs.value[1], io->inputs.value[0]);
+    io->points.quality[0] = io->points.quality[1] = io->inputs.quality[0] > io->inputs.quality[1]
+                                                        ? io->inputs.quality[0]
+                                                        : io->inputs.quality[1];
+    io->points.value[0] = num_add(io->points.value[0], num_from_float(mean_adds));
+    m->results += io->requests.work_done;
+    mean_waits = io->requests.work_wanted;
+    if (!m->begun || (mean_again && !io->requests.work_wanted)) {
         m->begun = true;
         m->counted = 0;
-        io->ask_work = 5;
+        io->requests.ask_work = 5;
     }
 }
 
@@ -187,18 +189,19 @@ static enum err both_configure(void *state, const struct block_setup *setup, boo
 static void both_step(void *state, struct block_io *io)
 {
     struct both *b = both_state = state; /* a plan may have moved it */
-    num_t e[2] = {num_sub(io->setpoint[0], io->in[0]), num_sub(io->setpoint[1], io->in[1])};
+    num_t e[2] = {num_sub(io->members.setpoint[0], io->members.in[0]),
+                  num_sub(io->members.setpoint[1], io->members.in[1])};
     if (both_gives_up) {
-        io->gives_up = "test";
+        io->requests.gives_up = "test";
         return;
     }
     for (int k = 0; k < 2; k++) {
         num_t mixed = num_add(e[k], num_mul(b->cross, e[1 - k]));
         b->u[k] = num_add(b->u[k], num_mul(b->rate, mixed));
-        io->out[k] = b->u[k];
+        io->members.out[k] = b->u[k];
     }
-    io->out[0] = num_add(io->out[0], num_from_float(both_adds));
-    io->limited[1] = both_limited;
+    io->members.out[0] = num_add(io->members.out[0], num_from_float(both_adds));
+    io->members.limited[1] = both_limited;
     b->steps++;
 }
 
@@ -206,7 +209,7 @@ static void both_back_calculate(void *state, struct block_io *io)
 {
     struct both *b = state;
     for (int k = 0; k < 2; k++)
-        b->applied[k] = b->u[k] = io->out[k];
+        b->applied[k] = b->u[k] = io->members.out[k];
     b->backs++;
 }
 
@@ -214,7 +217,7 @@ static void both_follow(void *state, struct block_io *io)
 {
     struct both *b = state;
     for (int k = 0; k < 2; k++)
-        b->u[k] = io->out[k];
+        b->u[k] = io->members.out[k];
     b->follows++;
 }
 

@@ -40,9 +40,9 @@ static inline bool stage_failed(enum stage_call call, struct block_io *io)
     if (stage_fails.fault == STAGE_WELL || stage_fails.call != call)
         return false;
     if (stage_fails.fault == STAGE_GIVES_UP)
-        io->gives_up = "test";
+        io->requests.gives_up = "test";
     else
-        io->out[0] = no_number();
+        io->members.out[0] = no_number();
     return true;
 }
 
@@ -102,12 +102,13 @@ static enum err cross_configure(void *state, const struct block_setup *setup, bo
 
 static num_t cross_ratio(const struct cross *x, const struct block_io *io, unsigned k)
 {
-    return k == 0 && !num_eq(x->ratio, num_zero()) ? num_mul(x->ratio, io->input[0]) : num_zero();
+    return k == 0 && !num_eq(x->ratio, num_zero()) ? num_mul(x->ratio, io->inputs.value[0])
+                                                   : num_zero();
 }
 
 static bool cross_other(const struct block_io *io, unsigned k)
 {
-    return (io->acting & (1u << (1 - k))) != 0;
+    return (io->members.acting & (1u << (1 - k))) != 0;
 }
 
 /* a + k b, of which only the sum has to be a number of the format. */
@@ -123,20 +124,20 @@ static void cross_step(void *state, struct block_io *io)
     if (stage_failed(CALL_STEP, io))
         return;
     for (unsigned k = 0; k < 2; k++) {
-        x->in[k] = io->in[k];
-        if (!(io->acting & (1u << k)))
+        x->in[k] = io->members.in[k];
+        if (!(io->members.acting & (1u << k)))
             continue;
-        x->x[k] = num_add(x->x[k], num_mul(x->a, num_sub(io->in[k], x->x[k])));
+        x->x[k] = num_add(x->x[k], num_mul(x->a, num_sub(io->members.in[k], x->x[k])));
     }
     for (unsigned k = 0; k < 2; k++)
-        if (io->acting & (1u << k)) {
-            num_t own = num_add(io->in[k], cross_ratio(x, io, k));
-            io->out[k] = cross_other(io, k) ? cross_sum(own, x->k[k], x->x[1 - k]) : own;
+        if (io->members.acting & (1u << k)) {
+            num_t own = num_add(io->members.in[k], cross_ratio(x, io, k));
+            io->members.out[k] = cross_other(io, k) ? cross_sum(own, x->k[k], x->x[1 - k]) : own;
         }
-    io->excite[0] = stage_excites;
+    io->requests.excite[0] = stage_excites;
     x->steps++;
-    x->results = (uint8_t)(x->results + io->work_done);
-    io->ask_work = x->ask_work;
+    x->results = (uint8_t)(x->results + io->requests.work_done);
+    io->requests.ask_work = x->ask_work;
     x->ask_work = 0;
 }
 
@@ -144,7 +145,7 @@ static void cross_step(void *state, struct block_io *io)
 static void cross_solve(const struct cross *x, const struct block_io *io, const num_t g[2],
                         const num_t y[2], num_t w[2])
 {
-    if (io->acting != 3) {
+    if (io->members.acting != 3) {
         w[0] = y[0];
         w[1] = y[1];
         return;
@@ -162,11 +163,11 @@ static void cross_back_calculate(void *state, struct block_io *io)
         return;
     const num_t g[2] = {x->a, x->a};
     num_t w[2];
-    memcpy(x->back_in, io->in, sizeof x->back_in);
-    cross_solve(x, io, g, io->in, w);
+    memcpy(x->back_in, io->members.in, sizeof x->back_in);
+    cross_solve(x, io, g, io->members.in, w);
     for (unsigned k = 0; k < 2; k++)
-        if (io->acting & (1u << k)) {
-            io->out[k] = w[k];
+        if (io->members.acting & (1u << k)) {
+            io->members.out[k] = w[k];
             x->x[k] = num_add(x->x[k], num_mul(x->a, w[k]));
         }
     x->backs++;
@@ -178,14 +179,14 @@ static void cross_follow(void *state, struct block_io *io)
     struct cross *x = state;
     if (stage_failed(CALL_FOLLOW, io))
         return;
-    num_t g[2], offset[2], y[2] = {io->in[0], io->in[1]}, w[2];
+    num_t g[2], offset[2], y[2] = {io->members.in[0], io->members.in[1]}, w[2];
     for (unsigned k = 0; k < 2; k++) {
-        bool goes_on = (io->going_on & (1u << k)) != 0;
+        bool goes_on = (io->members.going_on & (1u << k)) != 0;
         g[k] = goes_on ? x->a : num_one();
         offset[k] = goes_on ? num_mul(num_sub(num_one(), x->a), x->x[k]) : num_zero();
     }
     for (unsigned k = 0; k < 2; k++) {
-        if (!(io->acting & (1u << k)))
+        if (!(io->members.acting & (1u << k)))
             continue;
         y[k] = num_sub(y[k], cross_ratio(x, io, k));
         if (cross_other(io, k))
@@ -193,12 +194,12 @@ static void cross_follow(void *state, struct block_io *io)
     }
     cross_solve(x, io, g, y, w);
     for (unsigned k = 0; k < 2; k++)
-        if (io->acting & (1u << k)) {
-            io->out[k] = w[k];
-            if (!(io->going_on & (1u << k)))
+        if (io->members.acting & (1u << k)) {
+            io->members.out[k] = w[k];
+            if (!(io->members.going_on & (1u << k)))
                 x->x[k] = w[k];
         }
-    x->mask = io->acting;
+    x->mask = io->members.acting;
     x->follows++;
 }
 
@@ -257,15 +258,15 @@ static enum err twice_configure(void *state, const struct block_setup *setup, bo
 
 static void twice_step(void *state, struct block_io *io)
 {
-    if (io->acting)
-        io->out[0] = num_mul(*(num_t *)state, io->in[0]);
+    if (io->members.acting)
+        io->members.out[0] = num_mul(*(num_t *)state, io->members.in[0]);
 }
 
 /* Works back values and differences in the same way. */
 static void twice_back_calculate(void *state, struct block_io *io)
 {
-    if (io->acting)
-        io->out[0] = num_div(io->in[0], *(num_t *)state);
+    if (io->members.acting)
+        io->members.out[0] = num_div(io->members.in[0], *(num_t *)state);
 }
 
 static const struct block_kind twice_kind = {
@@ -341,20 +342,20 @@ static void ahead_step(void *state, struct block_io *io)
     struct ahead *a = state;
     if (stage_failed(CALL_STEP, io))
         return;
-    num_t y = num_mul(a->gain, lead_lag_step(&a->shape, io->in[0]));
+    num_t y = num_mul(a->gain, lead_lag_step(&a->shape, io->members.in[0]));
     if (!num_eq(a->second, num_zero()))
-        y = num_add(y, num_mul(a->second, io->input[1]));
-    a->quality = io->quality[0];
-    io->out[0] = y;
-    io->out[1] = num_mul(a->other, y);
-    io->excite[0] = stage_excites;
+        y = num_add(y, num_mul(a->second, io->inputs.value[1]));
+    a->quality = io->inputs.quality[0];
+    io->members.out[0] = y;
+    io->members.out[1] = num_mul(a->other, y);
+    io->requests.excite[0] = stage_excites;
     a->steps++;
 }
 
 static void ahead_follow(void *state, struct block_io *io)
 {
     struct ahead *a = state;
-    lead_lag_reset(&a->shape, io->in[0]);
+    lead_lag_reset(&a->shape, io->members.in[0]);
     a->follows++;
 }
 
@@ -411,8 +412,9 @@ static void duet_step(void *state, struct block_io *io)
 {
     struct duet *d = state;
     for (int k = 0; k < 2; k++) {
-        d->u[k] = num_add(d->u[k], num_mul(d->rate, num_sub(io->setpoint[k], io->in[k])));
-        io->out[k] = d->u[k];
+        d->u[k] =
+            num_add(d->u[k], num_mul(d->rate, num_sub(io->members.setpoint[k], io->members.in[k])));
+        io->members.out[k] = d->u[k];
     }
 }
 
@@ -420,7 +422,7 @@ static void duet_back_calculate(void *state, struct block_io *io)
 {
     struct duet *d = state;
     for (int k = 0; k < 2; k++)
-        d->applied[k] = d->u[k] = io->out[k];
+        d->applied[k] = d->u[k] = io->members.out[k];
 }
 
 static const struct block_kind duet_kind = {

@@ -131,7 +131,7 @@ static inline void bench_pilot(void)
     by_temperatures();
     workspace_init(&workspace, memory, sizeof memory);
     workspace_share(&workspace);
-    io = (struct block_io){.event_value = event_value, .divisor = 1};
+    io = (struct block_io){.requests.event_value = event_value, .members.divisor = 1};
     job_asked = false;
     pieces = 0;
 }
@@ -160,14 +160,14 @@ static inline const char *tell(const char *verb)
 /* A tick, and the main loop after it until the work is done. room: for a proposal. */
 static inline void step(bool room)
 {
-    io.work_done = job_asked;
-    io.ask_work = 0;
-    io.raised = 0;
+    io.requests.work_done = job_asked;
+    io.requests.ask_work = 0;
+    io.requests.raised = 0;
     memset(&proposal, 0, sizeof proposal);
-    io.proposal = room ? &proposal : NULL;
+    io.requests.proposal = room ? &proposal : NULL;
     kind->step(state, &io);
     workspace_tick(&workspace);
-    job_asked = io.ask_work > 0;
+    job_asked = io.requests.ask_work > 0;
     while (job_asked && kind->work(state))
         pieces++;
 }

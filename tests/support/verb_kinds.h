@@ -47,19 +47,19 @@ static void verb_propose(struct block_io *io, struct block_proposal *proposes)
 {
     if (!proposes->n)
         return;
-    if (!io->proposal) {
+    if (!io->requests.proposal) {
         no_room++;
         return;
     }
-    *io->proposal = *proposes;
+    *io->requests.proposal = *proposes;
     proposes->n = 0;
 }
 
 static void verb_switch_off(struct block_io *io, struct block_switch_off *switches_off)
 {
-    if (!switches_off->n || !io->switch_off)
+    if (!switches_off->n || !io->requests.switch_off)
         return;
-    *io->switch_off = *switches_off;
+    *io->requests.switch_off = *switches_off;
     switches_off->n = 0;
 }
 
@@ -101,19 +101,20 @@ static void watch_step(void *state, struct block_io *io)
 {
     struct verb_state *w = watch_state = state;
     if (!w->frozen || !w->begun)
-        w->held = io->input[0];
+        w->held = io->inputs.value[0];
     w->begun = true;
     w->steps++;
-    io->point[0] = w->held;
-    io->point_quality[0] = io->quality[0];
+    io->points.value[0] = w->held;
+    io->points.quality[0] = io->inputs.quality[0];
     verb_propose(io, &watch_proposes);
     verb_switch_off(io, &watch_switches_off);
-    io->withdraws = watch_withdraws;
+    io->requests.withdraws = watch_withdraws;
     watch_withdraws = false;
-    bool above = num_lt(w->limit, io->input[0]);
-    io->event_value[WATCH_HIGH] = io->event_value[WATCH_CROSSED] = num_to_float(io->input[0]);
-    io->raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
-                            (above != w->above ? 1u << WATCH_CROSSED : 0u));
+    bool above = num_lt(w->limit, io->inputs.value[0]);
+    io->requests.event_value[WATCH_HIGH] = io->requests.event_value[WATCH_CROSSED] =
+        num_to_float(io->inputs.value[0]);
+    io->requests.raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
+                                     (above != w->above ? 1u << WATCH_CROSSED : 0u));
     w->above = above;
 }
 
@@ -220,15 +221,15 @@ static void pair_step(void *state, struct block_io *io)
     struct verb_state *p = pair_state = state;
     p->steps++;
     for (unsigned k = 0; k < 2; k++)
-        io->out[k] = p->u[k];
+        io->members.out[k] = p->u[k];
     verb_propose(io, &pair_proposes);
     verb_switch_off(io, &pair_switches_off);
-    io->withdraws = pair_withdraws;
+    io->requests.withdraws = pair_withdraws;
     pair_withdraws = false;
-    io->raised = pair_is_spent;
-    io->event_value[0] = 0.75f;
+    io->requests.raised = pair_is_spent;
+    io->requests.event_value[0] = 0.75f;
     if (pair_gives_up)
-        io->gives_up = "spent";
+        io->requests.gives_up = "spent";
 }
 
 static const struct block_event pair_events[] = {{"spent", BLOCK_ALARM, "it has no room, share"}};
@@ -237,7 +238,7 @@ static void pair_follow(void *state, struct block_io *io)
 {
     struct verb_state *p = pair_state = state;
     for (unsigned k = 0; k < 2; k++)
-        p->u[k] = io->out[k];
+        p->u[k] = io->members.out[k];
 }
 
 static const struct block_verb pair_verbs[] = {

@@ -69,18 +69,18 @@ static enum err look_configure(void *state, const struct block_setup *setup, boo
 static void look_around(struct look *m, const struct block_io *io, uint8_t members, uint8_t inputs)
 {
     m->steps++;
-    m->divisor = io->divisor;
+    m->divisor = io->members.divisor;
     for (uint8_t k = 0; k < members; k++)
-        m->member[k] = io->member_applied[k];
+        m->member[k] = io->members.applied[k];
     for (uint8_t k = 0; k < inputs; k++)
-        m->input[k] = io->input_applied[k];
+        m->input[k] = io->inputs.applied[k];
 }
 
 static void look_step(void *state, struct block_io *io)
 {
     struct look *m = state;
     look_around(m, io, 2, 1);
-    io->out[0] = io->out[1] = m->out;
+    io->members.out[0] = io->members.out[1] = m->out;
 }
 
 static void watch_step(void *state, struct block_io *io)

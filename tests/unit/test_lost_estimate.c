@@ -41,8 +41,8 @@ static enum err echo_configure(void *state, const struct block_setup *setup, boo
 static void echo_step(void *state, struct block_io *io)
 {
     (void)state;
-    io->point[0] = io->input[0];
-    io->point_quality[0] = (uint8_t)says;
+    io->points.value[0] = io->inputs.value[0];
+    io->points.quality[0] = (uint8_t)says;
 }
 
 static const struct block_kind echo_kind = {

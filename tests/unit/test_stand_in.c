@@ -69,15 +69,15 @@ static enum err coast_configure(void *state, const struct block_setup *setup, bo
 static void coast_step(void *state, struct block_io *io)
 {
     struct coast *c = state;
-    bool measured = quality_usable((enum quality)io->quality[0]);
-    told[c->which].quality = io->quality[0];
-    told[c->which].age_s = io->age_s[0];
-    told[c->which].input = io->input[0];
-    c->value = measured ? io->input[0] : num_add(c->value, c->drift);
-    io->point[0] = c->value;
-    io->point_quality[0] = told[c->which].ignorant ? QUALITY_BAD
-                           : measured              ? QUALITY_GOOD
-                                                   : QUALITY_UNCERTAIN;
+    bool measured = quality_usable((enum quality)io->inputs.quality[0]);
+    told[c->which].quality = io->inputs.quality[0];
+    told[c->which].age_s = io->inputs.age_s[0];
+    told[c->which].input = io->inputs.value[0];
+    c->value = measured ? io->inputs.value[0] : num_add(c->value, c->drift);
+    io->points.value[0] = c->value;
+    io->points.quality[0] = told[c->which].ignorant ? QUALITY_BAD
+                            : measured              ? QUALITY_GOOD
+                                                    : QUALITY_UNCERTAIN;
 }
 
 static const struct block_kind coast_kind = {

@@ -105,8 +105,9 @@ static enum err find_b(struct ahead *b, const real_t *y)
 static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
     real_t present = ahead_places_target(&b->places, &b->m, i, ahead_model_x(&b->m)) + b->bias[i];
-    real_t w = io->acting & (1u << i) ? ahead_places_pv_si(&b->places, &b->m, i, io->setpoint[i])
-                                      : present;
+    real_t w = io->members.acting & (1u << i)
+                   ? ahead_places_pv_si(&b->places, &b->m, i, io->members.setpoint[i])
+                   : present;
     return present + (ONE - b->pole[i]) * (w - present);
 }
 
@@ -114,7 +115,7 @@ static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsi
 static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
 {
     for (unsigned i = 0; i < ahead_places_loops(&b->places); i++) {
-        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]);
+        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->members.in[i]);
         real_t off = y - ahead_places_target(&b->places, &b->m, i, ahead_model_x(&b->m));
         if (b->has_prediction) {
             real_t missed = y - b->predicted[i];
@@ -122,8 +123,8 @@ static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
             b->missed[i] += b->keep * missed;
             if (b->alarm[i] > ZERO &&
                 real_abs(missed) > b->alarm[i] * real_abs(ahead_places_span(&b->places, i))) {
-                io->raised |= 1u << EVENT_FAR;
-                io->event_value[EVENT_FAR] = (float)(i + 1u);
+                io->requests.raised |= 1u << EVENT_FAR;
+                io->requests.event_value[EVENT_FAR] = (float)(i + 1u);
             }
         } else {
             b->bias[i] = off;
@@ -144,14 +145,14 @@ static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 {
     bool doubts = false;
     for (unsigned i = 0; i < ahead_places_loops(&b->places) && b->has_prediction; i++) {
-        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]),
+        real_t y = ahead_places_pv_si(&b->places, &b->m, i, io->members.in[i]),
                still = STILL * real_abs(ahead_places_span(&b->places, i));
         bool is_worse = real_abs(y - b->predicted[i]) > real_abs(y - b->before[i]) + still;
         b->worse[i] += ((is_worse ? ONE : ZERO) - b->worse[i]) / (real_t)WATCHED;
         doubts = doubts || b->worse[i] > b->doubt;
     }
     for (unsigned i = 0; i < ahead_places_loops(&b->places); i++)
-        b->before[i] = ahead_places_pv_si(&b->places, &b->m, i, io->in[i]);
+        b->before[i] = ahead_places_pv_si(&b->places, &b->m, i, io->members.in[i]);
     if (b->has_prediction && b->watched < WATCHED)
         b->watched++;
     return doubts && b->doubt > ZERO && b->watched == WATCHED;
@@ -161,7 +162,7 @@ static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 static void take_applied(struct ahead *b, const struct block_io *io)
 {
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
-        real_t u = num_to_float(io->input[ahead_places_mv(&b->places, j)]);
+        real_t u = num_to_float(io->inputs.value[ahead_places_mv(&b->places, j)]);
         ahead_law_put_u(&b->law, j, u < ZERO ? ZERO : u > ONE ? ONE : u);
     }
 }
@@ -217,15 +218,17 @@ static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
 {
     b->has_prediction = b->observed = false;
     ahead_model_rest(&b->m);
-    io->gives_up = !err ? "no_effect" : err == ERR_NOT_FINITE ? "no_number" : "no_solution";
+    io->requests.gives_up = !err                    ? "no_effect"
+                            : err == ERR_NOT_FINITE ? "no_number"
+                                                    : "no_solution";
 }
 
 /* True: an input that should be the loop's MV is another one. */
 static bool has_other_mv(const struct ahead *b, const struct block_io *io)
 {
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++)
-        if (io->member_applied && io->input_applied &&
-            io->member_applied[j] != io->input_applied[ahead_places_mv(&b->places, j)])
+        if (io->members.applied && io->inputs.applied &&
+            io->members.applied[j] != io->inputs.applied[ahead_places_mv(&b->places, j)])
             return true;
     return false;
 }
@@ -243,21 +246,21 @@ static void ahead_step(void *state, struct block_io *io)
     bool found = true;
     ahead_model_relocate(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
-        io->gives_up = "other_mv";
+        io->requests.gives_up = "other_mv";
         return;
     }
     enum err err = b->observed ? ERR_OK : ahead_places_observe(&b->places, &b->m, io, b->trust);
     b->observed = false;
     if (is_in_doubt(b, io)) {
         begin_to_watch(b);
-        io->gives_up = "model";
+        io->requests.gives_up = "model";
         return;
     }
     if (!err) {
         take_applied(b, io);
         take_misses(b, io, asked);
     }
-    ahead_law_act(&b->law, io->acting);
+    ahead_law_act(&b->law, io->members.acting);
     if (!err && b->holds_next)
         err = hold_outputs(b, asked);
     b->holds_next = false;
@@ -269,11 +272,11 @@ static void ahead_step(void *state, struct block_io *io)
     }
     b->has_prediction = true;
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
-        if (!(io->acting & (1u << j)))
+        if (!(io->members.acting & (1u << j)))
             continue;
         real_t u = ahead_law_asked(&b->law, j);
         u = u < ZERO ? ZERO : u > ONE ? ONE : u;
-        b->given[j] = io->out[j] = num_from_float(u - b->offset[j]);
+        b->given[j] = io->members.out[j] = num_from_float(u - b->offset[j]);
     }
 }
 
@@ -282,16 +285,16 @@ static void ahead_back_calculate(void *state, struct block_io *io)
 {
     struct ahead *b = state;
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
-        real_t applied = num_to_float(io->input[ahead_places_mv(&b->places, j)]);
+        real_t applied = num_to_float(io->inputs.value[ahead_places_mv(&b->places, j)]);
         for (unsigned i = 0; i < ahead_places_loops(&b->places); i++)
             b->predicted[i] += ahead_places_span(&b->places, i) * ahead_law_b(&b->law, i, j) *
                                (applied - ahead_law_u(&b->law)[j]);
         ahead_law_put_u(&b->law, j, applied);
-        if (!(io->acting & (1u << j)))
+        if (!(io->members.acting & (1u << j)))
             continue;
-        b->offset[j] = applied - num_to_float(io->out[j]);
-        ahead_law_limit(&b->law, j, applied, num_lt(io->out[j], b->given[j]),
-                        num_lt(b->given[j], io->out[j]));
+        b->offset[j] = applied - num_to_float(io->members.out[j]);
+        ahead_law_limit(&b->law, j, applied, num_lt(io->members.out[j], b->given[j]),
+                        num_lt(b->given[j], io->members.out[j]));
     }
 }
 
@@ -307,8 +310,8 @@ static void ahead_follow(void *state, struct block_io *io)
     take_applied(b, io);
     for (unsigned j = 0; j < ahead_places_loops(&b->places); j++) {
         ahead_law_free(&b->law, j);
-        b->offset[j] = ahead_law_u(&b->law)[j] - num_to_float(io->out[j]);
-        b->given[j] = io->out[j];
+        b->offset[j] = ahead_law_u(&b->law)[j] - num_to_float(io->members.out[j]);
+        b->given[j] = io->members.out[j];
     }
     if (!err) {
         take_misses(b, io, asked);

@@ -145,9 +145,9 @@ static size_t gather_readings(const struct ahead_places *p, const struct ahead_m
     size_t n = 0;
     for (unsigned k = 0; k < p->inputs; k++)
         if (ahead_is_of_stage(p->input[k].role))
-            insert_reading(reading, &n, reading_of(p, m, &p->input[k], io->input[k]));
+            insert_reading(reading, &n, reading_of(p, m, &p->input[k], io->inputs.value[k]));
     for (unsigned i = 0; i < p->loops; i++)
-        insert_reading(reading, &n, reading_of(p, m, &p->pv[i], io->in[i]));
+        insert_reading(reading, &n, reading_of(p, m, &p->pv[i], io->members.in[i]));
     return n;
 }
 
@@ -156,7 +156,7 @@ static void take_drives(const struct ahead_places *p, struct ahead_model *m,
                         const struct block_io *io)
 {
     for (unsigned k = 0; k < p->inputs; k++)
-        take_drive(m, ahead_model_inputs(m), &p->input[k], num_to_float(io->input[k]));
+        take_drive(m, ahead_model_inputs(m), &p->input[k], num_to_float(io->inputs.value[k]));
 }
 
 static enum err correct_model(const struct ahead_places *p, struct ahead_model *m,

@@ -140,8 +140,8 @@ static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
         return;
-    io->raised = (uint16_t)(io->raised | 1u << event);
-    io->event_value[event] = (float)value;
+    io->requests.raised = (uint16_t)(io->requests.raised | 1u << event);
+    io->requests.event_value[event] = (float)value;
 }
 
 void composition_judge_put_analysis(const struct composition_parts *p, struct block_io *io,
@@ -179,12 +179,12 @@ enum quality composition_judge_step(const struct composition_parts *p, struct bl
                        ? composition_watch_odd(p->watch, p->sensors, feed_stage_of(p), s->apart)
                        : 0;
 
-    io->raised = 0;
+    io->requests.raised = 0;
     bool without_room = composition_filter_lacks_workspace(p);
     raise_event(io, EVENT_LOST, lost);
     if (!lost && without_room) {
-        io->raised |= 1u << EVENT_LOST;
-        io->event_value[EVENT_LOST] = 0.0f;
+        io->requests.raised |= 1u << EVENT_LOST;
+        io->requests.event_value[EVENT_LOST] = 0.0f;
     }
     raise_event(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
     raise_event(io, EVENT_PULL, pulling);

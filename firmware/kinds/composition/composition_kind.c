@@ -137,7 +137,8 @@ static enum err composition_configure(void *state, const struct block_setup *set
 
 static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
 {
-    real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
+    real_t eu =
+        b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->inputs.value[k]);
     return column_drive_factor(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
 }
 
@@ -153,10 +154,10 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
     for (unsigned k = 0; k < b->inputs; k++) {
         if (composition_is_sensor(&b->s, k)) {
             t[sensor] = reading_si(b, io, k);
-            composition_sensors_put(&b->sensors, sensor++, io->quality[k] == QUALITY_GOOD);
+            composition_sensors_put(&b->sensors, sensor++, io->inputs.quality[k] == QUALITY_GOOD);
         } else if (b->s.role[k] == IS_ANALYSIS) {
             continue;
-        } else if (quality_usable((enum quality)io->quality[k])) {
+        } else if (quality_usable((enum quality)io->inputs.quality[k])) {
             composition_model_drive(&b->model, (enum column_drive)(b->s.role[k] - IS_FEED),
                                     reading_si(b, io, k));
         } else if (!missing) {
@@ -174,9 +175,9 @@ static unsigned step_analyses(struct composition_block *b, const struct block_io
     for (unsigned i = 0; i < composition_analyses_count(&b->analyses); i++) {
         unsigned k = composition_analyses_input(&b->analyses, i);
         const struct composition_sample sample = {.y = reading_si(b, io, k),
-                                                  .age_s = (real_t)io->age_s[k],
+                                                  .age_s = (real_t)io->inputs.age_s[k],
                                                   .most = b->s.analysis_gate,
-                                                  .usable = io->quality[k] == QUALITY_GOOD};
+                                                  .usable = io->inputs.quality[k] == QUALITY_GOOD};
         bool poor = composition_analyses_step(&b->analyses, &b->model, i, &sample, filtered);
         bool missed = b->s.late_s > 0 && sample.age_s > b->s.late_s;
         if (!odd && (poor || missed || !sample.usable))
@@ -243,10 +244,10 @@ static void give_estimates(const struct composition_block *b, const struct compo
 {
     for (unsigned k = 0; k < b->points; k++) {
         real_t span = b->point[k].hi - b->point[k].lo;
-        io->point[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
+        io->points.value[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
         bool unsure = quality == QUALITY_GOOD &&
                       (composition_judge_is_unsure(p, k) || composition_judge_is_unseen(p, k));
-        io->point_quality[k] = (uint8_t)(unsure ? QUALITY_UNCERTAIN : quality);
+        io->points.quality[k] = (uint8_t)(unsure ? QUALITY_UNCERTAIN : quality);
     }
 }
 
@@ -270,10 +271,10 @@ static void composition_follow(void *state, struct block_io *io)
 static bool take_result(struct composition_block *b, const struct composition_parts *p,
                         struct block_io *io)
 {
-    bool settled = io->work_done && b->work == WORK_SETTLE;
-    if (io->work_done && b->work == WORK_GAINS)
+    bool settled = io->requests.work_done && b->work == WORK_SETTLE;
+    if (io->requests.work_done && b->work == WORK_GAINS)
         composition_filter_take(p);
-    if (!io->work_wanted)
+    if (!io->requests.work_wanted)
         b->work = WORK_NONE;
     composition_filter_keep(p, b->work == WORK_GAINS);
     if (settled)
@@ -281,7 +282,7 @@ static bool take_result(struct composition_block *b, const struct composition_pa
     if (!b->settle || b->work == WORK_GAINS)
         return true;
     b->work = WORK_SETTLE;
-    io->ask_work = 1;
+    io->requests.ask_work = 1;
     return false;
 }
 
@@ -289,10 +290,10 @@ static bool take_result(struct composition_block *b, const struct composition_pa
 static void ask_for_gains(struct composition_block *b, const struct composition_parts *p,
                           struct block_io *io)
 {
-    if (io->work_wanted || b->settle)
+    if (io->requests.work_wanted || b->settle)
         return;
-    io->ask_work = composition_filter_order(p);
-    if (io->ask_work)
+    io->requests.ask_work = composition_filter_order(p);
+    if (io->requests.ask_work)
         b->work = WORK_GAINS;
 }
 

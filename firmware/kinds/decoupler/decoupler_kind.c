@@ -64,10 +64,11 @@ static bool decoupler_select_members(void *state, const void *settings, uint8_t 
 static void decoupler_step(void *state, struct block_io *io)
 {
     struct decoupler_state *s = state;
-    decoupler_forward(&s->decoupler, io->in, io->out);
+    decoupler_forward(&s->decoupler, io->members.in, io->members.out);
     s->stepped = true;
     for (uint8_t i = 0; i < s->decoupler.n; i++)
-        if (num_lt(num_from_float(DIFFERENCES_UP_TO), num_abs(io->out[s->decoupler.member[i]])))
+        if (num_lt(num_from_float(DIFFERENCES_UP_TO),
+                   num_abs(io->members.out[s->decoupler.member[i]])))
             s->stepped = false;
 }
 
@@ -75,9 +76,9 @@ static void decoupler_back_calculate(void *state, struct block_io *io)
 {
     struct decoupler_state *s = state;
     if (s->stepped)
-        decoupler_give_way(&s->decoupler, io->in, io->out);
+        decoupler_give_way(&s->decoupler, io->members.in, io->members.out);
     else
-        decoupler_back(&s->decoupler, io->in, io->out);
+        decoupler_back(&s->decoupler, io->members.in, io->members.out);
     s->stepped = false;
 }
 

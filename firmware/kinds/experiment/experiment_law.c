@@ -229,12 +229,12 @@ static void go_on_with_law(struct experiment_law *l, struct experiment_loops *lo
         put_order_of_loops(l, c);
     else if (asked && leased)
         put_order_of_law(l, c);
-    else if (asked && io->work_done)
+    else if (asked && io->requests.work_done)
         refuse_design(l, "the workspace", "free", 0);
     else if (law_is_found(l, c))
         take_found_law(l, loops, c);
     if (experiment_law_runs(l))
-        io->ask_work = STEPS;
+        io->requests.ask_work = STEPS;
 }
 
 enum experiment_law_end experiment_law_step(struct experiment_law *l,
@@ -246,12 +246,12 @@ enum experiment_law_end experiment_law_step(struct experiment_law *l,
         experiment_lease_end(&l->lease);
     else if (lost)
         refuse_design(l, "the workspace", "free", 0);
-    else if (!io->work_wanted)
+    else if (!io->requests.work_wanted)
         go_on_with_law(l, loops, c, io);
     bool ended = ran && !experiment_law_runs(l), refused = l->stage == EXPERIMENT_LAW_REFUSED;
     if (l->proposes && is_of_loops(c))
-        l->proposes = experiment_loops_propose(loops, c, io->proposal);
+        l->proposes = experiment_loops_propose(loops, c, io->requests.proposal);
     else if (l->proposes)
-        propose_law(l, c, io->proposal);
+        propose_law(l, c, io->requests.proposal);
     return !ended ? LAW_GOES_ON : refused ? LAW_REFUSED : LAW_FOUND;
 }

@@ -134,9 +134,9 @@ enum experiment_reason experiment_read(struct experiment_record *r,
                                        const struct block_io *io, bool excites, uint8_t *at_fault)
 {
     for (unsigned i = 0; i < c->n; i++) {
-        bool good = io->quality[i] == QUALITY_GOOD;
+        bool good = io->inputs.quality[i] == QUALITY_GOOD;
         if (good)
-            r->held[i] = num_to_float(io->input[i]);
+            r->held[i] = num_to_float(io->inputs.value[i]);
         *at_fault = (uint8_t)(i + 1u);
         if (is_missed(r, c, i, good))
             return REASON_MEASUREMENT;
@@ -159,7 +159,7 @@ static bool decimate_all(struct experiment_record *r, unsigned n, real_t *y)
 static real_t applied_of(const struct experiment_record *r, const struct experiment_context *c,
                          const struct block_io *io, unsigned j)
 {
-    const struct applied_history *h = io->input_applied[c->n + j];
+    const struct applied_history *h = io->inputs.applied[c->n + j];
     return h ? num_to_float(applied_ticks_ago(h, 1)) : r->rest[j];
 }
 
@@ -300,12 +300,13 @@ bool experiment_ask_signal(const struct experiment_record *r, const struct exper
     for (unsigned j = 0; j < c->n && r->samples > 0; j++) {
         float span = experiment_span(c, c->n + j);
         real_t reach = (c->s.reach[j] > 0 ? c->s.reach[j] : 2 * c->s.amplitude[j]) / span;
-        io->excite[j] = (struct block_excitation){.what = EXCITE_INPUT,
-                                                  .which = (uint8_t)(c->n + j),
-                                                  .value = num_from_float(r->signal[j]),
-                                                  .amplitude = num_from_float(amplitude_of(c, j)),
-                                                  .lo = num_from_float(r->rest[j] - reach),
-                                                  .hi = num_from_float(r->rest[j] + reach)};
+        io->requests.excite[j] =
+            (struct block_excitation){.what = EXCITE_INPUT,
+                                      .which = (uint8_t)(c->n + j),
+                                      .value = num_from_float(r->signal[j]),
+                                      .amplitude = num_from_float(amplitude_of(c, j)),
+                                      .lo = num_from_float(r->rest[j] - reach),
+                                      .hi = num_from_float(r->rest[j] + reach)};
     }
     return r->samples > 0;
 }

@@ -36,14 +36,14 @@ static void wait_for_workspace(const struct experiment_parts *p, struct block_io
 {
     bool leased = experiment_leased(p->lease) != NULL, whole = true;
     for (unsigned i = 0; i < p->context->n; i++)
-        whole = whole && io->quality[i] == QUALITY_GOOD;
+        whole = whole && io->inputs.quality[i] == QUALITY_GOOD;
     if (leased && whole) {
         experiment_settling_begin(p->record, p->context);
         stage_begins(p, EXPERIMENT_SETTLES);
-    } else if (io->work_done && !leased) {
+    } else if (io->requests.work_done && !leased) {
         abort_experiment(p, REASON_WORKSPACE);
-    } else if (!leased && !io->work_wanted) {
-        io->ask_work = 1;
+    } else if (!leased && !io->requests.work_wanted) {
+        io->requests.ask_work = 1;
     }
 }
 
@@ -85,22 +85,22 @@ static void take_found_model(const struct experiment_parts *p, const struct expe
 static void compute_on(const struct experiment_parts *p, struct block_io *io)
 {
     const struct experiment_finding *f = experiment_job_finding(experiment_leased(p->lease));
-    if (io->work_wanted)
+    if (io->requests.work_wanted)
         return;
     if (experiment_finding_is_over(f)) {
         take_found_model(p, f);
         return;
     }
     p->stages->pieces = p->context->pieces;
-    io->ask_work = 1;
+    io->requests.ask_work = 1;
 }
 
 static void go_on_with_stage(const struct experiment_parts *p, struct block_io *io)
 {
     struct experiment_stages *s = p->stages;
     enum experiment_reason reason = REASON_NONE;
-    if (s->asked_signal && io->excite_state != EXCITE_RUNS)
-        reason = (enum experiment_reason)(REASON_EXCITE + io->excite_reason);
+    if (s->asked_signal && io->requests.excite_state != EXCITE_RUNS)
+        reason = (enum experiment_reason)(REASON_EXCITE + io->requests.excite_reason);
     else if (s->stage <= EXPERIMENT_EXCITES)
         reason = experiment_read(p->record, p->context, io, s->stage == EXPERIMENT_EXCITES,
                                  &s->at_fault);
@@ -175,15 +175,15 @@ void experiment_stages_step(const struct experiment_parts *p, struct block_io *i
     keep_workspace(p);
     if (experiment_runs(s))
         go_on_with_stage(p, io);
-    experiment_proposals_step(p->proposals, p->context, p->coefficients, io->proposal);
+    experiment_proposals_step(p->proposals, p->context, p->coefficients, io->requests.proposal);
     enum experiment_law_end law = experiment_law_step(p->law, p->loops, p->context, io);
     if (law != LAW_GOES_ON)
         s->event = (law == LAW_FOUND ? EVENT_LAW : EVENT_NO_LAW) + 1;
-    io->withdraws = !experiment_proposes(p->proposals) && !experiment_law_proposes(p->law);
-    io->raised = 0;
+    io->requests.withdraws = !experiment_proposes(p->proposals) && !experiment_law_proposes(p->law);
+    io->requests.raised = 0;
     if (s->event) {
-        io->raised = (uint16_t)(1u << (s->event - 1u));
-        io->event_value[s->event - 1u] = value_of_experiment_event(p);
+        io->requests.raised = (uint16_t)(1u << (s->event - 1u));
+        io->requests.event_value[s->event - 1u] = value_of_experiment_event(p);
         s->event = 0;
     }
 }

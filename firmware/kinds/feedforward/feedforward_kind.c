@@ -37,12 +37,12 @@ static struct feedforward *element_of_state(void *state)
 
 static void feedforward_kind_step(void *state, struct block_io *io)
 {
-    io->out[0] = feedforward_step(element_of_state(state), io->in[0]);
+    io->members.out[0] = feedforward_step(element_of_state(state), io->members.in[0]);
 }
 
 static void feedforward_kind_follow(void *state, struct block_io *io)
 {
-    feedforward_reset(element_of_state(state), io->in[0]);
+    feedforward_reset(element_of_state(state), io->members.in[0]);
 }
 
 const struct block_kind feedforward_kind = {

@@ -103,7 +103,7 @@ static void raise_tune_events(const struct tune_parts *p, struct block_io *io)
 static void tune_step(void *state, struct block_io *io)
 {
     const struct tune_parts parts = tune_parts_of(state);
-    io->out[0] = io->in[0];
+    io->members.out[0] = io->members.in[0];
     tune_stages_step(&parts, io);
     raise_tune_events(&parts, io);
 }
@@ -112,14 +112,14 @@ static void tune_step(void *state, struct block_io *io)
 static void tune_pass(void *state, struct block_io *io)
 {
     (void)state;
-    io->out[0] = io->in[0];
+    io->members.out[0] = io->members.in[0];
 }
 
 static void tune_follow(void *state, struct block_io *io)
 {
     const struct tune_parts parts = tune_parts_of(state);
-    io->out[0] = io->in[0];
-    if (!(io->going_on & 1u))
+    io->members.out[0] = io->members.in[0];
+    if (!(io->members.going_on & 1u))
         tune_stages_gap(&parts);
 }
 

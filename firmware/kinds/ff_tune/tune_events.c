@@ -58,17 +58,17 @@ void tune_events_raise(struct tune_events *e, const struct tune_context *c, stru
     bool away = e->sensor_away > SENSOR_AWAY * c->ticks;
     if (e->ended)
         e->pending |= 1u << TUNE_EVENT_NOT;
-    io->raised = (uint16_t)(e->pending | (v->still ? 1u << TUNE_EVENT_STILL : 0u) |
-                            (away ? 1u << TUNE_EVENT_SENSOR : 0u));
+    io->requests.raised = (uint16_t)(e->pending | (v->still ? 1u << TUNE_EVENT_STILL : 0u) |
+                                     (away ? 1u << TUNE_EVENT_SENSOR : 0u));
     if (e->ended && v->step_wanted > 0)
-        io->raised |= 1u << TUNE_EVENT_WEAK;
-    io->event_value[TUNE_EVENT_WEAK] = v->step_wanted;
-    io->event_value[TUNE_EVENT_ADOPTED] = 100 * v->promised;
-    io->event_value[TUNE_EVENT_NOT] = e->ended;
-    io->event_value[TUNE_EVENT_WORSE] = e->worse_by;
-    io->event_value[TUNE_EVENT_CHANGED] = e->changed_to;
-    io->event_value[TUNE_EVENT_STILL] = 100 * v->d;
-    io->event_value[TUNE_EVENT_SENSOR] = io->quality[0] == QUALITY_GOOD ? 2 : 1;
+        io->requests.raised |= 1u << TUNE_EVENT_WEAK;
+    io->requests.event_value[TUNE_EVENT_WEAK] = v->step_wanted;
+    io->requests.event_value[TUNE_EVENT_ADOPTED] = 100 * v->promised;
+    io->requests.event_value[TUNE_EVENT_NOT] = e->ended;
+    io->requests.event_value[TUNE_EVENT_WORSE] = e->worse_by;
+    io->requests.event_value[TUNE_EVENT_CHANGED] = e->changed_to;
+    io->requests.event_value[TUNE_EVENT_STILL] = 100 * v->d;
+    io->requests.event_value[TUNE_EVENT_SENSOR] = io->inputs.quality[0] == QUALITY_GOOD ? 2 : 1;
     e->pending = 0;
     e->ended = TUNE_NONE;
 }

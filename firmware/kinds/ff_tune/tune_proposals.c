@@ -61,15 +61,16 @@ static bool is_off_at_once(const struct tune_context *c)
 static void ask_gain_off(const struct tune_context *c, struct block_io *io)
 {
     if (is_off_at_once(c)) {
-        io->switch_off->n = OFF_VALUES;
+        io->requests.switch_off->n = OFF_VALUES;
         uint8_t element = (uint8_t)(c->s.element - 1u);
-        io->switch_off->element = c->s.block ? switch_off_term((uint8_t)(c->s.block - 1u), element)
-                                             : switch_off_element(element);
-        put_gain_off(c, io->switch_off->value);
+        io->requests.switch_off->element =
+            c->s.block ? switch_off_term((uint8_t)(c->s.block - 1u), element)
+                       : switch_off_element(element);
+        put_gain_off(c, io->requests.switch_off->value);
         return;
     }
-    io->proposal->n = OFF_VALUES;
-    put_gain_off(c, io->proposal->value);
+    io->requests.proposal->n = OFF_VALUES;
+    put_gain_off(c, io->requests.proposal->value);
 }
 
 static void put_candidate(const struct tune_context *c, const struct feedforward_shape *f,
@@ -108,11 +109,12 @@ bool tune_propose(struct tune_proposals *p, const struct tune_context *c, struct
 {
     bool silences = stage == TUNE_SILENCES, in_stage = silences || stage == TUNE_PROPOSES;
     bool wants_off = p->silencing || silences;
-    io->withdraws = !in_stage && !p->off_waits;
-    bool off_room = is_off_at_once(c) ? io->switch_off != NULL : io->proposal != NULL;
+    io->requests.withdraws = !in_stage && !p->off_waits;
+    bool off_room =
+        is_off_at_once(c) ? io->requests.switch_off != NULL : io->requests.proposal != NULL;
     if (off_room)
         p->off_waits = false;
-    if (!(wants_off ? off_room : io->proposal != NULL) || !is_calm(p, c, in_stage, rests))
+    if (!(wants_off ? off_room : io->requests.proposal != NULL) || !is_calm(p, c, in_stage, rests))
         return true;
     if (p->silencing || (silences && !p->handed)) {
         ask_gain_off(c, io);
@@ -125,7 +127,7 @@ bool tune_propose(struct tune_proposals *p, const struct tune_context *c, struct
         return true;
     if (p->handed)
         return false;
-    put_candidate(c, candidate, io->proposal);
+    put_candidate(c, candidate, io->requests.proposal);
     p->handed = true;
     return true;
 }

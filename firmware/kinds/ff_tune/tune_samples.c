@@ -33,7 +33,7 @@ void tune_samples_begin(struct tune_samples *s)
 
 static void add_to_sample(struct tune_samples *s, const struct block_io *io)
 {
-    real_t u = num_to_float(applied_ticks_ago(io->member_applied[0], 1));
+    real_t u = num_to_float(applied_ticks_ago(io->members.applied[0], 1));
     s->sum.y += num_to_float(s->last.y);
     s->sum.r += num_to_float(s->last.r);
     s->sum.d += num_to_float(s->last.d);
@@ -48,15 +48,15 @@ static void keep_step(struct tune_samples *s, const struct block_io *io)
 {
     bool good = true;
     for (unsigned k = 0; k < 2; k++)
-        good = good && io->quality[k] == QUALITY_GOOD;
-    if (io->quality[0] == QUALITY_GOOD)
-        s->held_y = io->input[0];
-    if (io->quality[1] == QUALITY_GOOD)
-        s->held_d = io->input[1];
+        good = good && io->inputs.quality[k] == QUALITY_GOOD;
+    if (io->inputs.quality[0] == QUALITY_GOOD)
+        s->held_y = io->inputs.value[0];
+    if (io->inputs.quality[1] == QUALITY_GOOD)
+        s->held_d = io->inputs.value[1];
     s->last.y = s->held_y;
     s->last.d = s->held_d;
-    s->last.r = io->setpoint[0];
-    s->last.u_fb = io->in[0];
+    s->last.r = io->members.setpoint[0];
+    s->last.u_fb = io->members.in[0];
     s->last.good = good;
     s->last.kept = true;
 }

@@ -22,7 +22,7 @@ void tune_search_cancel(struct tune_search *s)
 
 bool tune_search_step(struct tune_search *s, const struct tune_context *c, struct block_io *io)
 {
-    s->idle = !io->work_wanted;
+    s->idle = !io->requests.work_wanted;
     if (!s->computing || !s->idle)
         return false;
     s->reading = s->work == WORK_RESPONSES;
@@ -31,7 +31,7 @@ bool tune_search_step(struct tune_search *s, const struct tune_context *c, struc
         return true;
     }
     s->pieces = c->pieces;
-    io->ask_work = 1;
+    io->requests.ask_work = 1;
     return false;
 }
 

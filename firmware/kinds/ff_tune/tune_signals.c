@@ -25,7 +25,7 @@ void tune_signals_pause(struct tune_signals *s)
 
 bool tune_signals_failed(const struct tune_signals *s, const struct block_io *io)
 {
-    return s->asked && io->excite_state != EXCITE_RUNS;
+    return s->asked && io->requests.excite_state != EXCITE_RUNS;
 }
 
 static num_t square_wave(const struct tune_signals *s, const struct tune_context *c, float size,
@@ -55,7 +55,7 @@ void tune_signals_ask(struct tune_signals *s, const struct tune_context *c, stru
     }
     if (on_setpoint) {
         float size = fraction_of(c->s.step, &c->y_signal);
-        io->excite[n++] =
+        io->requests.excite[n++] =
             (struct block_excitation){.what = EXCITE_SETPOINT,
                                       .which = 0,
                                       .value = square_wave(s, c, size, c->s.step_period_s),
@@ -65,7 +65,7 @@ void tune_signals_ask(struct tune_signals *s, const struct tune_context *c, stru
     }
     if (on_disturbance) {
         float size = fraction_of(c->s.disturb, &c->d_signal);
-        io->excite[n++] =
+        io->requests.excite[n++] =
             (struct block_excitation){.what = EXCITE_INPUT,
                                       .which = 1,
                                       .value = square_wave(s, c, size, c->s.disturb_period_s),

@@ -452,10 +452,10 @@ void tune_stages_sample(const struct tune_parts *p)
 
 void tune_stages_step(const struct tune_parts *p, struct block_io *io)
 {
-    tune_events_readings(p->events,
-                         io->quality[0] == QUALITY_GOOD && io->quality[1] == QUALITY_GOOD);
+    tune_events_readings(p->events, io->inputs.quality[0] == QUALITY_GOOD &&
+                                        io->inputs.quality[1] == QUALITY_GOOD);
     if (tune_signals_failed(p->signals, io))
-        end_tuning(p, (enum tune_verdict)(TUNE_SIGNAL + io->excite_reason));
+        end_tuning(p, (enum tune_verdict)(TUNE_SIGNAL + io->requests.excite_reason));
     if (tune_search_step(p->search, p->context, io))
         take_tuning_work(p);
     if (tune_samples_take(p->samples, p->context, io, tune_learner_move_square(p->learner)))

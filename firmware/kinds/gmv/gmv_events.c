@@ -36,7 +36,7 @@ void gmv_events_raise(const struct gmv_status *s, struct block_io *io, unsigned 
     unsigned raised = 0;
     for (unsigned i = 0; i < loops; i++) {
         learns = learns || s->rest[i] == GMV_LEARNS;
-        if ((io->acting & (1u << i)) && s->rest[i] > rest)
+        if ((io->members.acting & (1u << i)) && s->rest[i] > rest)
             rest = s->rest[i];
     }
     raised |= law ? 1u << EVENT_ADOPTED : 0;
@@ -45,11 +45,11 @@ void gmv_events_raise(const struct gmv_status *s, struct block_io *io, unsigned 
     raised |= law && singular ? 1u << EVENT_SINGULAR : 0;
     raised |= (s->alarms & (GMV_ALARM_RECORD - 1u)) << EVENT_SIGN;
     raised |= s->alarms & GMV_ALARM_RECORD ? 1u << EVENT_RECORD : 0;
-    io->raised = (uint16_t)raised;
+    io->requests.raised = (uint16_t)raised;
     for (unsigned k = 0; k < GMV_EVENTS; k++)
-        io->event_value[k] = s->alarm_value;
-    io->event_value[EVENT_ADOPTED] = s->outcome.decay;
-    io->event_value[EVENT_REFUSED] = s->refusal;
-    io->event_value[EVENT_FROZEN] = rest;
-    io->event_value[EVENT_SINGULAR] = (float)loops;
+        io->requests.event_value[k] = s->alarm_value;
+    io->requests.event_value[EVENT_ADOPTED] = s->outcome.decay;
+    io->requests.event_value[EVENT_REFUSED] = s->refusal;
+    io->requests.event_value[EVENT_FROZEN] = rest;
+    io->requests.event_value[EVENT_SINGULAR] = (float)loops;
 }

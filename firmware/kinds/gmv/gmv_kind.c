@@ -84,7 +84,7 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
 
 static void take_signals(struct gmv_block *s, const struct block_io *io)
 {
-    s->acting = io->acting;
+    s->acting = io->members.acting;
     gmv_shadow_take(&s->shadow, io, s->loops);
 }
 
@@ -98,7 +98,8 @@ static void follow_with_pi(struct gmv_block *s, unsigned i, num_t out)
 static bool goes_on(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++)
-        if ((s->acting & io->acting & (1u << i)) && gmv_moves_continue(&s->moves, i, io->out[i]))
+        if ((s->acting & io->members.acting & (1u << i)) &&
+            gmv_moves_continue(&s->moves, i, io->members.out[i]))
             return true;
     return false;
 }
@@ -109,7 +110,7 @@ static void gmv_follow(void *state, struct block_io *io)
     bool anew = !goes_on(s, io);
     take_signals(s, io);
     for (unsigned i = 0; i < s->loops; i++)
-        follow_with_pi(s, i, io->out[i]);
+        follow_with_pi(s, i, io->members.out[i]);
     if (!anew)
         return;
     gmv_supervise_begin(&s->watch);
@@ -123,14 +124,15 @@ static void gmv_follow(void *state, struct block_io *io)
 static const char *lacks(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++) {
-        if (!io->member_applied[i])
+        if (!io->members.applied[i])
             return "no_MV";
-        if (io->quality[i] == QUALITY_GOOD && (io->acting & (1u << i)) &&
-            num_lt(num_from_float(SAME_PV), num_abs(num_sub(io->in[i], io->input[i]))))
+        if (io->inputs.quality[i] == QUALITY_GOOD && (io->members.acting & (1u << i)) &&
+            num_lt(num_from_float(SAME_PV),
+                   num_abs(num_sub(io->members.in[i], io->inputs.value[i]))))
             return "not_the_PV";
     }
     for (unsigned m = 0; m < s->disturbances; m++)
-        if (!quality_usable((enum quality)io->quality[s->loops + m]))
+        if (!quality_usable((enum quality)io->inputs.quality[s->loops + m]))
             return "no_input";
     return NULL;
 }
@@ -138,28 +140,28 @@ static const char *lacks(const struct gmv_block *s, const struct block_io *io)
 static void take_sample(struct gmv_block *s, const struct block_io *io, struct gmv_sample *sample)
 {
     memset(sample, 0, sizeof *sample);
-    sample->divisor = io->divisor;
+    sample->divisor = io->members.divisor;
     for (unsigned i = 0; i < s->loops; i++) {
-        sample->y[i] = io->in[i];
-        sample->w[i] = io->setpoint[i];
-        sample->applied[i] = io->member_applied[i];
+        sample->y[i] = io->members.in[i];
+        sample->w[i] = io->members.setpoint[i];
+        sample->applied[i] = io->members.applied[i];
     }
     for (unsigned m = 0; m < s->disturbances; m++)
-        sample->disturbance[m] = io->input[s->loops + m];
+        sample->disturbance[m] = io->inputs.value[s->loops + m];
 }
 
 static struct gmv_observation seen_of(const struct gmv_block *s, const struct block_io *io,
                                       const struct gmv_sample *sample)
 {
-    struct gmv_observation seen = {.acting = io->acting};
+    struct gmv_observation seen = {.acting = io->members.acting};
     bool good = true;
     for (unsigned m = 0; m < s->disturbances; m++)
-        good = good && io->quality[s->loops + m] == QUALITY_GOOD;
+        good = good && io->inputs.quality[s->loops + m] == QUALITY_GOOD;
     for (unsigned i = 0; i < s->loops; i++) {
-        if (good && io->quality[i] == QUALITY_GOOD)
+        if (good && io->inputs.quality[i] == QUALITY_GOOD)
             seen.good = (uint8_t)(seen.good | (1u << i));
-        seen.setpoint[i] = num_to_float(io->setpoint[i]);
-        seen.control_error[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
+        seen.setpoint[i] = num_to_float(io->members.setpoint[i]);
+        seen.control_error[i] = num_to_float(num_sub(io->members.setpoint[i], io->members.in[i]));
         seen.move[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
         seen.shortfall[i] = gmv_moves_lacked(&s->moves, sample, i);
     }
@@ -226,7 +228,7 @@ static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
     if (wish & GMV_WISH_FORGET)
         gmv_proposals_restore(&s->proposals, g);
     if (wish & GMV_WISH_GIVE_UP)
-        io->gives_up = "too_often";
+        io->requests.gives_up = "too_often";
 }
 
 /* The law or the PIs give the outputs. */
@@ -234,19 +236,20 @@ static void compute(struct gmv_block *s, const struct gmv_sample *sample, struct
 {
     if (supervision_state(s) == GMV_SELF_TUNING) {
         if (!gmv_moves_step_law(&s->moves, gmv_of(s), sample, io))
-            io->gives_up = "not_a_number";
+            io->requests.gives_up = "not_a_number";
         return;
     }
     for (unsigned i = 0; i < s->loops; i++)
-        if (io->acting & (1u << i))
-            io->out[i] = gmv_shadow_step(&s->shadow, i);
+        if (io->members.acting & (1u << i))
+            io->members.out[i] = gmv_shadow_step(&s->shadow, i);
 }
 
 /* Asks for the settings of an open proposal, and tells supervision the answer. Returns enum gmv_wish. */
 static uint8_t offer_settings(struct gmv_block *s, struct block_io *io)
 {
-    enum gmv_answer answer = gmv_proposals_step(&s->proposals, gmv_of_const(s), io->proposal,
-                                                gmv_supervise_settings(&s->watch)->ask);
+    enum gmv_answer answer =
+        gmv_proposals_step(&s->proposals, gmv_of_const(s), io->requests.proposal,
+                           gmv_supervise_settings(&s->watch)->ask);
     return answer == GMV_NO_ANSWER ? 0 : gmv_supervise_accepted(&s->watch, answer == GMV_ACCEPTED);
 }
 
@@ -256,8 +259,8 @@ static void gmv_step(void *state, struct block_io *io)
     struct gmv *g = gmv_of(s);
     struct gmv_sample sample;
     take_signals(s, io);
-    io->gives_up = lacks(s, io);
-    if (io->gives_up) {
+    io->requests.gives_up = lacks(s, io);
+    if (io->requests.gives_up) {
         s->acting = 0; /* no member continues from here */
         return;
     }
@@ -266,8 +269,8 @@ static void gmv_step(void *state, struct block_io *io)
         gmv_begin(g);
     s->begun = true;
     for (unsigned i = 0; i < s->loops; i++)
-        if (!(io->acting & (1u << i)))
-            follow_with_pi(s, i, io->out[i]);
+        if (!(io->members.acting & (1u << i)))
+            follow_with_pi(s, i, io->members.out[i]);
     gmv_moves_learn_limits(&s->moves, &sample, s->loops);
     gmv_take(g, &sample);
     struct gmv_observation seen = seen_of(s, io, &sample);
@@ -279,12 +282,12 @@ static void gmv_step(void *state, struct block_io *io)
     uint8_t wish = gmv_supervise_judge(&s->watch, &seen, &result);
     wish = (uint8_t)(wish | offer_settings(s, io));
     grant(s, io, wish);
-    io->withdraws = !gmv_proposals_open(&s->proposals);
-    if (!io->gives_up)
+    io->requests.withdraws = !gmv_proposals_open(&s->proposals);
+    if (!io->requests.gives_up)
         compute(s, &sample, io);
-    if (io->gives_up)
+    if (io->requests.gives_up)
         s->acting = 0;
-    gmv_moves_keep_given(&s->moves, io->out, s->loops);
+    gmv_moves_keep_given(&s->moves, io->members.out, s->loops);
     gmv_events_raise(gmv_supervise_status(&s->watch), io, s->loops, wish,
                      gmv_moves_singular(&s->moves));
 }
@@ -293,13 +296,13 @@ static void gmv_back_calculate(void *state, struct block_io *io)
 {
     struct gmv_block *s = state;
     for (unsigned i = 0; i < s->loops; i++) {
-        if (!(io->acting & (1u << i)))
+        if (!(io->members.acting & (1u << i)))
             continue;
         if (supervision_state(s) == GMV_SELF_TUNING) {
-            follow_with_pi(s, i, io->out[i]);
+            follow_with_pi(s, i, io->members.out[i]);
         } else {
-            gmv_moves_keep_applied(&s->moves, i, io->out[i]);
-            gmv_shadow_back_calculate(&s->shadow, i, io->out[i], io->clamp[i]);
+            gmv_moves_keep_applied(&s->moves, i, io->members.out[i]);
+            gmv_shadow_back_calculate(&s->shadow, i, io->members.out[i], io->members.clamp[i]);
         }
     }
 }

@@ -60,10 +60,10 @@ void gmv_lambda_ask(struct gmv_lambda_search *s, struct gmv *g, struct block_io 
         s->trial_wanted = true;
         s->trial_running = false;
     }
-    if (!s->trial_wanted || io->work_wanted)
+    if (!s->trial_wanted || io->requests.work_wanted)
         return;
-    begin_lambda_trial(s, g, io->acting, searches, better, record);
-    io->ask_work = TRIAL_STEPS;
+    begin_lambda_trial(s, g, io->members.acting, searches, better, record);
+    io->requests.ask_work = TRIAL_STEPS;
     s->trial_running = true;
     s->trial_wanted = false;
 }
@@ -71,7 +71,7 @@ void gmv_lambda_ask(struct gmv_lambda_search *s, struct gmv *g, struct block_io 
 bool gmv_lambda_take(struct gmv_lambda_search *s, const struct block_io *io,
                      struct gmv_outcome *outcome)
 {
-    if (!s->trial_running || !io->work_done)
+    if (!s->trial_running || !io->requests.work_done)
         return false;
     *outcome = *gmv_detune_best(&s->search);
     s->times = outcome->times;

@@ -77,20 +77,20 @@ bool gmv_moves_step_law(struct gmv_moves *m, struct gmv *g, const struct gmv_sam
     num_t u[GMV_LOOPS];
     unsigned loops = gmv_shape(g)->loops;
     struct gmv_range range = range_of_mvs(m, sample, loops);
-    enum gmv_solved solved = gmv_solve(g, sample, io->acting, &range, u);
+    enum gmv_solved solved = gmv_solve(g, sample, io->members.acting, &range, u);
     num_t share = num_from_float((float)m->fading_in / FADE_STEPS);
     m->singular = solved == GMV_ONE_BY_ONE;
     if (solved == GMV_NO_NUMBER)
         return false;
     for (unsigned i = 0; i < loops; i++) {
-        if (!(io->acting & (1u << i)))
+        if (!(io->members.acting & (1u << i)))
             continue;
         num_t applied = gmv_applied(sample, i, 1);
         num_t move = num_mul(share, num_sub(u[i], applied));
         if (!is_number(move))
             return false;
         m->asked[i] = num_add(applied, move);
-        io->out[i] = num_add(m->applied[i], move);
+        io->members.out[i] = num_add(m->applied[i], move);
     }
     m->has_asked = true;
     m->fading_in = (uint8_t)(m->fading_in + (m->fading_in < FADE_STEPS));

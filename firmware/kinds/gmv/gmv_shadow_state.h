@@ -33,8 +33,8 @@ static inline num_t gmv_shadow_step(struct gmv_shadow *s, unsigned i)
 static inline void gmv_shadow_take(struct gmv_shadow *s, const struct block_io *io, unsigned loops)
 {
     for (unsigned i = 0; i < loops; i++) {
-        s->pv[i] = io->in[i];
-        s->setpoint[i] = io->setpoint[i];
+        s->pv[i] = io->members.in[i];
+        s->setpoint[i] = io->members.setpoint[i];
     }
 }
 

@@ -80,21 +80,21 @@ static float temperature(const struct inferential_block *s, unsigned k, unsigned
 
 static num_t second_of(const struct inferential_block *s, unsigned k, const struct block_io *io)
 {
-    return s->second[k] == INFERENTIAL_NONE ? num_zero() : io->input[s->second[k]];
+    return s->second[k] == INFERENTIAL_NONE ? num_zero() : io->inputs.value[s->second[k]];
 }
 
 /* A secondary that is held or doubtful does not count: without it the loop goes on as well, and a held value jumps when it is believed
  * again. */
 static bool second_is_good(const struct inferential_block *s, unsigned k, const struct block_io *io)
 {
-    return s->second[k] != INFERENTIAL_NONE && io->quality[s->second[k]] == QUALITY_GOOD &&
+    return s->second[k] != INFERENTIAL_NONE && io->inputs.quality[s->second[k]] == QUALITY_GOOD &&
            s->equal[k] < EQUAL_STEPS;
 }
 
 static void compare_temperatures(struct inferential_block *s, unsigned k, const struct block_io *io)
 {
-    float apart =
-        temperature(s, k, PRIMARY, io->in[k]) - temperature(s, k, SECONDARY, second_of(s, k, io));
+    float apart = temperature(s, k, PRIMARY, io->members.in[k]) -
+                  temperature(s, k, SECONDARY, second_of(s, k, io));
     if (s->second[k] == INFERENTIAL_NONE ||
         !(real_abs(apart) <= EQUAL * inferential_config(&s->loop[k])->span[PRIMARY]))
         s->equal[k] = 0;
@@ -104,8 +104,8 @@ static void compare_temperatures(struct inferential_block *s, unsigned k, const 
 
 static void follow_loop(struct inferential_block *s, unsigned k, const struct block_io *io)
 {
-    inferential_follow(&s->loop[k], io->setpoint[k], io->in[k], second_of(s, k, io),
-                       second_is_good(s, k, io), io->out[k]);
+    inferential_follow(&s->loop[k], io->members.setpoint[k], io->members.in[k], second_of(s, k, io),
+                       second_is_good(s, k, io), io->members.out[k]);
     s->begun = (uint8_t)(s->begun | (1u << k));
 }
 
@@ -114,17 +114,17 @@ static void inferential_block_follow(void *state, struct block_io *io)
 {
     struct inferential_block *s = state;
     for (unsigned k = 0; k < s->loops; k++)
-        if (!(s->acted & io->acting & (1u << k)) ||
-            !num_eq(io->out[k], inferential_applied(&s->loop[k])))
+        if (!(s->acted & io->members.acting & (1u << k)) ||
+            !num_eq(io->members.out[k], inferential_applied(&s->loop[k])))
             follow_loop(s, k, io);
-    s->acted &= io->acting;
+    s->acted &= io->members.acting;
 }
 
 /* True: the MVs among the inputs are those that its loops drive. What is applied is kept once for each. */
 static bool has_own_mvs(const struct inferential_block *s, const struct block_io *io)
 {
     for (unsigned k = 0; k < s->loops; k++)
-        if (io->member_applied[k] != io->input_applied[s->seconds + k])
+        if (io->members.applied[k] != io->inputs.applied[s->seconds + k])
             return false;
     return true;
 }
@@ -135,7 +135,7 @@ static void tell_events(struct inferential_block *s, struct block_io *io)
     for (unsigned k = s->loops; k-- > 0;) {
         const struct inferential *l = &s->loop[k];
         bool same = s->equal[k] >= EQUAL_STEPS;
-        if (!(io->acting & (1u << k)) || inferential_acts(l) == inferential_config(l)->law)
+        if (!(io->members.acting & (1u << k)) || inferential_acts(l) == inferential_config(l)->law)
             s->alone[k] = 0;
         else if (s->alone[k] < ALONE_STEPS)
             s->alone[k]++;
@@ -143,28 +143,29 @@ static void tell_events(struct inferential_block *s, struct block_io *io)
             continue;
         unsigned event = same ? EVENT_SAME : EVENT_NO_SECOND;
         raised |= 1u << event;
-        io->event_value[event] = (float)(k + 1u);
+        io->requests.event_value[event] = (float)(k + 1u);
     }
-    io->raised = (uint16_t)raised;
+    io->requests.raised = (uint16_t)raised;
 }
 
 static void inferential_block_step(void *state, struct block_io *io)
 {
     struct inferential_block *s = state;
     if (!has_own_mvs(s, io)) {
-        io->gives_up = "not_the_MV";
+        io->requests.gives_up = "not_the_MV";
         s->acted = 0;
         return;
     }
     for (unsigned k = 0; k < s->loops; k++) {
         compare_temperatures(s, k, io);
-        if (!(io->acting & (1u << k)))
+        if (!(io->members.acting & (1u << k)))
             follow_loop(s, k, io);
         else
-            io->out[k] = inferential_step(&s->loop[k], io->setpoint[k], io->in[k],
-                                          second_of(s, k, io), second_is_good(s, k, io));
+            io->members.out[k] =
+                inferential_step(&s->loop[k], io->members.setpoint[k], io->members.in[k],
+                                 second_of(s, k, io), second_is_good(s, k, io));
     }
-    s->acted = io->acting;
+    s->acted = io->members.acting;
     tell_events(s, io);
 }
 
@@ -172,8 +173,8 @@ static void inferential_block_back_calculate(void *state, struct block_io *io)
 {
     struct inferential_block *s = state;
     for (unsigned k = 0; k < s->loops; k++)
-        if (io->acting & (1u << k))
-            inferential_back_calculate(&s->loop[k], io->out[k], io->clamp[k]);
+        if (io->members.acting & (1u << k))
+            inferential_back_calculate(&s->loop[k], io->members.out[k], io->members.clamp[k]);
 }
 
 /* ---- for the console ---- */

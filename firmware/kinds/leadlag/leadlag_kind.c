@@ -260,14 +260,14 @@ static bool take_disturbances(struct leadlag *s, struct block_io *io)
 {
     bool lost = false;
     for (unsigned k = 0; k < s->inputs; k++) {
-        bool good = quality_usable((enum quality)io->quality[k]);
+        bool good = quality_usable((enum quality)io->inputs.quality[k]);
         if (good || !s->begun) {
-            s->d[k] = io->input[k];
+            s->d[k] = io->inputs.value[k];
             s->missing[k] = 0;
         } else {
             s->missing[k]++;
-            io->raised |= 1u << EVENT_LOST;
-            io->event_value[EVENT_LOST] = (float)(k + 1u);
+            io->requests.raised |= 1u << EVENT_LOST;
+            io->requests.event_value[EVENT_LOST] = (float)(k + 1u);
             lost = lost || s->missing[k] > s->hold_steps;
         }
         lost = lost || (!good && !s->begun);
@@ -319,10 +319,10 @@ static void give(struct leadlag *s, struct block_io *io, bool jumps)
         num_t asked = accumulator_get(&sum[p]);
         s->given[p] = limited_output(s, p, asked, jumps);
         if (!num_eq(s->given[p], asked)) {
-            io->raised |= 1u << EVENT_LIMIT;
-            io->event_value[EVENT_LIMIT] = (float)(p + 1u);
+            io->requests.raised |= 1u << EVENT_LIMIT;
+            io->requests.event_value[EVENT_LIMIT] = (float)(p + 1u);
         }
-        io->out[p] = s->given[p];
+        io->members.out[p] = s->given[p];
     }
 }
 
@@ -331,11 +331,11 @@ static void leadlag_step(void *state, struct block_io *io)
     struct leadlag *s = state;
     stand_rings(s);
     bool begins = !s->begun;
-    bool jumps = begins || s->silenced != io->silenced; /* the loops make room for it */
-    s->silenced = io->silenced;
+    bool jumps = begins || s->silenced != io->requests.silenced; /* the loops make room for it */
+    s->silenced = io->requests.silenced;
     if (take_disturbances(s, io)) {
         s->begun = false;
-        io->gives_up = "input";
+        io->requests.gives_up = "input";
         return;
     }
     if (begins)

@@ -81,33 +81,33 @@ static bool pid_same(const struct block_setup *before, const struct block_setup 
 
 static void pid_tell_limits(const struct pid *pid, struct block_io *io)
 {
-    io->limited[0] = num_lt(pid->output, pid->raw)   ? INTEGRAL_CLAMP_UP
-                     : num_lt(pid->raw, pid->output) ? INTEGRAL_CLAMP_DOWN
-                                                     : INTEGRAL_FREE;
+    io->members.limited[0] = num_lt(pid->output, pid->raw)   ? INTEGRAL_CLAMP_UP
+                             : num_lt(pid->raw, pid->output) ? INTEGRAL_CLAMP_DOWN
+                                                             : INTEGRAL_FREE;
 }
 
 static void pid_kind_step(void *state, struct block_io *io)
 {
-    io->out[0] = pid_step(state, io->setpoint[0], io->in[0]);
+    io->members.out[0] = pid_step(state, io->members.setpoint[0], io->members.in[0]);
     pid_tell_limits(state, io);
 }
 
 static void pid_kind_back_calculate(void *state, struct block_io *io)
 {
-    pid_back_calculate(state, io->out[0], io->clamp[0]);
+    pid_back_calculate(state, io->members.out[0], io->members.clamp[0]);
     pid_tell_limits(state, io);
 }
 
 static void pid_kind_follow(void *state, struct block_io *io)
 {
-    pid_follow(state, io->setpoint[0], io->in[0], io->out[0]);
-    io->limited[0] = INTEGRAL_FREE;
+    pid_follow(state, io->members.setpoint[0], io->members.in[0], io->members.out[0]);
+    io->members.limited[0] = INTEGRAL_FREE;
 }
 
 static void pid_kind_shift(void *state, struct block_io *io)
 {
-    pid_shift(state, io->out[0]);
-    io->limited[0] = INTEGRAL_FREE;
+    pid_shift(state, io->members.out[0]);
+    io->members.limited[0] = INTEGRAL_FREE;
 }
 
 static const char *pid_describe(const void *state, size_t i, float *value)

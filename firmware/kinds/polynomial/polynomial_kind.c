@@ -252,7 +252,7 @@ static num_wide_t from_past(struct polynomials *s, unsigned i, unsigned from, nu
 static bool inputs_moved(const struct polynomials *s, const struct block_io *io)
 {
     for (unsigned j = 0; j < s->loops; j++)
-        if ((io->acting & (1u << j)) && !num_eq(io->in[j], s->v[j]))
+        if ((io->members.acting & (1u << j)) && !num_eq(io->members.in[j], s->v[j]))
             return true;
     return false;
 }
@@ -276,22 +276,22 @@ static void pass_time(struct polynomials *s, const struct block_io *io)
 static void polynomial_step(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
-    io->raised = s->incomplete ? 1u : 0u;
+    io->requests.raised = s->incomplete ? 1u : 0u;
     pass_time(s, io);
     for (unsigned j = 0; j < s->loops; j++) {
         s->v_before[j] = s->v[j];
         s->u_before[j] = s->u[j];
-        if (io->acting & (1u << j))
-            s->v[j] = io->in[j];
+        if (io->members.acting & (1u << j))
+            s->v[j] = io->members.in[j];
     }
     for (unsigned i = 0; i < s->loops; i++) {
         num_wide_t sum = num_wide_zero();
-        if (!(io->acting & (1u << i)))
+        if (!(io->members.acting & (1u << i)))
             continue;
         for (unsigned j = 0; j < s->loops; j++)
-            if (io->acting & (1u << j))
+            if (io->members.acting & (1u << j))
                 sum = num_wide_add(sum, coefficient(s, i, j)[0], s->v[j]);
-        s->u[i] = io->out[i] = num_from_wide(from_past(s, i, io->acting, sum));
+        s->u[i] = io->members.out[i] = num_from_wide(from_past(s, i, io->members.acting, sum));
     }
 }
 
@@ -300,12 +300,12 @@ static num_t part_made(const struct polynomials *s, const struct block_io *io)
 {
     num_t least = num_one();
     for (unsigned i = 0; i < s->loops; i++) {
-        if (!(io->acting & (1u << i)) || num_eq(io->in[i], num_zero()))
+        if (!(io->members.acting & (1u << i)) || num_eq(io->members.in[i], num_zero()))
             continue;
         num_t wanted = num_sub(s->u[i], s->u_before[i]);
         if (num_eq(wanted, num_zero()))
             return num_zero();
-        num_t part = num_div(num_add(wanted, io->in[i]), wanted);
+        num_t part = num_div(num_add(wanted, io->members.in[i]), wanted);
         least = num_min(least, num_clamp(part, num_zero(), num_one()));
     }
     return least;
@@ -339,7 +339,7 @@ static void give_way(struct polynomials *s, const struct block_io *io, unsigned 
     float a[LOOPS][LOOPS], less[LOOPS], x[LOOPS] = {0};
     unsigned n = matrix_in_force(s, limited, limited, member, a);
     for (unsigned i = 0; i < n; i++)
-        less[i] = num_to_float(io->in[member[i]]);
+        less[i] = num_to_float(io->members.in[member[i]]);
     if (n == 0 || !polynomial_solve(n, a, less, x))
         return; /* every part was checked with the plan */
     for (unsigned i = 0; i < n; i++)
@@ -358,7 +358,7 @@ static unsigned limited_loops(const struct polynomials *s, const struct block_io
 {
     unsigned limited = 0;
     for (unsigned i = 0; i < s->loops; i++)
-        if ((io->acting & (1u << i)) && !num_eq(io->in[i], num_zero()))
+        if ((io->members.acting & (1u << i)) && !num_eq(io->members.in[i], num_zero()))
             limited |= 1u << i;
     return limited;
 }
@@ -381,10 +381,10 @@ static void polynomial_back_calculate(void *state, struct block_io *io)
     else
         give_way(s, io, limited, dv);
     for (unsigned j = 0; j < s->loops; j++)
-        if (io->acting & (1u << j)) {
-            s->u[j] = num_add(s->u[j], io->in[j]);
+        if (io->members.acting & (1u << j)) {
+            s->u[j] = num_add(s->u[j], io->members.in[j]);
             s->v[j] = num_add(s->v[j], dv[j]);
-            io->out[j] = dv[j];
+            io->members.out[j] = dv[j];
         }
 }
 
@@ -394,10 +394,10 @@ static void polynomial_follow(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
     /* If the past may not be run backwards, all begin at rest where the MVs are. */
-    unsigned going_on = s->limits == POLYNOMIAL_RECURSE ? io->going_on & s->mask : 0u;
+    unsigned going_on = s->limits == POLYNOMIAL_RECURSE ? io->members.going_on & s->mask : 0u;
     uint8_t member[LOOPS];
     float a[LOOPS][LOOPS], wanted[LOOPS], v[LOOPS] = {0};
-    unsigned n = matrix_in_force(s, io->acting, going_on, member, a);
+    unsigned n = matrix_in_force(s, io->members.acting, going_on, member, a);
     if (!going_on)
         s->tick = 0;
     else if (!s->begun && s->tick + 1u >= s->ticks)
@@ -408,21 +408,21 @@ static void polynomial_follow(void *state, struct block_io *io)
     s->unchanged = 0;
     for (unsigned i = 0; i < n; i++) {
         num_t under_way = num_from_wide(from_past(s, member[i], going_on, num_wide_zero()));
-        wanted[i] = num_to_float(num_sub(io->in[member[i]], under_way));
+        wanted[i] = num_to_float(num_sub(io->members.in[member[i]], under_way));
     }
     if (!polynomial_solve(n, a, wanted, v)) {
-        io->gives_up = "singular"; /* every part was checked with the plan */
+        io->requests.gives_up = "singular"; /* every part was checked with the plan */
         return;
     }
     for (unsigned j = 0; j < s->loops; j++)
-        s->u[j] = io->in[j];
+        s->u[j] = io->members.in[j];
     for (unsigned i = 0; i < n; i++) {
         unsigned j = member[i];
-        s->v[j] = io->out[j] = num_from_float(v[i]);
+        s->v[j] = io->members.out[j] = num_from_float(v[i]);
         if (!(going_on & (1u << j)))
             rest_past(s, j, s->v[j]);
     }
-    s->mask = io->acting;
+    s->mask = io->members.acting;
 }
 
 static const char *polynomial_describe(const void *state, size_t i, float *value)

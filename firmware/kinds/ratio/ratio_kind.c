@@ -104,25 +104,25 @@ static num_t times_ratio(const struct ratio *s, num_t x)
 
 static bool feed_is_usable(const struct block_io *io)
 {
-    return quality_usable((enum quality)io->quality[0]);
+    return quality_usable((enum quality)io->inputs.quality[0]);
 }
 
 static void ratio_step(void *state, struct block_io *io)
 {
     struct ratio *s = state;
     if (feed_is_usable(io)) {
-        s->ratio = lag_step(&s->lag, ratio_of_feed(s, io->input[0]));
+        s->ratio = lag_step(&s->lag, ratio_of_feed(s, io->inputs.value[0]));
         s->missing = 0;
         s->begun = true;
     } else if (!s->begun || s->missing >= s->hold_steps) {
-        io->gives_up = "no_feed";
+        io->requests.gives_up = "no_feed";
         return;
     } else {
         s->missing++;
     }
     for (unsigned k = 0; k < RATIO_LOOPS; k++)
-        if (io->acting & (1u << k))
-            io->out[k] = times_ratio(s, io->in[k]);
+        if (io->members.acting & (1u << k))
+            io->members.out[k] = times_ratio(s, io->members.in[k]);
 }
 
 /* Turns a difference of MVs into one of the loops' outputs. */
@@ -130,26 +130,27 @@ static void ratio_back_calculate(void *state, struct block_io *io)
 {
     const struct ratio *s = state;
     for (unsigned k = 0; k < RATIO_LOOPS; k++)
-        if (io->acting & (1u << k))
-            io->out[k] = num_div(io->in[k], s->ratio);
+        if (io->members.acting & (1u << k))
+            io->members.out[k] = num_div(io->members.in[k], s->ratio);
 }
 
 /* The lag goes on where a member did; else it is at rest at the present feed. */
 static void ratio_follow(void *state, struct block_io *io)
 {
     struct ratio *s = state;
-    if (feed_is_usable(io) && !io->going_on) {
-        s->ratio = ratio_of_feed(s, io->input[0]);
+    if (feed_is_usable(io) && !io->members.going_on) {
+        s->ratio = ratio_of_feed(s, io->inputs.value[0]);
         lag_reset(&s->lag, s->ratio);
         s->begun = true;
         s->missing = 0;
     } else if (feed_is_usable(io)) { /* the ratio of the next step */
         struct lag next = s->lag;
-        s->ratio = lag_step(&next, ratio_of_feed(s, io->input[0]));
+        s->ratio = lag_step(&next, ratio_of_feed(s, io->inputs.value[0]));
     }
     for (unsigned k = 0; k < RATIO_LOOPS; k++)
-        if (io->acting & (1u << k))
-            io->out[k] = num_add(s->zero, num_div(num_sub(io->in[k], s->zero), s->ratio));
+        if (io->members.acting & (1u << k))
+            io->members.out[k] =
+                num_add(s->zero, num_div(num_sub(io->members.in[k], s->zero), s->ratio));
 }
 
 static const char *ratio_describe(const void *state, size_t i, float *value)

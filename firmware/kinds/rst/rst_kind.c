@@ -167,28 +167,28 @@ static void keep_newest(const struct rst *s, num_t past[MOST], num_t newest)
 static void rst_step(void *state, struct block_io *io)
 {
     struct rst *s = state;
-    num_t dw = num_sub(io->setpoint[0], s->w), dy = num_sub(io->in[0], s->y);
-    s->error = num_sub(io->setpoint[0], io->in[0]);
+    num_t dw = num_sub(io->members.setpoint[0], s->w), dy = num_sub(io->members.in[0], s->y);
+    s->error = num_sub(io->members.setpoint[0], io->members.in[0]);
     accumulator_set(&s->added, num_zero());
     accumulator_add_product(&s->added, s->c.error, s->error);
     accumulator_add_sum(&s->base, &s->added);
     add_moves(s, dw, dy, &s->base);
     keep_newest(s, s->dw, dw);
     keep_newest(s, s->dy, dy);
-    s->w = io->setpoint[0];
-    s->y = io->in[0];
-    s->given = io->out[0] = accumulator_get(&s->base);
+    s->w = io->members.setpoint[0];
+    s->y = io->members.in[0];
+    s->given = io->members.out[0] = accumulator_get(&s->base);
 }
 
 static void rst_back_calculate(void *state, struct block_io *io)
 {
     struct rst *s = state;
     bool up = s->rises == num_lt(num_zero(), s->error);
-    keep_newest(s, s->du, num_sub(io->out[0], s->applied));
-    s->applied = io->out[0];
-    if (!num_eq(io->out[0], s->given))
-        accumulator_set(&s->base, io->out[0]);
-    else if (io->clamp[0] & (up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN))
+    keep_newest(s, s->du, num_sub(io->members.out[0], s->applied));
+    s->applied = io->members.out[0];
+    if (!num_eq(io->members.out[0], s->given))
+        accumulator_set(&s->base, io->members.out[0]);
+    else if (io->members.clamp[0] & (up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN))
         accumulator_take_sum(&s->base, &s->added);
 }
 
@@ -197,11 +197,11 @@ static void rst_follow(void *state, struct block_io *io)
 {
     struct rst *s = state;
     forget_moves(s, 0);
-    s->w = io->setpoint[0];
-    s->y = io->in[0];
+    s->w = io->members.setpoint[0];
+    s->y = io->members.in[0];
     s->error = num_sub(s->w, s->y);
-    s->applied = s->given = io->out[0];
-    accumulator_set(&s->base, io->out[0]);
+    s->applied = s->given = io->members.out[0];
+    accumulator_set(&s->base, io->members.out[0]);
     struct accumulator next = at_rest(s);
     accumulator_take_sum(&s->base, &next);
 }

@@ -166,11 +166,11 @@ static struct accumulator asked_of(const struct state_feedback *s, unsigned i)
 static void take_states(struct state_feedback *s, const struct block_io *io)
 {
     for (unsigned k = 0; k < s->inputs; k++)
-        s->x[k] = io->input[k];
+        s->x[k] = io->inputs.value[k];
     for (unsigned j = 0; j < s->loops; j++) {
-        s->rise[j] = num_sub(io->in[j], s->y[j]);
-        s->y[j] = io->in[j];
-        s->w[j] = io->acting & (1u << j) ? io->setpoint[j] : io->in[j];
+        s->rise[j] = num_sub(io->members.in[j], s->y[j]);
+        s->y[j] = io->members.in[j];
+        s->w[j] = io->members.acting & (1u << j) ? io->members.setpoint[j] : io->members.in[j];
     }
 }
 
@@ -240,9 +240,9 @@ static struct accumulator added_now(const struct state_feedback *s, unsigned j)
 static void state_feedback_step(void *state, struct block_io *io)
 {
     struct state_feedback *s = state;
-    io->gives_up = s->lacks;
+    io->requests.gives_up = s->lacks;
     take_states(s, io);
-    s->acting = io->acting;
+    s->acting = io->members.acting;
     for (unsigned j = 0; j < s->loops; j++) {
         s->added[j] = added_now(s, j);
         accumulator_add_sum(&s->sum[j], &s->added[j]);
@@ -251,8 +251,8 @@ static void state_feedback_step(void *state, struct block_io *io)
         struct accumulator u = asked_of(s, i);
         accumulator_add_sum(&u, &s->constant[i]);
         s->given[i] = accumulator_get(&u);
-        if (io->acting & (1u << i))
-            io->out[i] = s->given[i];
+        if (io->members.acting & (1u << i))
+            io->members.out[i] = s->given[i];
     }
 }
 
@@ -286,16 +286,16 @@ static void state_feedback_back_calculate(void *state, struct block_io *io)
     struct state_feedback *s = state;
     uint8_t limited = 0;
     for (unsigned i = 0; i < s->loops; i++) {
-        bool acts = io->acting & (1u << i);
+        bool acts = io->members.acting & (1u << i);
         bool up = (s->steering[i][i] > 0) == num_lt(s->y[i], s->w[i]);
-        if (acts && !num_eq(io->out[i], s->given[i]))
+        if (acts && !num_eq(io->members.out[i], s->given[i]))
             limited |= (uint8_t)(1u << i);
         else if (acts && s->integrates[i] &&
-                 (io->clamp[i] & (up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN)))
+                 (io->members.clamp[i] & (up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN)))
             accumulator_take_sum(&s->sum[i], &s->added[i]);
     }
     if (limited)
-        let_go(s, limited, io->out);
+        let_go(s, limited, io->members.out);
 }
 
 /* The next step with these inputs gives the outputs in effect. A loop that comes or goes is no reason for the others to forget
@@ -304,16 +304,16 @@ static void state_feedback_follow(void *state, struct block_io *io)
 {
     struct state_feedback *s = state;
     for (unsigned j = 0; j < s->loops; j++)
-        s->y[j] = io->in[j];
+        s->y[j] = io->members.in[j];
     take_states(s, io);
-    s->acting = io->acting;
+    s->acting = io->members.acting;
     for (unsigned i = 0; i < s->loops; i++)
-        if (!(io->acting & (1u << i)))
+        if (!(io->members.acting & (1u << i)))
             accumulator_set(&s->sum[i], num_zero());
     for (unsigned i = 0; i < s->loops; i++) {
         struct accumulator present = asked_of(s, i);
-        s->given[i] = io->out[i];
-        accumulator_set(&s->constant[i], io->out[i]);
+        s->given[i] = io->members.out[i];
+        accumulator_set(&s->constant[i], io->members.out[i]);
         accumulator_take_sum(&s->constant[i], &present);
     }
     for (unsigned j = 0; j < s->loops; j++) { /* the next step adds it */

@@ -164,20 +164,20 @@ static void take_law(struct state_law_block *b)
 
 static void law_goes_on(struct state_law_block *b, struct block_io *io)
 {
-    if (io->work_wanted)
+    if (io->requests.work_wanted)
         return;
     if (b->stage == STATE_LAW_ASKED && b->job) {
         state_law_column_begin(b->job, &b->s, b->input, b->inputs, b->record);
         b->stage = STATE_LAW_DESIGNS;
-        io->ask_work = steps_of_job(b);
-    } else if (b->stage == STATE_LAW_ASKED && io->work_done) {
+        io->requests.ask_work = steps_of_job(b);
+    } else if (b->stage == STATE_LAW_ASKED && io->requests.work_done) {
         end_without_workspace(b);
     } else if (b->stage == STATE_LAW_ASKED) {
-        io->ask_work = 1;
+        io->requests.ask_work = 1;
     } else if (state_law_column_is_over(b->job)) {
         take_law(b);
     } else { /* given up, as by an apply */
-        io->ask_work = steps_of_job(b);
+        io->requests.ask_work = steps_of_job(b);
     }
 }
 
@@ -197,12 +197,12 @@ static void state_law_step(void *state, struct block_io *io)
     keep_lease(b);
     if (is_designing(b))
         law_goes_on(b, io);
-    propose_law_of_column(b, io->proposal);
-    io->withdraws = !b->proposes;
-    io->raised = 0;
+    propose_law_of_column(b, io->requests.proposal);
+    io->requests.withdraws = !b->proposes;
+    io->requests.raised = 0;
     if (b->event) {
-        io->raised = (uint16_t)(1u << (b->event - 1u));
-        io->event_value[b->event - 1u] =
+        io->requests.raised = (uint16_t)(1u << (b->event - 1u));
+        io->requests.event_value[b->event - 1u] =
             b->event == STATE_LAW_EVENT_MADE + 1 ? b->found.radius : (float)b->found.loop;
         b->event = 0;
     }

@@ -105,7 +105,7 @@ static enum err two_position_configure(void *state, const struct block_setup *se
 
 static void two_position_kind_step(void *state, struct block_io *io)
 {
-    io->out[0] = two_position_step(state, io->setpoint[0], io->in[0]);
+    io->members.out[0] = two_position_step(state, io->members.setpoint[0], io->members.in[0]);
 }
 
 /* Does nothing: no state depends on the applied output. */
@@ -117,7 +117,7 @@ static void two_position_back_calculate(void *state, struct block_io *io)
 
 static void two_position_kind_follow(void *state, struct block_io *io)
 {
-    two_position_follow(state, io->out[0]);
+    two_position_follow(state, io->members.out[0]);
 }
 
 static const char *two_position_describe(const void *state, size_t i, float *value)

@@ -85,16 +85,16 @@ static void cost_of_column(unsigned stages)
     if (!b->places.loops || ahead_model_look(&b->m, b->m.x) != ERR_OK)
         return; /* a row is missing */
     memcpy(temperature, b->m.column.temperature, sizeof temperature);
-    struct block_io io = {.acting = 3,
-                          .setpoint = setpoint,
-                          .in = pv,
-                          .out = output,
-                          .clamp = clamp,
-                          .limited = at_limit,
-                          .input = input,
-                          .quality = quality,
-                          .event_value = event_value,
-                          .divisor = 1};
+    struct block_io io = {.members.acting = 3,
+                          .members.setpoint = setpoint,
+                          .members.in = pv,
+                          .members.out = output,
+                          .members.clamp = clamp,
+                          .members.limited = at_limit,
+                          .inputs.value = input,
+                          .inputs.quality = quality,
+                          .requests.event_value = event_value,
+                          .members.divisor = 1};
     for (unsigned t = 0; t < SAMPLES; t++) {
         readings(temperature);
         uint32_t from = cost_now();
@@ -115,7 +115,7 @@ static void cost_of_column(unsigned stages)
         from = cost_now();
         enum err err = ahead_model_predict(&b->m, &b->m.inputs);
         to = cost_now();
-        if (io.gives_up || err)
+        if (io.requests.gives_up || err)
             return;
         cost_add(&prediction, from, to);
     }

@@ -51,14 +51,14 @@ static void move_plant(unsigned n, const struct block_io *io, num_t *input)
     for (unsigned i = 0; i < n; i++) {
         float sum = 0;
         for (unsigned j = 0; j < n; j++) {
-            float u = io->excite[j].what ? num_to_float(io->excite[j].value) : 0;
+            float u = io->requests.excite[j].what ? num_to_float(io->requests.excite[j].value) : 0;
             sum += (i == j ? 0.1f : 0.033f) * u;
         }
         level[i] += 0.15f * (0.5f - level[i]) + sum;
         input[i] = num_from_float(level[i] + 0.001f * cost_random());
     }
     for (unsigned j = 0; j < n; j++) {
-        num_t u = io->excite[j].what ? io->excite[j].value : num_zero();
+        num_t u = io->requests.excite[j].what ? io->requests.excite[j].value : num_zero();
         applied_history_append((struct applied_history *)(void *)history[j],
                                num_add(num_from_float(0.5f), u));
     }
@@ -86,19 +86,19 @@ static void cost_of_experiment(unsigned n)
         experiment_kind.bytes(&setup) > sizeof state ||
         experiment_kind.configure(state, &setup, false) != ERR_OK)
         return; /* a row is missing */
-    struct block_io io = {.input = input,
-                          .quality = quality,
-                          .input_applied = applied,
-                          .excite = excite,
-                          .event_value = value,
-                          .divisor = 1};
+    struct block_io io = {.inputs.value = input,
+                          .inputs.quality = quality,
+                          .inputs.applied = applied,
+                          .requests.excite = excite,
+                          .requests.event_value = value,
+                          .members.divisor = 1};
     memset(excite, 0, sizeof excite);
     (void)experiment_kind.verb[0].run(state, NULL);
     for (unsigned t = 0; t < 2000 && b->stages.stage != EXPERIMENT_COMPUTES; t++) {
         uint8_t stage = b->stages.stage;
         memset(excite, 0, sizeof excite);
-        io.excite_state = stage == EXPERIMENT_EXCITES ? EXCITE_RUNS : EXCITE_OFF;
-        io.ask_work = 0;
+        io.requests.excite_state = stage == EXPERIMENT_EXCITES ? EXCITE_RUNS : EXCITE_OFF;
+        io.requests.ask_work = 0;
         cost_paint_stack();
         uint32_t from = cost_now();
         experiment_kind.step(state, &io);
@@ -106,8 +106,8 @@ static void cost_of_experiment(unsigned n)
         if (stage == EXPERIMENT_EXCITES && b->stages.stage == EXPERIMENT_EXCITES)
             cost_add(&tick, from, to);
         cost_stack(&tick);
-        io.work_done = io.ask_work > 0;
-        if (io.ask_work && b->stages.stage == EXPERIMENT_ASKED)
+        io.requests.work_done = io.requests.ask_work > 0;
+        if (io.requests.ask_work && b->stages.stage == EXPERIMENT_ASKED)
             (void)experiment_kind.work(state);
         move_plant(n, &io, input);
         workspace_tick(&workspace);
@@ -122,7 +122,7 @@ static void cost_of_experiment(unsigned n)
         cost_stack(&find);
         if (more)
             continue;
-        io.work_done = true;
+        io.requests.work_done = true;
         experiment_kind.step(state, &io);
     }
     if (tick.count == 0 || find.count == 0)

@@ -61,10 +61,10 @@ static void cost_of_polynomial(const char *what, unsigned loops, unsigned taps, 
         polynomial_kind.bytes(&setup) > sizeof state ||
         polynomial_kind.configure(state, &setup, false) != ERR_OK)
         return; /* a row is missing */
-    struct block_io io = {.acting = setup.there, .in = in, .out = out};
+    struct block_io io = {.members.acting = setup.there, .members.in = in, .members.out = out};
     next_inputs(loops);
     polynomial_kind.follow(state, &io);
-    io.going_on = setup.there;
+    io.members.going_on = setup.there;
     for (unsigned t = 0; t < SAMPLES; t++) {
         next_inputs(loops);
         cost_paint_stack();
@@ -162,13 +162,13 @@ static void cost_of_rst(unsigned coefficients)
     if (rst_kind.check(&setup, &fault) != ERR_OK || rst_kind.bytes(&setup) > sizeof state ||
         rst_kind.configure(state, &setup, false) != ERR_OK)
         return;
-    struct block_io io = {.acting = 1,
-                          .setpoint = setpoint,
-                          .in = in,
-                          .out = out,
-                          .clamp = clamp,
-                          .limited = limits,
-                          .divisor = 1};
+    struct block_io io = {.members.acting = 1,
+                          .members.setpoint = setpoint,
+                          .members.in = in,
+                          .members.out = out,
+                          .members.clamp = clamp,
+                          .members.limited = limits,
+                          .members.divisor = 1};
     in[0] = out[0] = num_from_float(0.5f);
     rst_kind.follow(state, &io);
     for (unsigned t = 0; t < SAMPLES; t++) {
@@ -208,14 +208,14 @@ static void cost_of_state_feedback(unsigned loops, unsigned inputs)
         state_feedback_kind.bytes(&setup) > sizeof state ||
         state_feedback_kind.configure(state, &setup, false) != ERR_OK)
         return;
-    struct block_io io = {.acting = setup.there,
-                          .setpoint = setpoint,
-                          .in = in,
-                          .out = out,
-                          .clamp = clamp,
-                          .limited = limits,
-                          .input = input,
-                          .divisor = 1};
+    struct block_io io = {.members.acting = setup.there,
+                          .members.setpoint = setpoint,
+                          .members.in = in,
+                          .members.out = out,
+                          .members.clamp = clamp,
+                          .members.limited = limits,
+                          .inputs.value = input,
+                          .members.divisor = 1};
     for (unsigned t = 0; t < SAMPLES; t++) {
         for (unsigned k = 0; k < inputs; k++)
             input[k] = num_from_float(0.5f + 0.01f * cost_random());

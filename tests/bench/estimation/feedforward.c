@@ -115,16 +115,16 @@ static void cost_of_method(uint8_t method)
     if (kind->check(&setup, &fault) != ERR_OK || kind->bytes(&setup) > sizeof state ||
         kind->configure(state, &setup, false) != ERR_OK)
         return; /* a row is missing */
-    struct block_io io = {.acting = 1,
-                          .setpoint = &setpoint,
-                          .in = &in,
-                          .out = &out,
-                          .input = input,
-                          .quality = quality,
-                          .member_applied = &applied,
-                          .excite = excite,
-                          .event_value = value,
-                          .divisor = 1};
+    struct block_io io = {.members.acting = 1,
+                          .members.setpoint = &setpoint,
+                          .members.in = &in,
+                          .members.out = &out,
+                          .inputs.value = input,
+                          .inputs.quality = quality,
+                          .members.applied = &applied,
+                          .requests.excite = excite,
+                          .requests.event_value = value,
+                          .members.divisor = 1};
     (void)kind->verb[0].run(state, NULL);
     memset(excite, 0, sizeof excite);
     for (unsigned k = 0; k < 20000 && c.run.count < 400; k++) {
@@ -135,18 +135,18 @@ static void cost_of_method(uint8_t method)
         setpoint = num_from_float(signal);
         memset(excite, 0, sizeof excite);
         memset(&room, 0, sizeof room);
-        io.excite_state = asked ? EXCITE_RUNS : EXCITE_OFF;
-        io.proposal = &room;
-        io.ask_work = 0;
+        io.requests.excite_state = asked ? EXCITE_RUNS : EXCITE_OFF;
+        io.requests.proposal = &room;
+        io.requests.ask_work = 0;
         cost_paint_stack();
         uint32_t from = cost_now();
         kind->step(state, &io);
         uint32_t to = cost_now();
-        if (!io.work_done)
+        if (!io.requests.work_done)
             count_tick(&c, t, stage, from, to);
-        io.work_done = io.ask_work > 0;
+        io.requests.work_done = io.requests.ask_work > 0;
         /* The look at the responses alone, while a stage lasts, is not counted with the work. */
-        for (bool more = io.ask_work > 0; more;) {
+        for (bool more = io.requests.ask_work > 0; more;) {
             bool whole = t->stages.stage == TUNE_COMPUTES && !t->stages.acts;
             cost_paint_stack();
             from = cost_now();

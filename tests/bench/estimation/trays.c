@@ -55,18 +55,18 @@ static void cost_of(const char *what, uint8_t loops, uint8_t law)
         return;
     for (unsigned k = 0; k < 2; k++)
         setpoint[k] = in[k] = out[k] = num_from_float(0.5f);
-    struct block_io io = {.acting = setup.there,
-                          .setpoint = setpoint,
-                          .in = in,
-                          .out = out,
-                          .clamp = clamp,
-                          .limited = limited,
-                          .input = input,
-                          .quality = quality,
-                          .member_applied = none,
-                          .input_applied = none,
-                          .event_value = value,
-                          .divisor = 1};
+    struct block_io io = {.members.acting = setup.there,
+                          .members.setpoint = setpoint,
+                          .members.in = in,
+                          .members.out = out,
+                          .members.clamp = clamp,
+                          .members.limited = limited,
+                          .inputs.value = input,
+                          .inputs.quality = quality,
+                          .members.applied = none,
+                          .inputs.applied = none,
+                          .requests.event_value = value,
+                          .members.divisor = 1};
     inferential_kind.follow(state, &io);
     for (unsigned t = 0; t < SAMPLES; t++) {
         for (unsigned k = 0; k < loops; k++) {

@@ -133,19 +133,19 @@ static void put(struct bench *b, unsigned k, double value)
 
 static void tick(struct bench *b)
 {
-    b->io.raised = b->io.ask_work = 0;
-    b->io.work_done = b->io.work_wanted = false;
+    b->io.requests.raised = b->io.requests.ask_work = 0;
+    b->io.requests.work_done = b->io.requests.work_wanted = false;
     if (b->asked) {
         b->waited += b->waited < b->due ? 1u : 0;
-        b->io.work_done = b->done && b->waited >= b->due;
-        b->io.work_wanted = b->asked = !b->io.work_done;
+        b->io.requests.work_done = b->done && b->waited >= b->due;
+        b->io.requests.work_wanted = b->asked = !b->io.requests.work_done;
     }
     composition_kind.step(b->block, &b->io);
-    if (b->io.ask_work && !b->asked) {
+    if (b->io.requests.ask_work && !b->asked) {
         b->asked = true;
         b->done = false;
         b->waited = 0;
-        b->due = b->io.ask_work;
+        b->due = b->io.requests.ask_work;
     }
     workspace_tick(&workspace);
     while (b->asked && !b->done)
@@ -372,12 +372,12 @@ static void begin(struct bench *b, const struct column_record *table, const stru
     block_put_defaults(&b->all, &composition_kind);
     b->setup.settings = &b->all;
     b->setup.interval_s = (float)TICK_S;
-    b->io.input = b->input;
-    b->io.quality = b->quality;
-    b->io.point = b->point;
-    b->io.point_quality = b->point_quality;
-    b->io.event_value = b->event_value;
-    b->io.age_s = b->age_s;
+    b->io.inputs.value = b->input;
+    b->io.inputs.quality = b->quality;
+    b->io.points.value = b->point;
+    b->io.points.quality = b->point_quality;
+    b->io.requests.event_value = b->event_value;
+    b->io.inputs.age_s = b->age_s;
     workspace_init(&workspace, region, WORKSPACE_BYTES);
     workspace_share(&workspace);
     source.state = 1;

@@ -87,19 +87,19 @@ bool loop_begin(struct loop *l, const struct loop_case *of, uint64_t seed)
         (struct block_signal){.lo = 0, .hi = 1};
     l->applied[0] = (struct applied_history *)(void *)l->history;
     applied_history_begin((struct applied_history *)(void *)l->history, 4, num_zero());
-    l->io = (struct block_io){.setpoint = &l->setpoint,
-                              .in = &l->in,
-                              .out = &l->out,
-                              .clamp = &l->clamp,
-                              .limited = &l->limited,
-                              .input = l->input,
-                              .quality = l->quality,
-                              .age_s = l->age_s,
-                              .event_value = l->event_value,
-                              .member_applied = l->applied,
-                              .excite = l->excite,
-                              .divisor = 1,
-                              .acting = 1};
+    l->io = (struct block_io){.members.setpoint = &l->setpoint,
+                              .members.in = &l->in,
+                              .members.out = &l->out,
+                              .members.clamp = &l->clamp,
+                              .members.limited = &l->limited,
+                              .inputs.value = l->input,
+                              .inputs.quality = l->quality,
+                              .inputs.age_s = l->age_s,
+                              .requests.event_value = l->event_value,
+                              .members.applied = l->applied,
+                              .requests.excite = l->excite,
+                              .members.divisor = 1,
+                              .members.acting = 1};
     return feedforward_tune_kind.check(&l->setup, &fault) == ERR_OK &&
            feedforward_tune_kind.bytes(&l->setup) <= sizeof l->state &&
            feedforward_tune_kind.configure(l->state, &l->setup, false) == ERR_OK;
@@ -125,11 +125,11 @@ static void put_values(struct loop *l, const struct proposed_value *value, unsig
 
 static void do_work(struct loop *l)
 {
-    if (l->io.work_wanted && l->waiting && --l->waiting == 0) {
+    if (l->io.requests.work_wanted && l->waiting && --l->waiting == 0) {
         while (feedforward_tune_kind.work(l->state)) {
         }
-        l->io.work_done = true;
-        l->io.work_wanted = false;
+        l->io.requests.work_done = true;
+        l->io.requests.work_wanted = false;
     }
 }
 
@@ -139,20 +139,20 @@ static void block_tick(struct loop *l)
         feedforward_tune_kind.follow(l->state, &l->io);
     do_work(l);
     l->proposal.n = l->off.n = 0;
-    l->io.proposal = &l->proposal;
-    l->io.switch_off = &l->off;
-    l->io.raised = l->io.ask_work = 0;
+    l->io.requests.proposal = &l->proposal;
+    l->io.requests.switch_off = &l->off;
+    l->io.requests.raised = l->io.requests.ask_work = 0;
     memset(l->excite, 0, sizeof l->excite);
     feedforward_tune_kind.step(l->state, &l->io);
-    if (l->io.ask_work && !l->io.work_wanted) {
-        l->waiting = l->io.ask_work;
-        l->io.work_wanted = true;
+    if (l->io.requests.ask_work && !l->io.requests.work_wanted) {
+        l->waiting = l->io.requests.ask_work;
+        l->io.requests.work_wanted = true;
     }
-    l->io.work_done = false;
-    l->raised |= l->io.raised;
+    l->io.requests.work_done = false;
+    l->raised |= l->io.requests.raised;
     bool asked = l->excite[0].what == EXCITE_SETPOINT;
     l->excited = asked ? (double)num_to_float(l->excite[0].value) : 0;
-    l->io.excite_state = asked ? EXCITE_RUNS : EXCITE_OFF;
+    l->io.requests.excite_state = asked ? EXCITE_RUNS : EXCITE_OFF;
     feedforward_tune_kind.back_calculate(l->state, &l->io);
     if (l->off.n)
         put_values(l, l->off.value, l->off.n);

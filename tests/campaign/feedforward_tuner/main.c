@@ -136,7 +136,7 @@ static void week(const struct loop_case *c, uint64_t seed)
         bool rests = (n + HOUR / 2u) / (8u * HOUR) % 2u;
         loop.moves = !rests;
         loop_tick(&loop);
-        bool excited = loop.io.excite_state == EXCITE_RUNS;
+        bool excited = loop.io.requests.excite_state == EXCITE_RUNS;
         signals += excited;
         in_rest += excited && rests && (n + HOUR / 2u) % (8u * HOUR) > HOUR;
         offs += before && !acts();
@@ -206,7 +206,7 @@ static void changed(const struct loop_case *c, uint64_t seed, const struct chang
     bool acted = true;
     for (unsigned n = 1; n <= 12u * HOUR; n++) {
         loop_tick(&loop);
-        signals += loop.io.excite_state == EXCITE_RUNS;
+        signals += loop.io.requests.excite_state == EXCITE_RUNS;
         if (!acts() && !off_at)
             off_at = n;
         acted = acted || acts();

@@ -274,16 +274,16 @@ static bool observer_work(void *state)
 
 static void take_gain(struct observer *o, struct block_io *io)
 {
-    if (io->work_done && o->design.tried == STATES && !o->gain_wanted) {
+    if (io->requests.work_done && o->design.tried == STATES && !o->gain_wanted) {
         memcpy(o->gain, o->design.gain, sizeof o->gain);
         o->gained = true;
-        io->raised = 1u << GAINED;
-        io->event_value[GAINED] = o->design.iterations;
+        io->requests.raised = 1u << GAINED;
+        io->requests.event_value[GAINED] = o->design.iterations;
     }
-    if (!o->gain_wanted || io->work_wanted)
+    if (!o->gain_wanted || io->requests.work_wanted)
         return;
     begin_design(o);
-    io->ask_work = GAIN_STEPS;
+    io->requests.ask_work = GAIN_STEPS;
     o->gain_wanted = false;
 }
 
@@ -292,7 +292,7 @@ static void take_gain(struct observer *o, struct block_io *io)
 /* Value of the MV of element k that took effect so many steps before the last. */
 static real_t sent(const struct block_io *io, unsigned k, unsigned before)
 {
-    return num_to_float(applied_ticks_ago(io->input_applied[MOVED + k % 2], before + 1u));
+    return num_to_float(applied_ticks_ago(io->inputs.applied[MOVED + k % 2], before + 1u));
 }
 
 /* At rest with what is there: what the model does not explain is d. */
@@ -301,7 +301,8 @@ static void begin_at_rest(struct observer *o, const struct block_io *io)
     for (unsigned k = 0; k < 4; k++)
         o->x[k] = o->b[k] / (REAL_C(1.0) - o->a[k]) * sent(io, k, o->dead[k]);
     for (unsigned i = 0; i < 2; i++)
-        o->x[4 + i] = num_to_float(io->input[MEASURED + i]) - (o->x[2 * i] + o->x[2 * i + 1]);
+        o->x[4 + i] =
+            num_to_float(io->inputs.value[MEASURED + i]) - (o->x[2 * i] + o->x[2 * i + 1]);
     o->begun = true;
 }
 
@@ -316,14 +317,14 @@ static void correct(struct observer *o, struct block_io *io)
 {
     real_t e[2] = {0, 0};
     for (unsigned i = 0; i < 2; i++) {
-        if (!quality_usable((enum quality)io->quality[MEASURED + i]))
+        if (!quality_usable((enum quality)io->inputs.quality[MEASURED + i]))
             continue;
-        e[i] =
-            num_to_float(io->input[MEASURED + i]) - (o->x[2 * i] + o->x[2 * i + 1] + o->x[4 + i]);
+        e[i] = num_to_float(io->inputs.value[MEASURED + i]) -
+               (o->x[2 * i] + o->x[2 * i + 1] + o->x[4 + i]);
         if (e[i] * e[i] <= FAR_OFF * FAR_OFF * o->r[i])
             continue;
-        io->raised = (uint16_t)(io->raised | 1u << SURPRISE);
-        io->event_value[SURPRISE] = e[i];
+        io->requests.raised = (uint16_t)(io->requests.raised | 1u << SURPRISE);
+        io->requests.event_value[SURPRISE] = e[i];
     }
     for (unsigned r = 0; r < STATES; r++)
         o->x[r] += o->gain[r][0] * e[0] + o->gain[r][1] * e[1];
@@ -346,7 +347,7 @@ static real_t look_ahead(const struct observer *o, const struct block_io *io, un
 static bool has_inputs(const struct observer *o, const struct block_io *io)
 {
     for (unsigned k = o->begun ? MOVED : MEASURED; k < INPUTS; k++)
-        if (!quality_usable((enum quality)io->quality[k]))
+        if (!quality_usable((enum quality)io->inputs.quality[k]))
             return false;
     return true;
 }
@@ -373,8 +374,9 @@ static void observer_step(void *state, struct block_io *io)
     if (!o->frozen)
         correct(o, io);
     for (unsigned i = 0; i < 2; i++) {
-        io->point[i] = num_from_float(look_ahead(o, io, i));
-        io->point_quality[i] = (uint8_t)point_quality(o, (enum quality)io->quality[MEASURED + i]);
+        io->points.value[i] = num_from_float(look_ahead(o, io, i));
+        io->points.quality[i] =
+            (uint8_t)point_quality(o, (enum quality)io->inputs.quality[MEASURED + i]);
     }
     if (o->frozen)
         o->frozen--;

@@ -154,9 +154,9 @@ static enum err state_feedback_configure(void *state, const struct block_setup *
 static void take_signals(struct state_feedback *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < 2; i++) {
-        s->setpoint[i] = io->setpoint[i];
-        s->error[i] = num_sub(io->setpoint[i], io->in[i]);
-        s->y[i] = io->input[i];
+        s->setpoint[i] = io->members.setpoint[i];
+        s->error[i] = num_sub(io->members.setpoint[i], io->members.in[i]);
+        s->y[i] = io->inputs.value[i];
     }
 }
 
@@ -164,10 +164,10 @@ static void state_feedback_follow(void *state, struct block_io *io)
 {
     struct state_feedback *s = state;
     take_signals(s, io);
-    memcpy(s->out, io->out, sizeof s->out);
-    s->acting = io->acting;
+    memcpy(s->out, io->members.out, sizeof s->out);
+    s->acting = io->members.acting;
     s->is_short = false;
-    s->together = io->acting == BOTH;
+    s->together = io->members.acting == BOTH;
     meet_outputs(s);
 }
 
@@ -186,18 +186,18 @@ static void state_feedback_step(void *state, struct block_io *io)
 {
     struct state_feedback *s = state;
     num_t v[2];
-    regroup(s, io->acting);
+    regroup(s, io->members.acting);
     take_signals(s, io);
     for (unsigned i = 0; i < 2; i++)
         v[i] = num_add(proportional(s, i), accumulator_get(&s->q[i]));
     for (unsigned i = 0; i < 2; i++) {
-        if (!(io->acting & (1u << i)))
-            s->out[i] = io->out[i]; /* where somebody else has put it */
+        if (!(io->members.acting & (1u << i)))
+            s->out[i] = io->members.out[i]; /* where somebody else has put it */
         else if (s->together)
-            s->out[i] = io->out[i] = num_from_wide(num_wide_add(
+            s->out[i] = io->members.out[i] = num_from_wide(num_wide_add(
                 num_wide_add(num_wide_zero(), s->inverse[i][0], v[0]), s->inverse[i][1], v[1]));
         else
-            s->out[i] = io->out[i] = num_mul(s->alone[i], v[i]);
+            s->out[i] = io->members.out[i] = num_mul(s->alone[i], v[i]);
     }
 }
 
@@ -214,15 +214,15 @@ static void state_feedback_back_calculate(void *state, struct block_io *io)
     num_t short_of[2];
     s->is_short = false;
     for (unsigned i = 0; i < 2; i++) {
-        short_of[i] = num_sub(io->out[i], s->out[i]);
-        s->is_short = s->is_short || io->clamp[i] != INTEGRAL_FREE ||
+        short_of[i] = num_sub(io->members.out[i], s->out[i]);
+        s->is_short = s->is_short || io->members.clamp[i] != INTEGRAL_FREE ||
                       num_lt(num_from_float(SHORT_FROM), num_abs(short_of[i]));
     }
     for (unsigned i = 0; i < 2; i++) {
         accumulator_add(&s->q[i], towards(s, i, short_of));
-        if ((io->acting & (1u << i)) && !is_clamped(s, i, io->clamp[i]))
+        if ((io->members.acting & (1u << i)) && !is_clamped(s, i, io->members.clamp[i]))
             accumulator_add_product(&s->q[i], s->c[i], s->error[i]);
-        s->out[i] = io->out[i];
+        s->out[i] = io->members.out[i];
     }
 }
 

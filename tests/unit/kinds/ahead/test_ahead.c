@@ -191,7 +191,7 @@ static void new_settings_hold_the_outputs_for_a_step_and_then_count(void)
 static void a_loop_by_hand_leaves_the_other_to_its_setpoint(void)
 {
     begin();
-    io.acting = 2;
+    io.members.acting = 2;
     double bottom = at_bottom();
     mv[TOP] += 1;
     ticks(40);
@@ -245,10 +245,10 @@ static void a_pv_that_is_not_where_it_was_predicted_is_told(void)
     settings.alarm[TOP] = 0.5f;
     begin();
     ticks(3);
-    TEST_ASSERT_EQUAL(0, io.raised);
+    TEST_ASSERT_EQUAL(0, io.requests.raised);
     in[TOP] = N(D(in[TOP]) + 2.0 / 60);
     kind->step(state, &io);
-    TEST_ASSERT_EQUAL(1, io.raised);
+    TEST_ASSERT_EQUAL(1, io.requests.raised);
     TEST_ASSERT_EQUAL_FLOAT(1, event_value[0]);
 }
 
@@ -259,7 +259,7 @@ static void a_move_by_hand_is_part_of_what_is_predicted(void)
     for (unsigned by_hand = 0; by_hand < LOOPS; by_hand++) {
         bench_pilot();
         begin();
-        io.acting = (uint8_t)(1u << (1u - by_hand));
+        io.members.acting = (uint8_t)(1u << (1u - by_hand));
         ticks(3);
         double at[LOOPS] = {at_top(), at_bottom()};
         double missed[LOOPS] = {(double)shown("missed_1"), (double)shown("missed_2")};
@@ -288,12 +288,12 @@ static void it_gives_up_where_the_mv_of_an_input_is_not_that_of_the_loop(void)
     of_inputs[IN_REFLUX] = one;
     of_inputs[IN_HEAT] = two;
     begin();
-    io.member_applied = of_loops;
-    io.input_applied = of_inputs;
+    io.members.applied = of_loops;
+    io.inputs.applied = of_inputs;
     tick();
     of_loops[TOP] = two;
     kind->step(state, &io);
-    TEST_ASSERT_EQUAL_STRING("other_mv", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("other_mv", io.requests.gives_up);
 }
 
 static void a_column_without_a_solution_makes_it_give_up(void)
@@ -303,15 +303,15 @@ static void a_column_without_a_solution_makes_it_give_up(void)
     block()->m.x[3] = (real_t)NAN;
     measure();
     kind->step(state, &io);
-    TEST_ASSERT_NOT_NULL(io.gives_up);
+    TEST_ASSERT_NOT_NULL(io.requests.gives_up);
 }
 
 static void after_a_failure_it_begins_anew(void)
 {
     a_column_without_a_solution_makes_it_give_up();
-    io.gives_up = NULL;
+    io.requests.gives_up = NULL;
     follow();
-    TEST_ASSERT_NULL(io.gives_up);
+    TEST_ASSERT_NULL(io.requests.gives_up);
     ticks(5);
     TEST_ASSERT_TRUE(isfinite(mv[TOP]));
 }
@@ -324,7 +324,7 @@ static unsigned steps_until_given_up(unsigned most)
             ask_for(at_top() + (k % 80 == 79 ? 0.5 : -0.5), at_bottom());
         measure();
         kind->step(state, &io);
-        if (io.gives_up)
+        if (io.requests.gives_up)
             return k;
         apply();
         plant_runs((double)INTERVAL_S);
@@ -339,7 +339,7 @@ static void a_model_that_is_of_no_use_is_given_up(void)
     begin();
     ask_for(at_top() + 0.5, at_bottom() - 2);
     TEST_ASSERT_TRUE(steps_until_given_up(200) < 200);
-    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("model", io.requests.gives_up);
 }
 
 static void no_model_is_given_up_before_it_has_been_watched_for_forty_steps(void)
@@ -349,7 +349,7 @@ static void no_model_is_given_up_before_it_has_been_watched_for_forty_steps(void
     begin();
     ask_for(at_top() + 0.5, at_bottom() - 2);
     TEST_ASSERT_EQUAL(40, steps_until_given_up(200));
-    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("model", io.requests.gives_up);
 }
 
 static void a_model_that_has_been_of_use_is_given_up_when_it_is_no_longer(void)
@@ -360,7 +360,7 @@ static void a_model_that_has_been_of_use_is_given_up_when_it_is_no_longer(void)
     configure(true);
     ask_for(at_top() + 0.5, at_bottom() - 2);
     TEST_ASSERT_TRUE(steps_until_given_up(200) < 200);
-    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("model", io.requests.gives_up);
 }
 
 static void where_it_shall_not_doubt_it_goes_on(void)
@@ -407,7 +407,7 @@ static void it_may_be_moved_to_another_place(void)
     num_t given = out[TOP];
     memcpy(state, elsewhere, sizeof state);
     TEST_ASSERT_TRUE(D(given) > 0 && D(given) < 1);
-    TEST_ASSERT_NULL(io.gives_up);
+    TEST_ASSERT_NULL(io.requests.gives_up);
 }
 
 /* A loop of it comes or goes in the tick in which it has been moved. */
@@ -421,9 +421,9 @@ static void it_may_be_moved_before_it_follows(void)
     measure();
     num_t before[LOOPS] = {out[TOP], out[BOTTOM]};
     kind->follow(elsewhere, &io);
-    TEST_ASSERT_NULL(io.gives_up);
+    TEST_ASSERT_NULL(io.requests.gives_up);
     kind->step(elsewhere, &io);
-    TEST_ASSERT_NULL(io.gives_up);
+    TEST_ASSERT_NULL(io.requests.gives_up);
     for (unsigned i = 0; i < LOOPS; i++)
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, D(before[i]), D(out[i]));
     for (size_t i = 0; i < sizeof state; i++)

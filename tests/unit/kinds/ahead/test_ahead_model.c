@@ -219,12 +219,12 @@ static void where_it_begins_without_a_solution_it_says_so_and_then_begins_anew(v
 {
     begin();
     block()->m.x[3] = (real_t)NAN;
-    io.gives_up = NULL;
+    io.requests.gives_up = NULL;
     follow();
-    TEST_ASSERT_NOT_NULL(io.gives_up);
-    io.gives_up = NULL;
+    TEST_ASSERT_NOT_NULL(io.requests.gives_up);
+    io.requests.gives_up = NULL;
     follow();
-    TEST_ASSERT_NULL(io.gives_up);
+    TEST_ASSERT_NULL(io.requests.gives_up);
 }
 
 int main(void)

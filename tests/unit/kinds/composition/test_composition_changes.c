@@ -368,9 +368,9 @@ static unsigned settles(void)
     unsigned works = 1;
     TEST_ASSERT_NULL(kind->verb[0].run(&block, NULL));
     step();
-    TEST_ASSERT_EQUAL(1, io.ask_work);
+    TEST_ASSERT_EQUAL(1, io.requests.ask_work);
     TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[0]);
-    io.work_wanted = true;
+    io.requests.work_wanted = true;
     while (kind->work(&block)) {
         works++;
         float x = block.model.x[0];
@@ -378,10 +378,10 @@ static unsigned settles(void)
         TEST_ASSERT_EQUAL_FLOAT(x, block.model.x[0]); /* left alone */
         TEST_ASSERT_TRUE(works < 400);
     }
-    io.work_wanted = false;
-    io.work_done = true;
+    io.requests.work_wanted = false;
+    io.requests.work_done = true;
     step();
-    io.work_done = false;
+    io.requests.work_done = false;
     return works;
 }
 
@@ -409,7 +409,7 @@ static void while_it_settles_it_does_not_begin(void)
     step();
     TEST_ASSERT_NULL(kind->verb[0].run(&block, NULL));
     step();
-    io.work_wanted = true;
+    io.requests.work_wanted = true;
     TEST_ASSERT_TRUE(kind->work(&block));
     float x = block.model.x[0];
     TEST_ASSERT_NOT_NULL(kind->verb[1].run(&block, NULL));

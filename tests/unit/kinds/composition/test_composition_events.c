@@ -13,12 +13,12 @@ void tearDown(void) {}
 
 static void says_nothing(void)
 {
-    TEST_ASSERT_EQUAL_HEX16(0, io.raised);
+    TEST_ASSERT_EQUAL_HEX16(0, io.requests.raised);
 }
 
 static void says(unsigned event, float value)
 {
-    TEST_ASSERT_EQUAL_HEX16(1u << event, io.raised);
+    TEST_ASSERT_EQUAL_HEX16(1u << event, io.requests.raised);
     TEST_ASSERT_EQUAL_FLOAT(value, event_value[event]);
 }
 
@@ -292,7 +292,7 @@ static void temperatures_that_contradict_each_other_are_told(void)
     steps(WATCHES - 1);
     TEST_ASSERT_FALSE(raised(EVENT_APART));
     step();
-    TEST_ASSERT_EQUAL_HEX16(1u << EVENT_APART, io.raised);
+    TEST_ASSERT_EQUAL_HEX16(1u << EVENT_APART, io.requests.raised);
     unsigned odd = whole_odd(&block, 1);
     TEST_ASSERT_TRUE(odd == T_HIGH + 1 || odd == FURTHER + 1);
     TEST_ASSERT_EQUAL_FLOAT((float)odd, event_value[EVENT_APART]);

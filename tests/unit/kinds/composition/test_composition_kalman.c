@@ -228,7 +228,7 @@ static void of_what_the_model_knows_nothing_is_found(void)
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-3f, 0, value_named("feed_1"), name);
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-3f, 0, value_named("feed_flow"), name);
         TEST_ASSERT_TRUE_MESSAGE(worst() < 5e-4f, name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
     }
 }
 
@@ -289,7 +289,7 @@ static void without_gains_nothing_is_good(void)
         begin_both();
         run(3 * LOCKED);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_UNCERTAIN, point_quality[0], name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
         filter.idle = false;
         run(10);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[0], name);
@@ -303,10 +303,10 @@ static void gains_are_taken_in_the_declared_step_only(void)
         all_settings.s.cycle_s = 200;
         begin_both();
         ticks(2); /* it has the workspace */
-        while (!io.ask_work)
+        while (!io.requests.ask_work)
             ticks(1);
         uint32_t before = filter.b->filter.count;
-        unsigned declared = io.ask_work;
+        unsigned declared = io.requests.ask_work;
         TEST_ASSERT_EQUAL_MESSAGE(filter_ways[i].covariance == COVARIANCE_STEADY ? 2 : 20, declared,
                                   name);
         for (unsigned n = 1; n < declared; n++) {
@@ -428,7 +428,7 @@ static void begun_anew(const char *why)
     unsigned said = 0;
     for (unsigned n = 0; n < 20; n++) {
         run(1);
-        said |= io.raised;
+        said |= io.requests.raised;
         if (n == 1)
             TEST_ASSERT_NOT_NULL_MESSAGE(filter.b->filter.job, why);
     }
@@ -471,7 +471,7 @@ static void another_method_begins_anew_in_other_memory(void)
         unsigned said = 0;
         for (unsigned n = 0; n < 60; n++) {
             run(1);
-            said |= io.raised;
+            said |= io.requests.raised;
         }
         TEST_ASSERT_EQUAL_MESSAGE(0, said, name); /* its own lease of before has ended */
         TEST_ASSERT_TRUE(has_gains());
@@ -774,7 +774,7 @@ static void a_point_that_is_less_sure_than_wanted_is_uncertain_and_the_others_ar
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_UNCERTAIN, point_quality[BOTTOM_FRACTION], name);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[TOP_FRACTION], name);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[INNER_TEMPERATURE], name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
     }
 }
 

@@ -99,7 +99,7 @@ static void an_offset_of_the_model_is_gone_after_three_samples(void)
         TEST_ASSERT_TRUE_MESSAGE(off > 0.002f, filter_ways[i].name);
         TEST_ASSERT_TRUE_MESSAGE(fabsf(error_of(BOTTOM_FRACTION)) < 0.2f * off,
                                  filter_ways[i].name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
         analysed(4 * EVERY);
         TEST_ASSERT_TRUE(fabsf(error_of(BOTTOM_FRACTION)) < 0.2f * off);
     }
@@ -209,7 +209,7 @@ static void two_analyses_have_an_offset_each(void)
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-3f, 0, error_of(BOTTOM_FRACTION), filter_ways[i].name);
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(5e-4f, -0.002f, error_of(TOP_FRACTION),
                                          filter_ways[i].name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
     }
 }
 

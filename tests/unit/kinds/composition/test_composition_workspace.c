@@ -129,7 +129,7 @@ static void given_back_the_last_gains_go_on_and_taken_again_it_finds_others(void
         TEST_ASSERT_NULL(tell("free"));
         run(2);
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, start_up_leases(), name);
-        TEST_ASSERT_EQUAL(0, io.ask_work);
+        TEST_ASSERT_EQUAL(0, io.requests.ask_work);
         plant.model.inputs.heat += 5;
         run(300);
         TEST_ASSERT_TRUE(has_gains());
@@ -137,7 +137,7 @@ static void given_back_the_last_gains_go_on_and_taken_again_it_finds_others(void
             says_that_it_lacks_it();
             TEST_ASSERT_EQUAL_STRING("start-up", tell("take"));
         } else {
-            TEST_ASSERT_EQUAL(0, io.raised); /* it needs it no more */
+            TEST_ASSERT_EQUAL(0, io.requests.raised); /* it needs it no more */
         }
         TEST_ASSERT_TRUE_MESSAGE(worst() < 0.01f, name);
         start_up_ends();
@@ -148,7 +148,7 @@ static void given_back_the_last_gains_go_on_and_taken_again_it_finds_others(void
         run(10);
         if (filter_ways[i].covariance != COVARIANCE_STEADY)
             TEST_ASSERT_TRUE_MESSAGE(filter.b->filter.count > count, name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
         TEST_ASSERT_EQUAL(QUALITY_GOOD, point_quality[0]);
     }
 }
@@ -283,7 +283,7 @@ static void a_table_that_becomes_another_in_the_midst_of_a_job_begins_anew(void)
         filter.idle = false;
         run(1000);
         TEST_ASSERT_TRUE_MESSAGE(worst() < 2e-3f, name);
-        TEST_ASSERT_EQUAL(0, io.raised);
+        TEST_ASSERT_EQUAL(0, io.requests.raised);
         change_record(&record, COLUMN_TABLE_EFFICIENCY, 0.9f);
     }
 }

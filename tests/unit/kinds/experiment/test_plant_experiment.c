@@ -266,7 +266,7 @@ static void three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_mi
     static struct plant_experiment e;
     num_t input[4] = {num_zero()};
     uint8_t quality[4] = {QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD};
-    struct block_io io = {.input = input, .quality = quality};
+    struct block_io io = {.inputs.value = input, .inputs.quality = quality};
     for (unsigned row = 3; row <= 7; row++) {
         enum experiment_reason reason = REASON_NONE;
         unsigned missing = 0;
@@ -321,7 +321,7 @@ static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
 {
     static struct plant_experiment e;
     struct block_excitation excite[BLOCK_INPUTS_MAX] = {{0}};
-    struct block_io io = {.excite = excite};
+    struct block_io io = {.requests.excite = excite};
     memset(&e, 0, sizeof e);
     e.context.n = 2;
     for (unsigned k = 0; k < 4; k++)

@@ -328,7 +328,7 @@ static struct block_switch_off off;
 /* proposal: NULL where somebody else's waits. */
 static void propose_on(struct block_proposal *proposal)
 {
-    struct block_io io = {.proposal = proposal, .switch_off = &off};
+    struct block_io io = {.requests.proposal = proposal, .requests.switch_off = &off};
     if (!tune_propose(&t->proposals, &t->context, &io, tune_stages_stage(&t->stages),
                       tune_candidate(&t->search), tune_since_disturbance(&t->samples)))
         rejected = true;

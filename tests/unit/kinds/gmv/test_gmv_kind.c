@@ -71,18 +71,18 @@ static void begin(double g11, double g12, double g21, double g22)
         quality[i] = QUALITY_GOOD;
     }
     memcpy(b, g, sizeof b);
-    io = (struct block_io){.acting = 3,
-                           .setpoint = setpoint,
-                           .in = in,
-                           .out = out,
-                           .clamp = clamp,
-                           .limited = limited,
-                           .input = input,
-                           .quality = quality,
-                           .age_s = age_s,
-                           .event_value = event_value,
-                           .member_applied = applied,
-                           .divisor = 1};
+    io = (struct block_io){.members.acting = 3,
+                           .members.setpoint = setpoint,
+                           .members.in = in,
+                           .members.out = out,
+                           .members.clamp = clamp,
+                           .members.limited = limited,
+                           .inputs.value = input,
+                           .inputs.quality = quality,
+                           .inputs.age_s = age_s,
+                           .requests.event_value = event_value,
+                           .members.applied = applied,
+                           .members.divisor = 1};
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, gmv_kind.check(&setup, &fault), fault.wanted);
     TEST_ASSERT_TRUE(gmv_kind.bytes(&setup) <= sizeof state);
     TEST_ASSERT_TRUE(gmv_kind.history(&setup) <= DEPTH);
@@ -99,9 +99,9 @@ static void step(void)
         in[i] = input[i] = N(y[i]);
         setpoint[i] = N(w[i]);
     }
-    io.raised = 0;
+    io.requests.raised = 0;
     gmv_kind.step(state, &io);
-    TEST_ASSERT_NULL_MESSAGE(io.gives_up, io.gives_up);
+    TEST_ASSERT_NULL_MESSAGE(io.requests.gives_up, io.requests.gives_up);
     for (unsigned j = 0; j < LOOPS; j++) {
         given[j] = D(out[j]);
         u[j] = fmin(fmax(given[j], least[j]), most[j]);
@@ -130,7 +130,7 @@ static bool raises(const char *code)
 {
     for (unsigned i = 0; i < gmv_kind.events; i++)
         if (strcmp(gmv_kind.event[i].code, code) == 0)
-            return io.raised & (1u << i);
+            return io.requests.raised & (1u << i);
     TEST_FAIL_MESSAGE(code);
     return false;
 }
@@ -316,14 +316,14 @@ static unsigned trials_until_adopted(void)
     unsigned trials = 0;
     begin_to_tune();
     for (unsigned k = 0; k < 400 && !raises("adopted"); k++) {
-        io.work_done = io.ask_work > 0;
-        while (io.work_done && gmv_kind.work(state))
+        io.requests.work_done = io.requests.ask_work > 0;
+        while (io.requests.work_done && gmv_kind.work(state))
             ;
-        io.ask_work = 0;
+        io.requests.ask_work = 0;
         step_with_moving_setpoints(k);
-        trials += io.ask_work > 0;
+        trials += io.requests.ask_work > 0;
     }
-    io.work_done = false;
+    io.requests.work_done = false;
     TEST_ASSERT_TRUE(raises("adopted"));
     return trials;
 }
@@ -361,7 +361,7 @@ static void at_rest_no_model_is_tried(void)
     begin_to_tune();
     for (unsigned k = 0; k < 200; k++) {
         step();
-        TEST_ASSERT_EQUAL(0, io.ask_work);
+        TEST_ASSERT_EQUAL(0, io.requests.ask_work);
         TEST_ASSERT_FALSE(raises("adopted") || raises("refused"));
     }
 }

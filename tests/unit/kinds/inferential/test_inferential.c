@@ -29,7 +29,7 @@ static void copy(struct infer_bench *to, const struct infer_bench *from)
     memcpy(to->ring, from->ring, sizeof to->ring);
     to->setup = setup;
     to->setup.settings = &to->settings;
-    to->io.acting = io.acting;
+    to->io.members.acting = io.members.acting;
 }
 
 /* With wires for two temperatures, whatever the law. */
@@ -58,7 +58,7 @@ static bool raises(const struct infer_bench *bench, const char *code)
 {
     for (unsigned i = 0; i < inferential_kind.events; i++)
         if (strcmp(inferential_kind.event[i].code, code) == 0)
-            return bench->io.raised & (1u << i);
+            return bench->io.requests.raised & (1u << i);
     TEST_FAIL_MESSAGE(code);
     return false;
 }
@@ -89,7 +89,7 @@ static void the_first_step_gives_the_output_that_it_followed(void)
             bench_follow(&b);
         }
         num_t followed = b.out[0];
-        b.io.acting = 1;
+        b.io.members.acting = 1;
         b.out[0] = num_zero();
         bench_step(&b);
         TEST_ASSERT_DOUBLE_WITHIN(BUMP, (double)num_to_float(followed), out_of(&b, 0));
@@ -135,7 +135,7 @@ static void another_law_gives_what_the_one_before_would_have_given_and_then_goes
                 bench_step(&twin);
                 expect_same(&b, &twin);
                 TEST_ASSERT_EQUAL(to, bench_value(&b, "law_1"));
-                TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+                TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
                 bench_apply(&b);
                 bench_go_on(&b);
                 bench_cycles(&b, 1200);
@@ -186,7 +186,7 @@ static void without_its_secondary_it_goes_on_as_conventional_without_a_bump_and_
         bench_step(&b);
         bench_step(&twin);
         expect_same(&b, &twin);
-        TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+        TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
         TEST_ASSERT_EQUAL(laws[i], bench_value(&b, "law_1"));
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, bench_value(&b, "y2_1"));
         bench_apply(&b);
@@ -240,7 +240,7 @@ static void a_start_without_the_secondary_is_a_start_as_conventional(void)
     b.quality[0] = QUALITY_BAD;
     b.plant[0].t[0] = 0.5;
     bench_follow(&b);
-    b.io.acting = 1;
+    b.io.members.acting = 1;
     bench_step(&b);
     TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0.5, out_of(&b, 0));
     TEST_ASSERT_EQUAL(LAW_CONVENTIONAL, bench_value(&b, "law_1"));
@@ -308,7 +308,7 @@ static void nineteen_equal_readings_are_not(void)
     for (unsigned n = 0; n < 200; n++) {
         b.plant[0].t[1] = n % 20 ? b.plant[0].t[0] : 1;
         bench_cycle(&b);
-        TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+        TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
     }
 }
 
@@ -383,7 +383,7 @@ static void a_loop_in_manual_follows_while_the_other_acts(void)
         shake(&b, 1, 1, n);
         bench_cycle(&b);
     }
-    b.io.acting = 1;
+    b.io.members.acting = 1;
     for (unsigned n = 0; n < 100; n++) {
         shake(&b, 0, 0, n);
         bench_measure(&b);
@@ -400,7 +400,7 @@ static void a_loop_in_manual_follows_while_the_other_acts(void)
     /* As the tick does it: whoever begins follows first, and the other goes on. */
     copy(&twin, &b);
     bench_measure(&b);
-    b.io.acting = 3;
+    b.io.members.acting = 3;
     b.out[1] = b.input[3];
     inferential_kind.follow(b.state, &b.io);
     bench_step(&b);
@@ -428,16 +428,16 @@ static void it_gives_up_where_the_mv_among_its_inputs_is_not_the_loops(void)
 {
     two_loops(FORM_EULER);
     bench_cycles(&b, 3);
-    TEST_ASSERT_NULL(b.io.gives_up);
+    TEST_ASSERT_NULL(b.io.requests.gives_up);
     const struct applied_history *own = b.input_applied[2];
     b.input_applied[2] = b.input_applied[3];
     b.input_applied[3] = own;
     bench_step(&b);
-    TEST_ASSERT_EQUAL_STRING("not_the_MV", b.io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("not_the_MV", b.io.requests.gives_up);
     b.input_applied[3] = b.input_applied[2];
     b.input_applied[2] = own;
     bench_step(&b);
-    TEST_ASSERT_NULL(b.io.gives_up);
+    TEST_ASSERT_NULL(b.io.requests.gives_up);
 }
 
 static void a_cut_is_told_with_its_side(void)

@@ -101,7 +101,7 @@ static void begin(const double *s)
     bench_configure(&b, false);
     for (unsigned i = 0; i < 3; i++)
         bench_follow(&b);
-    b.io.acting = b.setup.there;
+    b.io.members.acting = b.setup.there;
 }
 
 static void expect(const double *row, unsigned what, double bound, double wanted, double is)
@@ -145,8 +145,8 @@ static void run(const double *row, const double *settings)
     }
     for (unsigned n = 0; n < (unsigned)settings[4]; n++) {
         bench_step(&b);
-        TEST_ASSERT_NULL(b.io.gives_up);
-        TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+        TEST_ASSERT_NULL(b.io.requests.gives_up);
+        TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
         for (unsigned k = 0; n == 0 && k < b.setup.members; k++)
             compare(row, settings + 7 + k * PER_LOOP, k);
         bench_apply(&b);

@@ -122,7 +122,7 @@ static void settings_given_in_manual_hold_from_the_start(void)
     bench_follow(&b);
     num_t followed = b.out[0];
     TEST_ASSERT_EQUAL_FLOAT(3, bench_value(&b, "kc_1"));
-    b.io.acting = 1;
+    b.io.members.acting = 1;
     bench_step(&b);
     TEST_ASSERT_EQUAL(LAW_CLF, bench_value(&b, "law_1"));
     TEST_ASSERT_DOUBLE_WITHIN(BUMP, (double)num_to_float(followed), out());
@@ -138,16 +138,16 @@ static void a_block_that_begins_anew_remembers_nothing(void)
         memset(b.state, i ? 0xFF : 0, sizeof b.state);
         bench_configure(&b, false);
         bench_follow(&b);
-        b.io.acting = 1;
+        b.io.members.acting = 1;
         bench_step(&b);
-        TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+        TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, bench_value(&b, "y2_1"));
         TEST_ASSERT_EQUAL(0, bench_value(&b, "sat_1"));
         bench_apply(&b);
         b.plant[0] = before;
         for (unsigned n = 0; n < 50; n++) {
             bench_cycle(&b);
-            TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+            TEST_ASSERT_EQUAL_HEX16(0, b.io.requests.raised);
             if (i == 0)
                 course[n] = out();
             TEST_ASSERT_TRUE(course[n] == out());
@@ -164,7 +164,7 @@ static void a_first_start_at_an_output_of_nothing_follows_as_well(void)
     b.plant[0].u = 0;
     bench_configure(&b, false);
     bench_measure(&b);
-    b.io.acting = 1;
+    b.io.members.acting = 1;
     b.out[0] = num_zero();
     inferential_kind.follow(b.state, &b.io);
     bench_step(&b);
@@ -193,7 +193,7 @@ static double moved_in_an_hour(double below, uint8_t clamp)
 {
     begin_with(1, LAW_CONVENTIONAL, FORM_EULER);
     bench_follow(&b);
-    b.io.acting = 1;
+    b.io.members.acting = 1;
     b.plant[0].setpoint = b.plant[0].t[0] + below;
     bench_step(&b);
     double first = out();

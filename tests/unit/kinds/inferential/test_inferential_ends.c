@@ -120,9 +120,10 @@ static void any_tick(void)
         b.input[j] = any_num();
         b.quality[j] = random_below(&source, 6) ? QUALITY_GOOD : (uint8_t)random_below(&source, 4);
     }
-    b.io.acting = (uint8_t)(random_below(&source, 5) ? b.setup.there
-                                                     : random_below(&source, 4) & b.setup.there);
-    if (b.io.acting == 0) {
+    b.io.members.acting =
+        (uint8_t)(random_below(&source, 5) ? b.setup.there
+                                           : random_below(&source, 4) & b.setup.there);
+    if (b.io.members.acting == 0) {
         inferential_kind.follow(b.state, &b.io);
         return;
     }

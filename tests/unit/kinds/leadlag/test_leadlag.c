@@ -58,12 +58,12 @@ void setUp(void)
         input[k] = N(0.5);
         quality[k] = QUALITY_GOOD;
     }
-    io = (struct block_io){.in = input,
-                           .input = input,
-                           .quality = quality,
-                           .out = out,
-                           .point = out,
-                           .event_value = event_value};
+    io = (struct block_io){.members.in = input,
+                           .inputs.value = input,
+                           .inputs.quality = quality,
+                           .members.out = out,
+                           .points.value = out,
+                           .requests.event_value = event_value};
     seed = 1903;
 }
 
@@ -85,8 +85,8 @@ static void begin(void)
 
 static void step(void)
 {
-    io.raised = 0;
-    io.gives_up = NULL;
+    io.requests.raised = 0;
+    io.requests.gives_up = NULL;
     kind->step(state, &io);
 }
 
@@ -238,11 +238,11 @@ static void the_sum_stays_within_its_limits_and_tells(void)
     settings.hi[0] = 0.1f;
     begin();
     step();
-    TEST_ASSERT_EQUAL(0, io.raised);
+    TEST_ASSERT_EQUAL(0, io.requests.raised);
     input[0] = input[1] = N(0.58);
     step();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(out[0]));
-    TEST_ASSERT_EQUAL(2, io.raised);
+    TEST_ASSERT_EQUAL(2, io.requests.raised);
     TEST_ASSERT_EQUAL_FLOAT(1, event_value[1]);
     input[0] = N(0.5);
     step();
@@ -273,13 +273,13 @@ static void a_term_that_is_switched_off_adds_nothing_at_once_whatever_the_rate(v
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, D(out[1]));
     settings.rate[1] = 0.002f;
     configure(true);
-    io.silenced = 1u << 2;
+    io.requests.silenced = 1u << 2;
     step();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(out[1]));
-    io.silenced |= 1u << 5;
+    io.requests.silenced |= 1u << 5;
     step();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(out[1]));
-    io.silenced = 0;
+    io.requests.silenced = 0;
     step();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, D(out[1]));
 }
@@ -394,7 +394,7 @@ static void it_may_be_moved_to_another_place(void)
                 memset(state, 0x55, sizeof state);
                 at = elsewhere;
             }
-            io.gives_up = NULL;
+            io.requests.gives_up = NULL;
             kind->step(at, &io);
             if (pass)
                 TEST_ASSERT_TRUE(D(out[0]) >= wanted[k] && D(out[0]) <= wanted[k]);
@@ -417,13 +417,13 @@ static void a_lost_input_stays_what_it_was_for_a_while(void)
     input[0] = N(0.9);
     for (unsigned k = 0; k < 3; k++) {
         step();
-        TEST_ASSERT_NULL(io.gives_up);
+        TEST_ASSERT_NULL(io.requests.gives_up);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(out[0]));
-        TEST_ASSERT_EQUAL(1, io.raised);
+        TEST_ASSERT_EQUAL(1, io.requests.raised);
         TEST_ASSERT_EQUAL_FLOAT(1, event_value[0]);
     }
     step();
-    TEST_ASSERT_EQUAL_STRING("input", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("input", io.requests.gives_up);
 }
 
 static void an_input_that_comes_back_in_time_counts_again(void)
@@ -436,7 +436,7 @@ static void an_input_that_comes_back_in_time_counts_again(void)
         quality[0] = k % 3 == 2 ? QUALITY_GOOD : QUALITY_BAD;
         input[0] = N(0.55);
         step();
-        TEST_ASSERT_NULL(io.gives_up);
+        TEST_ASSERT_NULL(io.requests.gives_up);
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, D(out[0]));
 }
@@ -448,7 +448,7 @@ static void it_does_not_begin_without_its_inputs(void)
     quality[0] = QUALITY_BAD;
     begin();
     step();
-    TEST_ASSERT_EQUAL_STRING("input", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("input", io.requests.gives_up);
 }
 
 /* ---- settings ---- */

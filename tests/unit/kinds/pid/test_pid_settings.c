@@ -183,8 +183,11 @@ static void the_block_describes_its_inner_values_by_name(void)
         num_t u;
         num_t r = N(0.5), y = N(0.4);
         uint8_t limited;
-        struct block_io io = {
-            .acting = 1, .setpoint = &r, .in = &y, .out = &u, .limited = &limited};
+        struct block_io io = {.members.acting = 1,
+                              .members.setpoint = &r,
+                              .members.in = &y,
+                              .members.out = &u,
+                              .members.limited = &limited};
         pid_kind.step(&pid, &io);
         float value;
         size_t n = 0;

@@ -319,11 +319,15 @@ static void the_block_interface_drives_the_same_controller(void)
     num_t r = N(0.5), y = N(0.48), u = N(0.4), out;
     pid_follow(&a, r, y, u);
     uint8_t clamp = INTEGRAL_FREE, limited = INTEGRAL_CLAMP_UP;
-    struct block_io io = {
-        .acting = 1, .setpoint = &r, .in = &y, .out = &u, .clamp = &clamp, .limited = &limited};
+    struct block_io io = {.members.acting = 1,
+                          .members.setpoint = &r,
+                          .members.in = &y,
+                          .members.out = &u,
+                          .members.clamp = &clamp,
+                          .members.limited = &limited};
     pid_kind.follow(&b, &io);
     TEST_ASSERT_EQUAL_UINT8(INTEGRAL_FREE, limited);
-    io.out = &out;
+    io.members.out = &out;
     for (int k = 0; k < 50; k++) {
         y = N(0.48 + 0.001 * k);
         clamp = k % 3 == 0 ? INTEGRAL_CLAMP_UP : INTEGRAL_FREE;

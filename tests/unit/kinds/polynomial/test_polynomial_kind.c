@@ -47,7 +47,7 @@ void setUp(void)
     for (unsigned k = 0; k < MOST; k++)
         setup.member[k].out_reach = 2;
     take_kotyk();
-    io = (struct block_io){.acting = 3, .in = in, .out = out};
+    io = (struct block_io){.members.acting = 3, .members.in = in, .members.out = out};
 }
 void tearDown(void) {}
 
@@ -68,7 +68,7 @@ static void configure(bool retune)
 static void begin_at(double first, double second)
 {
     configure(false);
-    io.going_on = 0;
+    io.members.going_on = 0;
     put_in(first, second);
     polynomial_kind.follow(state, &io);
 }
@@ -121,7 +121,7 @@ static void four_loops_and_eight_coefficients_are_added_up(void)
     double h[8][4] = {{0}};
     setup.members = 4;
     setup.there = 15;
-    io.acting = 15;
+    io.members.acting = 15;
     settings.limits = POLYNOMIAL_SCALE;
     for (unsigned row = 0; row < 16; row++)
         for (unsigned k = 0; k < 8; k++)
@@ -156,7 +156,7 @@ static void course_of_a_long_period(unsigned ticks, unsigned retuned_in)
         const double *now = t < 5 ? low : high, *before = t < 12 ? low : high;
         if (t == retuned_in) {
             configure(true);
-            io.going_on = 3;
+            io.members.going_on = 3;
             put_in(made_of(0, now, before), made_of(1, now, before));
             polynomial_kind.follow(state, &io);
         }
@@ -211,7 +211,7 @@ static void it_begins_at_rest_where_the_mvs_are(void)
 static void a_loop_in_manual_neither_moves_nor_is_moved(void)
 {
     begin_at(0.5, 0.5);
-    io.acting = 1;
+    io.members.acting = 1;
     put_in(0.5, 0.7);
     polynomial_kind.follow(state, &io);
     double v = D(out[0]);
@@ -227,15 +227,15 @@ static void a_loop_in_manual_neither_moves_nor_is_moved(void)
 static void a_loop_that_joins_bumps_nothing_and_what_is_under_way_goes_on(void)
 {
     begin_at(0.5, 0.5);
-    io.acting = 1;
+    io.members.acting = 1;
     put_in(0.5, 0.5);
     polynomial_kind.follow(state, &io);
     double v = D(out[0]);
     stepped(v + 0.1, 0.5); /* of which the second coefficient is still to come */
     double u = D(out[0]);
     told(0, 0);
-    io.acting = 3;
-    io.going_on = 1;
+    io.members.acting = 3;
+    io.members.going_on = 1;
     put_in(u, 0.5);
     polynomial_kind.follow(state, &io);
     double joined[2] = {D(out[0]), D(out[1])};
@@ -256,7 +256,7 @@ static void other_settings_move_no_mv(void)
     told(0, 0);
     settings.g[1][0] *= 0.7f;
     configure(true);
-    io.going_on = 3;
+    io.members.going_on = 3;
     put_in(u[0], u[1]);
     polynomial_kind.follow(state, &io);
     stepped(D(out[0]), D(out[1]));
@@ -281,7 +281,7 @@ static void other_coefficients_let_what_is_under_way_go_on(void)
     told(0, 0);
     settings.g[1][0] *= 0.7f;
     configure(true);
-    io.going_on = 3;
+    io.members.going_on = 3;
     put_in(u[0], u[1]);
     polynomial_kind.follow(state, &io);
     double v[2] = {D(out[0]), D(out[1])};
@@ -297,7 +297,7 @@ static void other_coefficients_let_what_is_under_way_go_on(void)
 static void all_are_at_rest_where_they_are(const char *what)
 {
     double u[2] = {D(out[0]), D(out[1])};
-    io.going_on = 3;
+    io.members.going_on = 3;
     put_in(u[0], u[1]);
     polynomial_kind.follow(state, &io);
     double v[2] = {D(out[0]), D(out[1])};
@@ -429,7 +429,7 @@ static void scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing(
 {
     settings.limits = POLYNOMIAL_SCALE;
     begin_at(0.5, 0.5);
-    io.acting = 1;
+    io.members.acting = 1;
     put_in(0.5, 0.7);
     polynomial_kind.follow(state, &io);
     double v = D(out[0]);
@@ -612,14 +612,14 @@ static void an_incomplete_g_is_not_computed_with(void)
     begin_at(0.3, -0.2);
     stepped(0.4, -0.2);
     assert_out(0.4, -0.2);
-    TEST_ASSERT_EQUAL(1, io.raised);
+    TEST_ASSERT_EQUAL(1, io.requests.raised);
     told(-0.1, 0); /* only the loop whose MV is limited gives way */
     assert_out(-0.1, 0);
     settings.limits = POLYNOMIAL_RECURSE;
     take_kotyk();
     configure(true);
     stepped(0.4, -0.2);
-    TEST_ASSERT_EQUAL(0, io.raised);
+    TEST_ASSERT_EQUAL(0, io.requests.raised);
 }
 
 int main(void)

@@ -34,7 +34,11 @@ void setUp(void)
     setup.member[0].out_reach = setup.member[1].out_reach = 2;
     quality[0] = QUALITY_GOOD;
     feed[0] = num_from_float(0.5f);
-    io = (struct block_io){.acting = 3, .in = in, .out = out, .input = feed, .quality = quality};
+    io = (struct block_io){.members.acting = 3,
+                           .members.in = in,
+                           .members.out = out,
+                           .inputs.value = feed,
+                           .inputs.quality = quality};
 }
 
 void tearDown(void) {}
@@ -137,7 +141,7 @@ static void what_was_limited_comes_back_through_the_ratio_and_nothing_comes_to_n
 static void a_member_that_does_not_act_is_not_touched(void)
 {
     begin();
-    io.acting = 2;
+    io.members.acting = 2;
     out[0] = num_from_float(0.123f);
     feed[0] = num_one();
     in[0] = in[1] = num_from_float(0.25f);
@@ -167,7 +171,7 @@ static void a_lag_under_way_goes_on_where_a_member_did(void)
     begin();
     feed[0] = num_one();
     (void)stepped(0, 0.5f);
-    io.going_on = 1;
+    io.members.going_on = 1;
     in[0] = in[1] = num_from_float(0.6f);
     ratio_kind.follow(state, &io);
     num_t output = out[0];
@@ -186,10 +190,10 @@ static void without_a_feed_the_last_ratio_is_kept_for_a_while_and_then_it_gives_
     feed[0] = num_zero();
     for (int n = 0; n < 6; n++) { /* 60 s */
         TEST_ASSERT_FLOAT_WITHIN(EXACT, 0.5f, stepped(0, 0.25f));
-        TEST_ASSERT_NULL(io.gives_up);
+        TEST_ASSERT_NULL(io.requests.gives_up);
     }
     (void)stepped(0, 0.25f);
-    TEST_ASSERT_EQUAL_STRING("no_feed", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("no_feed", io.requests.gives_up);
 }
 
 static void a_feed_that_comes_back_in_time_counts_anew(void)
@@ -198,7 +202,7 @@ static void a_feed_that_comes_back_in_time_counts_anew(void)
     for (int n = 0; n < 30; n++) {
         quality[0] = n % 5 == 0 ? QUALITY_UNCERTAIN : QUALITY_BAD;
         (void)stepped(0, 0.25f);
-        TEST_ASSERT_NULL(io.gives_up);
+        TEST_ASSERT_NULL(io.requests.gives_up);
     }
 }
 
@@ -207,7 +211,7 @@ static void without_a_feed_from_the_beginning_it_gives_up_at_once(void)
     quality[0] = QUALITY_MISSING;
     begin();
     (void)stepped(0, 0.25f);
-    TEST_ASSERT_EQUAL_STRING("no_feed", io.gives_up);
+    TEST_ASSERT_EQUAL_STRING("no_feed", io.requests.gives_up);
 }
 
 static void other_settings_are_taken_while_it_runs(void)

@@ -48,12 +48,12 @@ void setUp(void)
     setup.members = 1;
     setup.there = 1;
     clamp[0] = INTEGRAL_FREE;
-    io = (struct block_io){.acting = 1,
-                           .setpoint = setpoint,
-                           .in = in,
-                           .out = out,
-                           .clamp = clamp,
-                           .limited = limited};
+    io = (struct block_io){.members.acting = 1,
+                           .members.setpoint = setpoint,
+                           .members.in = in,
+                           .members.out = out,
+                           .members.clamp = clamp,
+                           .members.limited = limited};
 }
 void tearDown(void) {}
 

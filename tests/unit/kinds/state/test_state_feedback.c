@@ -69,15 +69,15 @@ void setUp(void)
     memset(w, 0, sizeof w);
     memset(sum, 0, sizeof sum);
     d = 0;
-    io = (struct block_io){.acting = 3,
-                           .setpoint = setpoint,
-                           .in = in,
-                           .out = out,
-                           .clamp = clamp,
-                           .limited = limited,
-                           .input = input,
-                           .quality = quality,
-                           .divisor = 1};
+    io = (struct block_io){.members.acting = 3,
+                           .members.setpoint = setpoint,
+                           .members.in = in,
+                           .members.out = out,
+                           .members.clamp = clamp,
+                           .members.limited = limited,
+                           .inputs.value = input,
+                           .inputs.quality = quality,
+                           .members.divisor = 1};
 }
 void tearDown(void) {}
 
@@ -266,7 +266,7 @@ static void new_settings_bump_nothing(void)
 static void a_loop_by_hand_asks_for_nothing(void)
 {
     begin_at(0, 0);
-    io.acting = 1;
+    io.members.acting = 1;
     state_feedback_kind.follow(state, &io);
     w[1] = 0.5;
     out[1] = N(0.125);
@@ -302,7 +302,7 @@ static void a_loop_that_goes_to_manual_forgets_its_integral_and_the_other_does_n
             closed_step(100);
         double before = integral(other);
         TEST_ASSERT_TRUE(before > 0.005 && integral(hand) > 0.005);
-        io.acting = (uint8_t)(1u << other);
+        io.members.acting = (uint8_t)(1u << other);
         w[other] = x[other]; /* no error: the integral stands */
         see();
         out[hand] = N(0.125);

@@ -224,7 +224,7 @@ static void it_tells_once_what_came_of_it(void)
     TEST_ASSERT_NULL(tell("design"));
     for (unsigned k = 0; k < 10; k++) {
         step(false);
-        made += io.raised == 1u << STATE_LAW_EVENT_MADE ? 1u : 0u;
+        made += io.requests.raised == 1u << STATE_LAW_EVENT_MADE ? 1u : 0u;
     }
     TEST_ASSERT_EQUAL(1, made);
     TEST_ASSERT_EQUAL_FLOAT(shown("radius"), event_value[STATE_LAW_EVENT_MADE]);

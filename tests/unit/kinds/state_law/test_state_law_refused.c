@@ -166,7 +166,7 @@ static void half_way(unsigned n)
     configure(false);
     TEST_ASSERT_NULL(tell("design"));
     step(false);
-    io.work_done = true;
+    io.requests.work_done = true;
     kind->step(state, &io);
     job_asked = false;
     TEST_ASSERT_EQUAL(STATE_LAW_DESIGNS, block()->stage);
@@ -182,7 +182,7 @@ static void is_over(const char *words)
     TEST_ASSERT_FALSE(kind->work(state));
     TEST_ASSERT_NULL(workspace.frees);
     step(false);
-    TEST_ASSERT_EQUAL(1u << STATE_LAW_EVENT_REFUSED, io.raised);
+    TEST_ASSERT_EQUAL(1u << STATE_LAW_EVENT_REFUSED, io.requests.raised);
 }
 
 static void another_table_ends_a_design(void)
@@ -261,7 +261,7 @@ static void it_is_stopped(void)
 static void work_that_was_given_up_is_asked_for_again(void)
 {
     half_way(5);
-    io.work_done = false;
+    io.requests.work_done = false;
     step(false);
     step(false);
     TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_DONE, block()->stage, told());

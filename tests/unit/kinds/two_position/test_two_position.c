@@ -119,8 +119,12 @@ static void through_its_table_it_does_the_same(void)
 {
     num_t r = N(0.5), y = N(0.7), u = N(0);
     uint8_t clamp = INTEGRAL_FREE, limited = INTEGRAL_FREE;
-    struct block_io io = {
-        .acting = 1, .setpoint = &r, .in = &y, .out = &u, .clamp = &clamp, .limited = &limited};
+    struct block_io io = {.members.acting = 1,
+                          .members.setpoint = &r,
+                          .members.in = &y,
+                          .members.out = &u,
+                          .members.clamp = &clamp,
+                          .members.limited = &limited};
     two_position_kind.step(&block, &io);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, D(u));
     u = N(0.2);
