@@ -15,12 +15,12 @@
     ALWAYS(CHANNEL_MISSING, "configured channel not announced by the plant", WARNING)              \
     ALWAYS(CHANNEL_UNIT, "plant announces another unit than configured", WARNING)                  \
     ALWAYS(SAFE_STATE, "all loops manual, outputs at safe values", ALARM)                          \
-    ALWAYS(CONFIG_APPLIED, "configuration in force; base tick, s", INFO)                           \
+    ALWAYS(CONFIG_APPLIED, "configuration applied; base tick, s", INFO)                            \
     ALWAYS(CONFIG_REFUSED, "configuration does not fit the plant's base tick", ALARM)              \
-    ALWAYS(MODE, "loop mode is now (0 manual, 1 auto, 2 cascade)", INFO)                           \
+    ALWAYS(MODE, "loop is in", INFO)                                                               \
     ALWAYS(MODE_REFUSED, "loop stays in manual: measurement or plant not usable", WARNING)         \
-    ALWAYS(SETPOINT, "setpoint is now", INFO)                                                      \
-    ALWAYS(OUTPUT, "manual output is now", INFO)                                                   \
+    ALWAYS(SETPOINT, "new setpoint", INFO)                                                         \
+    ALWAYS(OUTPUT, "new manual output", INFO)                                                      \
     ALWAYS(REQUEST_REFUSED, "request came too late for the mode in force", WARNING)                \
     ALWAYS(SAMPLE_TWICE, "sample repeated or out of order, number", WARNING)                       \
     ALWAYS(SAMPLE_EARLY, "sample before the base tick was over, s early", WARNING)                 \
@@ -102,8 +102,8 @@
     BLOCK(LOOP_DIVISOR,                                                                            \
           "divisor is no multiple of the ticks between samples of its measurement; these",         \
           WARNING)                                                                                 \
-    BLOCK(BLOCK_VERB, "the block has done that; the number it was given", INFO)                    \
-    BLOCK(BLOCK_REFUSED, "a block has not done what it was told; which block", WARNING)            \
+    BLOCK(BLOCK_VERB, "verb done; the number given with it", INFO)                                 \
+    BLOCK(BLOCK_REFUSED, "a block refused its verb; which block", WARNING)                         \
     BLOCK(BLOCK_EVENT, "a block says", INFO)                                                       \
     BLOCK(BLOCK_ALARM, "a block says", ALARM)                                                      \
     BLOCK(EXCITATION_BEGUN, "a block excites the plant with a test signal; which block", INFO)     \
@@ -118,7 +118,7 @@
     GUARD(DOUBTFUL_OVER, "no loop acts on an uncertain reading any more; it reads", INFO)          \
     START_UP(FIRST_READING, "the first reading was far from those that followed; it was", WARNING) \
     START_UP(SAME_READING, "sends the same numbers as another measurement, meas", WARNING)         \
-    ALWAYS(DO_MODE, "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION)                        \
+    ALWAYS(DO_MODE, "mode asked for:", ACTION)                                                     \
     ALWAYS(DO_SETPOINT, "setpoint asked for", ACTION)                                              \
     ALWAYS(DO_OUTPUT, "output asked for", ACTION)                                                  \
     ALWAYS(DO_SET, "parameter set; 0 for a word", ACTION)                                          \

@@ -136,14 +136,24 @@ void text_float(struct text *t, float x)
     put_decimal(t, &d, digits);
 }
 
-void text_float9(struct text *t, float x)
+static void put_rounded(struct text *t, float x, unsigned digits)
 {
     struct decimal d;
     if (!begin_number(t, &x))
         return;
     decimal_of_float(&d, x);
-    decimal_round(&d, 9);
+    decimal_round(&d, digits);
     put_decimal(t, &d, 9);
+}
+
+void text_float4(struct text *t, float x)
+{
+    put_rounded(t, x, 4);
+}
+
+void text_float9(struct text *t, float x)
+{
+    put_rounded(t, x, 9);
 }
 
 static bool is_digit(char c)

@@ -25,6 +25,8 @@ void text_u32(struct text *t, uint32_t x);
 void text_hex(struct text *t, uint32_t x, unsigned digits);
 /* Shortest text of at most 9 significant digits; reads back as the same float. */
 void text_float(struct text *t, float x);
+/* Four digits, for people: does not read back as the same float. */
+void text_float4(struct text *t, float x);
 /* Nine digits, always: one conversion, reads back as the same float. */
 void text_float9(struct text *t, float x);
 /* Milliseconds as seconds with three decimals: 1230.500 */

@@ -43,7 +43,8 @@ real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
 
 real_t commission_limit(const struct measurement_config *m)
 {
-    real_t limit = m->start_up.limit > 0.0f ? m->start_up.limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+    real_t limit =
+        m->start_up.limit > 0.0f ? m->start_up.limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
     return m->start_up.critical ? REAL_C(0.5) * limit : limit;
 }
 

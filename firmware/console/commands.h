@@ -1,6 +1,6 @@
-/* The commands, a row each: name, arguments, help, and how many words may follow the name. What a row says is run by
- * command_NAME(), in one of console_*.c. In the arguments capital words stand for names of a kind, the others for
- * themselves: console_complete.c. */
+/* The commands, a row each: name, arguments, help, and how many words may follow the name. command_NAME() in one of
+ * console_*.c runs it. A new command also gets a row in docs/console.md: tools/figures/command_table.py. In the arguments capital words stand for names of a kind, the others for
+ * themselves (completion.c). */
 #ifndef REFLUX_CONSOLE_COMMANDS_H
 #define REFLUX_CONSOLE_COMMANDS_H
 
@@ -10,18 +10,18 @@
 #if CONFIG_BLOCKS
 #define BLOCK_COMMANDS(ROW) \
     ROW(block, "[BLOCK] [on|off|VERB] [NUMBER]", \
-        "blocks, or one with its insides and verbs; switch it, or tell it something", 0, 3) \
+        "all blocks, or one with its inner values and verbs; switch it, or run a verb", 0, 3) \
     ROW(proposal, "[accept|reject|back]", \
-        "settings that a block proposes, and those before the last that came into force", 0, 1)
+        "settings that a block proposes; accept, reject, or restore the old ones", 0, 1)
 #else
 #define BLOCK_COMMANDS(ROW)
 #endif
 
 #define CONSOLE_COMMANDS(ROW) \
     ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
-    ROW(version, "", "firmware, board, limits, why it started", 0, 0) \
+    ROW(version, "", "firmware, board, limits, cause of the start", 0, 0) \
     ROW(status, "", "state, measurements, outputs", 0, 0) \
-    ROW(loop, "[LOOP]", "all loops, or one with its insides", 0, 1) \
+    ROW(loop, "[LOOP]", "all loops, or one with its inner values", 0, 1) \
     ROW(mode, "LOOP|machine|human [manual|auto|cascade]", \
         "change the mode; `mode machine|human` for this console", 1, 2) \
     ROW(sp, "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2) \
@@ -30,29 +30,29 @@
     ROW(list, "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1) \
     ROW(get, "PARAMETER", "one parameter", 1, 1) \
     ROW(set, "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2) \
-    ROW(diff, "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1) \
+    ROW(diff, "[defaults]", "changes of the transaction, or from the defaults", 0, 1) \
     ROW(begin, "", "open a transaction: changes wait for apply", 0, 0) \
-    ROW(apply, "", "check the changes whole and take them at the next tick", 0, 0) \
+    ROW(apply, "", "check the changes together, apply them at the next tick", 0, 0) \
     ROW(abandon, "", "close the transaction without changes", 0, 0) \
     ROW(save, "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1) \
-    ROW(load, "", "the stored settings at the next tick; in a transaction, with apply", 0, 0) \
-    ROW(defaults, "", "every parameter at its default, but the key, like load", 0, 0) \
+    ROW(load, "", "take the stored settings at the next tick; in a transaction, with apply", 0, 0) \
+    ROW(defaults, "", "every parameter but the key to its default, like load", 0, 0) \
     ROW(dump, "", "the settings as commands that restore them", 0, 0) \
     ROW(tune, "LOOP RULE GAIN DEAD LAG [LAMBDA]", \
         "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6) \
     ROW(log, "on|off [TICKS]", "telemetry rows on this console", 1, 2) \
     ROW(commission, "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|" \
         "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]", \
-        "automatic start-up: how far it is, or what it is told", 0, 2) \
-    ROW(alarm, "[ack|shelve] [ALARM|all] [SECONDS]", "what is wrong now; acknowledge, or silence for a time", 0, 3) \
+        "automatic start-up: progress, results and requests", 0, 2) \
+    ROW(alarm, "[ack|shelve] [ALARM|all] [SECONDS]", "active alarms; acknowledge, or shelve for a time", 0, 3) \
     ROW(seq, "[start|stop|hold|go|confirm|skip|abort|list]", \
-        "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1) \
+        "progress of the sequence; start, stop, ...; list: its steps", 0, 1) \
     ROW(events, "", "the latest events and actions, also of earlier starts", 0, 0) \
     ROW(stats, "", "cost of ticks, link and console counters", 0, 0) \
     ROW(unlock, "KEY", "open the engineer level", 1, 1) \
     ROW(lock, "", "close the engineer level", 0, 0) \
     ROW(key, "NEW", "change the key of the engineer level; - for none", 1, 1) \
-    ROW(reboot, "", "start again in the safe state", 0, 0)
+    ROW(reboot, "", "restart in the safe state", 0, 0)
 /* clang-format on */
 
 #endif

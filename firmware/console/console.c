@@ -4,46 +4,39 @@
 #include <string.h>
 
 #include "base/secret.h"
+#include "console/command_table.h"
+#include "console/completion.h"
+#include "console/event_words.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
-#include "settings/parameters.h"
+
+#define CONSOLE_WORDS 10 /* of a command line */
 
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x)  TEXT_OF_(x)
 
 /* Room kept in the transmit ring before a command runs. */
 #define REPLY_ROOM ((size_t)CONSOLE_REPLY_ROOM)
-/* ... and beside a piece of telemetry: prompt and line under way, shown again. */
+/* Room for a piece of telemetry, and for the prompt and the line under way behind it. */
 #define SHOW_ROOM (TELEMETRY_PIECE_MAX + 2 * CONSOLE_LINE_MAX + 8)
 _Static_assert(LINE_EDITOR_ECHO <= CONSOLE_REPLY_ROOM, "what the editor writes finds room");
-
-static const char *end_of_line(const struct console *c)
-{
-    return c->machine ? "\n" : "\r\n";
-}
 
 static bool write_text(const char *text, size_t n)
 {
     return hal_uart_write(HAL_UART_CONSOLE, text, n);
 }
 
-static void prompt(struct console *c)
+static void editor_write(void *client, const char *text, size_t n)
 {
-    if (!c->machine)
-        (void)write_text("> ", 2);
-}
-
-static void editor_write(void *console, const char *text, size_t n)
-{
-    (void)console;
+    (void)client;
     (void)write_text(text, n);
 }
 
-static void editor_prompt(void *console)
+static void editor_prompt(void *client)
 {
-    prompt(console);
+    reply_prompt(client);
 }
 
 static const struct line_editor_port editor_port = {editor_write, console_choice, editor_prompt};
@@ -51,80 +44,8 @@ static const struct line_editor_port editor_port = {editor_write, console_choice
 void console_init(struct console *c, struct operate *door)
 {
     memset(c, 0, sizeof *c);
-    c->service = door->service;
-    session_init(&c->session, door);
-    line_editor_init(&c->editor, &editor_port, c);
-}
-
-void console_print(struct console *c, const char *text)
-{
-    size_t n = strlen(text);
-    n = n < CONSOLE_OUTPUT_MAX ? n : CONSOLE_OUTPUT_MAX;
-    if (hal_uart_room(HAL_UART_CONSOLE) < n + 2u) { /* whole or not at all */
-        c->stats.dropped++;
-        return;
-    }
-    (void)write_text(text, n);
-    (void)write_text(end_of_line(c), strlen(end_of_line(c)));
-}
-
-void console_ok(struct console *c)
-{
-    console_print(c, "ok");
-    prompt(c);
-}
-
-static struct text err_on(char *line, size_t size, enum err code)
-{
-    struct text t = text_on(line, size);
-    text_str(&t, "err ");
-    text_str(&t, err_name(code));
-    text_char(&t, ' ');
-    return t;
-}
-
-static void print_err(struct console *c, const char *line)
-{
-    c->stats.errors++;
-    console_print(c, line);
-    prompt(c);
-}
-
-void console_err_about(struct console *c, enum err code, const char *subject, const char *text)
-{
-    char line[CONSOLE_OUTPUT_MAX];
-    struct text t = err_on(line, sizeof line, code);
-    if (subject && subject[0]) {
-        text_str(&t, subject);
-        text_str(&t, ": ");
-    }
-    text_str(&t, text ? text : err_text(code));
-    print_err(c, line);
-}
-
-void console_answer(struct console *c, enum err code, const struct answer *answer)
-{
-    if (!code) {
-        console_ok(c);
-        return;
-    }
-    char line[CONSOLE_OUTPUT_MAX];
-    struct text t = err_on(line, sizeof line, code);
-    console_refusal(code, answer, &t);
-    print_err(c, line);
-}
-
-void console_err(struct console *c, enum err code, const char *text)
-{
-    console_err_about(c, code, NULL, text);
-}
-
-void console_list(struct console *c, console_listing listing, const char *argument)
-{
-    struct text t = text_on(c->argument, sizeof c->argument);
-    text_str(&t, argument);
-    c->listing = listing;
-    c->listing_at = 0;
+    client_init(&c->client, door);
+    line_editor_init(&c->editor, &editor_port, &c->client);
 }
 
 static unsigned split_words(char *line, char **word)
@@ -144,41 +65,27 @@ static unsigned split_words(char *line, char **word)
     return n;
 }
 
-static void usage(struct console *c, const struct console_command *command)
-{
-    char text[CONSOLE_OUTPUT_MAX];
-    struct text t = text_on(text, sizeof text);
-    text_str(&t, "usage: ");
-    text_str(&t, command->name);
-    text_char(&t, ' ');
-    text_str(&t, command->arguments);
-    console_err(c, ERR_PARSE, text);
-}
-
 static void dispatch(struct console *c)
 {
     char *word[CONSOLE_WORDS];
+    struct client *client = &c->client;
     unsigned n = split_words(c->editor.line, word);
-    c->stats.lines++;
+    reply_count_line(client);
     if (n == 0) {
-        prompt(c);
+        reply_prompt(client);
         return;
     }
     if (word[0][0] == '#') { /* a remark in a pasted file */
-        console_ok(c);
+        reply_ok(client);
         return;
     }
-    for (unsigned i = 0; i < console_command_count; i++) {
-        const struct console_command *command = &console_commands[i];
-        if (strcmp(word[0], command->name) != 0)
-            continue;
-        if (n - 1 < command->lowest || n - 1 > command->highest)
-            usage(c, command);
-        else
-            command->run(c, n - 1, word + 1);
-        return;
-    }
-    console_err_about(c, ERR_UNKNOWN, word[0], "no such command; `help` lists them");
+    const struct console_command *command = find_command(word[0]);
+    if (!command)
+        reply_err_about(client, ERR_UNKNOWN, word[0], "no such command; `help` lists them");
+    else if (n - 1 < command->words_min || n - 1 > command->words_max)
+        reply_usage(client, NULL, command->name);
+    else
+        command->run(client, n - 1, word + 1);
 }
 
 /* Bytes that were lost or damaged since the last line may be missing in this one: "12" must not pass for
@@ -197,18 +104,20 @@ static void finish_line(struct console *c)
 {
     bool lossy = bytes_lost(c);
     const struct line_editor *e = &c->editor;
-    if (!c->machine) {
+    if (!client_is_machine(&c->client)) {
         (void)write_text("\r\n", 2);
         if (!e->overlong && !e->garbled && !lossy && secret_from(e->line) == e->n)
             line_editor_remember(&c->editor, e->line);
     }
     if (e->overlong)
-        console_err(c, ERR_FULL,
-                    "line longer than " TEXT_OF(LINE_EDITOR_MAX) " characters, ignored");
+        reply_err(&c->client, ERR_FULL,
+                  "line longer than " TEXT_OF(LINE_EDITOR_MAX) " characters, ignored");
     else if (lossy)
-        console_err(c, ERR_IO, "bytes were lost on the line, ignored; send it again, more slowly");
+        reply_err(&c->client, ERR_IO,
+                  "bytes were lost on the line, ignored; send it again, more slowly");
     else if (e->garbled)
-        console_err(c, ERR_PARSE, "line has characters that are not printable ASCII, ignored");
+        reply_err(&c->client, ERR_PARSE,
+                  "line has characters that are not printable ASCII, ignored");
     else
         dispatch(c);
     line_editor_next(&c->editor);
@@ -218,13 +127,13 @@ static void finish_line(struct console *c)
 static void async_line(struct console *c, char *line, size_t n, size_t size)
 {
     struct text t = {.start = line, .n = n, .size = size, .cut = false};
-    text_str(&t, end_of_line(c));
-    if (!c->machine)
+    text_str(&t, reply_line_end(&c->client));
+    if (!client_is_machine(&c->client))
         (void)write_text("\r\033[K", 4);
     if (!write_text(line, t.n))
-        c->stats.dropped++;
-    if (!c->machine && !c->listing && !operate_waits(&c->session)) {
-        prompt(c);
+        reply_count_dropped(&c->client);
+    if (!client_is_machine(&c->client) && !reply_is_pending(&c->client)) {
+        reply_prompt(&c->client);
         line_editor_show(&c->editor);
     }
 }
@@ -234,7 +143,7 @@ static bool print_event(struct console *c)
     struct event e;
     char line[CONSOLE_OUTPUT_MAX];
     if (hal_uart_room(HAL_UART_CONSOLE) < CONSOLE_OUTPUT_MAX + CONSOLE_LINE_MAX ||
-        !service_next_event(c->service, &e))
+        !service_next_event(c->client.service, &e))
         return false;
     struct text t = text_on(line, sizeof line - 2);
     text_str(&t, "! ");
@@ -246,33 +155,31 @@ static bool print_event(struct console *c)
 /* Telemetry lines go out piece by piece as the transmit ring takes them; nothing else is printed meanwhile. */
 static bool line_under_way(const struct console *c)
 {
-    return c->header_of || c->row;
+    return c->header_plan || c->row;
 }
 
 static void begin_line(struct console *c)
 {
     c->piece = 0;
-    c->service->telemetry.printing = true;
-    if (!c->machine)
+    c->client.service->telemetry.printing = true;
+    if (!client_is_machine(&c->client))
         (void)write_text("\r\033[K", 4);
 }
 
 static void end_line(struct console *c)
 {
-    (void)write_text(end_of_line(c), strlen(end_of_line(c)));
+    (void)write_text(reply_line_end(&c->client), strlen(reply_line_end(&c->client)));
     if (c->row)
-        spsc_read_done(&c->service->telemetry.index);
+        spsc_read_done(&c->client.service->telemetry.index);
     c->row = NULL;
-    c->header_of = NULL;
-    c->service->telemetry.printing = false;
-    if (!c->machine && !c->listing && !operate_waits(&c->session) && !c->header_asked) {
-        prompt(c);
+    c->header_plan = NULL;
+    c->client.service->telemetry.printing = false;
+    if (!client_is_machine(&c->client) && !reply_is_pending(&c->client) &&
+        !reply_header_is_due(&c->client)) {
+        reply_prompt(&c->client);
         line_editor_show(&c->editor);
     }
-    if (c->header_asked) {
-        c->header_asked = false;
-        console_ok(c);
-    }
+    reply_header_done(&c->client);
 }
 
 static void go_on_line(struct console *c)
@@ -281,7 +188,7 @@ static void go_on_line(struct console *c)
     while (line_under_way(c) && hal_uart_room(HAL_UART_CONSOLE) >= SHOW_ROOM) {
         struct text t = text_on(text, sizeof text);
         bool more = c->row ? telemetry_row(c->row, c->piece++, &t)
-                           : telemetry_header(c->header_of, c->piece++, &t);
+                           : telemetry_header(c->header_plan, c->piece++, &t);
         (void)write_text(text, t.n);
         if (!more)
             end_line(c);
@@ -290,35 +197,35 @@ static void go_on_line(struct console *c)
 
 static void begin_header(struct console *c, const struct plan *plan)
 {
-    c->header = plan->serial;
-    c->header_of = plan;
+    c->header_serial = plan->serial;
+    c->header_plan = plan;
     begin_line(c);
 }
 
-/* Once the queue is empty again: how many rows found no room. */
-static bool tell_losses(struct console *c)
+/* Reports how many rows found no room, once the queue is empty again. */
+static bool report_losses(struct console *c)
 {
-    struct service *s = c->service;
+    struct service *s = c->client.service;
     uint32_t lost = s->telemetry.lost;
-    if (lost == c->lost_told)
+    if (lost == c->lost_reported)
         return false;
-    service_record(s, EVENT_TELEMETRY_LOST, NULL, (float)(lost - c->lost_told), 0);
-    c->lost_told = lost;
+    service_record(s, EVENT_TELEMETRY_LOST, NULL, (float)(lost - c->lost_reported), 0);
+    c->lost_reported = lost;
     return true;
 }
 
 static bool print_row(struct console *c)
 {
-    struct telemetry *telemetry = &c->service->telemetry;
+    struct telemetry *telemetry = &c->client.service->telemetry;
     if (!line_under_way(c)) {
-        if (!c->header_asked && !spsc_can_read(&telemetry->index))
-            return tell_losses(c);
+        if (!reply_header_is_due(&c->client) && !spsc_can_read(&telemetry->index))
+            return report_losses(c);
         const struct telemetry_row *row = &telemetry->slot[spsc_read_index(&telemetry->index)];
         if (hal_uart_room(HAL_UART_CONSOLE) < SHOW_ROOM)
             return false;
-        if (c->header_asked) {
-            begin_header(c, service_plan(c->service));
-        } else if (row->plan->serial != c->header) {
+        if (reply_header_is_due(&c->client)) {
+            begin_header(c, service_plan(c->client.service));
+        } else if (row->plan->serial != c->header_serial) {
             begin_header(c, row->plan);
         } else {
             c->row = row;
@@ -329,39 +236,20 @@ static bool print_row(struct console *c)
     return !line_under_way(c);
 }
 
-static bool go_on_listing(struct console *c)
-{
-    char line[CONSOLE_OUTPUT_MAX];
-    service_flush(c->service); /* lines look at states by their index */
-    /* A few lines a turn, so that telemetry is not kept waiting. */
-    for (unsigned turn = 0; turn < 16; turn++) {
-        if (hal_uart_room(HAL_UART_CONSOLE) < REPLY_ROOM)
-            return false;
-        struct text t = text_on(line, sizeof line);
-        if (!c->listing(c, c->listing_at++, &t)) {
-            c->listing = NULL;
-            console_ok(c);
-            return true;
-        }
-        if (t.n)
-            console_print(c, line);
-    }
-    return true;
-}
-
 static bool read_input(struct console *c)
 {
     bool any = false;
-    while (!c->listing && !operate_waits(&c->session) && !c->header_asked &&
+    while (!reply_is_pending(&c->client) && !reply_header_is_due(&c->client) &&
            hal_uart_room(HAL_UART_CONSOLE) >= REPLY_ROOM) {
-        if (c->rx_at == c->rx_n) {
-            c->rx_at = 0;
+        if (c->rx_next == c->rx_n) {
+            c->rx_next = 0;
             c->rx_n = (unsigned)hal_uart_read(HAL_UART_CONSOLE, c->rx, sizeof c->rx);
             if (c->rx_n == 0)
                 break;
         }
         any = true;
-        if (line_editor_take(&c->editor, (char)c->rx[c->rx_at++], !c->machine)) {
+        if (line_editor_take(&c->editor, (char)c->rx[c->rx_next++],
+                             !client_is_machine(&c->client))) {
             finish_line(c);
             break; /* one command a turn */
         }
@@ -371,7 +259,7 @@ static bool read_input(struct console *c)
 
 static void finish_and_reboot(struct console *c)
 {
-    service_keep_events(c->service);
+    service_keep_events(c->client.service);
     /* The reply leaves first, but a line nobody reads does not keep the board. */
     uint64_t start = hal_clock_ms();
     while (hal_uart_pump(HAL_UART_CONSOLE) != 0 && hal_clock_ms() - start < 500)
@@ -379,22 +267,32 @@ static void finish_and_reboot(struct console *c)
     hal_reboot();
 }
 
+/* Goes on with the save or load that has not been answered yet. Returns whether there was anything to do. */
+static bool poll_storage(struct client *c)
+{
+    struct answer a;
+    enum err err = operate_result(&c->session, &a);
+    if (!operate_waits(&c->session))
+        reply_answer(c, err, &a);
+    return true;
+}
+
 bool console_poll(struct console *c)
 {
-    service_keep_events(c->service);
-    session_poll(&c->session);
+    service_keep_events(c->client.service);
+    session_poll(&c->client.session);
     bool busy = !line_under_way(c) && print_event(c);
     busy = print_row(c) || busy;
     if (line_under_way(c))
         ; /* what else there is to say waits for its end */
-    else if (c->listing)
-        busy = go_on_listing(c) || busy;
-    else if (operate_waits(&c->session))
-        busy = console_storage_poll(c) || busy;
+    else if (reply_is_listing(&c->client))
+        busy = reply_list_lines(&c->client) || busy;
+    else if (operate_waits(&c->client.session))
+        busy = poll_storage(&c->client) || busy;
     else
         busy = read_input(c) || busy;
     (void)hal_uart_pump(HAL_UART_CONSOLE);
-    if (c->reboot)
+    if (reply_reboot_is_due(&c->client))
         finish_and_reboot(c);
     return busy;
 }

@@ -1,70 +1,27 @@
-/* Commands about the board as a whole, and the table of all of them (commands.h). */
+/* Console commands about the board as a whole: version, status, log, events, reboot. */
 #include <string.h>
 
-#include "commission/commission.h"
-#include "console/console.h"
-#include "exchange/alarm_names.h"
-#include "exchange/sampling.h"
-#include "exchange/sequence_rows.h"
+#include "console/access_words.h"
+#include "console/analyser_words.h"
+#include "console/command_table.h"
+#include "console/event_words.h"
+#include "console/line_editor.h"
+#include "console/phrases.h"
+#include "console/sequence_words.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/nvm.h"
-#include "settings/parameters.h"
 #include "storage/storage.h"
-
-static bool help_line(struct console *c, unsigned n, struct text *line)
-{
-    (void)c;
-    if (n >= console_command_count)
-        return false;
-    const struct console_command *command = &console_commands[n];
-    text_str(line, command->name);
-    text_char(line, ' ');
-    text_str(line, command->arguments);
-    while (line->n < 34)
-        text_char(line, ' ');
-    text_char(line, ' ');
-    text_str(line, command->help);
-    return true;
-}
-
-static bool one_command_line(struct console *c, unsigned n, struct text *line)
-{
-    for (unsigned i = 0; i < console_command_count; i++)
-        if (strcmp(console_commands[i].name, c->argument) == 0)
-            return n == 0 && help_line(c, i, line);
-    return false;
-}
-
-void command_help(struct console *c, unsigned n, char **word)
-{
-    struct parameter p;
-    if (n == 0) {
-        console_list(c, help_line, "");
-        return;
-    }
-    for (unsigned i = 0; i < console_command_count; i++) {
-        if (strcmp(console_commands[i].name, word[0]) == 0) {
-            console_list(c, one_command_line, word[0]);
-            return;
-        }
-    }
-    if (parameter_find_in(operate_view(&c->session), word[0], &p) == ERR_OK)
-        console_list(c, parameter_help, word[0]);
-    else
-        console_err_about(c, ERR_UNKNOWN, word[0], "neither a command nor a parameter");
-}
 
 static void hex(struct text *line, const char *name, uint32_t value)
 {
-    text_char(line, ' ');
-    text_str(line, name);
+    put_word(line, name);
     text_char(line, ' ');
     text_hex(line, value, 8);
 }
 
-/* What is left of the last fault since power-on. */
+/* Writes what is left of the last fault since power-on. */
 static void fault_line(struct text *line)
 {
     static const char *const names[] = {"hard", "memory", "bus", "usage"};
@@ -83,7 +40,7 @@ static void fault_line(struct text *line)
     text_named_u32(line, "boots_ago", f.boots_ago);
 }
 
-static void image_line(const struct console *c, struct text *line)
+static void image_line(const struct client *c, struct text *line)
 {
     static const char *const states[] = {"without a checksum", "whole", "DAMAGED"};
     text_str(line, "image ");
@@ -94,7 +51,7 @@ static void image_line(const struct console *c, struct text *line)
     text_named_u32(line, "bytes", hal_image_bytes());
 }
 
-static bool version_line(struct console *c, unsigned n, struct text *line)
+static bool version_line(struct client *c, unsigned n, struct text *line)
 {
     struct hal_nvm_geometry nvm;
     switch (n) {
@@ -130,7 +87,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         text_named_u32(line, "name bytes", LINK_TEXT_BYTES);
         text_named_u32(line, "requests", REQUEST_QUEUE_SIZE);
         text_named_u32(line, "rows", TELEMETRY_QUEUE_SIZE);
-        text_named_u32(line, "line", CONSOLE_LINE_MAX);
+        text_named_u32(line, "line", LINE_EDITOR_MAX);
         text_str(line, LINE_EDITOR_HISTORY > 1 ? ", recalls lines" : ", recalls no lines");
         return true;
     case 5:
@@ -155,7 +112,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         fault_line(line);
         return true;
     case 9:
-        console_access_text(c, line);
+        access_words(&c->session, line);
         return true;
     case 10:
         text_str(line, "storage: ");
@@ -174,14 +131,14 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
     }
 }
 
-void command_version(struct console *c, unsigned n, char **word)
+void command_version(struct client *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
-    console_list(c, version_line, "");
+    reply_list(c, version_line, "");
 }
 
-static bool status_line(struct console *c, unsigned n, struct text *line)
+static bool status_line(struct client *c, unsigned n, struct text *line)
 {
     static const char *const link_names[] = {"down", "greeting", "ready"};
     const struct service *s = c->service;
@@ -191,8 +148,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_str(line, ", plant link ");
         text_str(line, link_names[s->io.state(s->io.context)]);
         if (s->io.state(s->io.context) == IO_READY) {
-            text_char(line, ' ');
-            text_str(line, s->link->name);
+            put_word(line, s->link->name);
         }
         text_str(line, ", plant time ");
         text_seconds(line, s->supervisor->time_ms);
@@ -210,8 +166,8 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
     }
     n -= 1;
     if (n == 0) {
-        if (!console_settings(c)->console_key[0])
-            console_access_text(c, line);
+        if (!client_settings(c)->console_key[0])
+            access_words(&c->session, line);
         return true;
     }
     n -= 1;
@@ -228,27 +184,13 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
             return true;
         text_str(line, m->name);
         text_str(line, " = ");
-        text_float(line, span_to_eu(s->supervisor->measurement[n].value, m->lo, m->hi));
-        text_char(line, ' ');
-        text_str(line, m->unit);
-        text_char(line, ' ');
-        text_str(line, s->supervisor->measurement[n].bound
+        reply_amount(c, line, span_to_eu(s->supervisor->measurement[n].value, m->lo, m->hi),
+                     m->unit);
+        put_word(line, s->supervisor->measurement[n].bound
                            ? qualities[s->supervisor->measurement[n].quality]
-                           : "not announced by the plant");
-#if CONFIG_STEPS
-        if (s->supervisor->measurement[n].offset.on) {
-            text_str(line, ", less its offset ");
-            text_float(line, m->offset.eu);
-        }
-#endif
-#if CONFIG_ANALYSERS
-        if ((m->analyser.every > 1 || m->analyser.delay > 0) &&
-            s->supervisor->measurement[n].valid) {
-            text_str(line, ", sampled at ");
-            text_seconds(line, sampling_at_ms(s->supervisor, (uint8_t)n));
-            text_str(line, " s");
-        }
-#endif
+                           : NOT_ANNOUNCED);
+        offset_words(&s->supervisor->measurement[n], m, line);
+        sampled_words(s->supervisor, n, m, line);
         return true;
     }
     n -= CHANNEL_MAX;
@@ -258,102 +200,48 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
             return true;
         text_str(line, o->name);
         text_str(line, " = ");
-        text_float(line, span_to_eu(s->supervisor->mv[n].applied, o->lo, o->hi));
-        text_char(line, ' ');
-        text_str(line, o->unit);
+        reply_amount(c, line, span_to_eu(s->supervisor->mv[n].applied, o->lo, o->hi), o->unit);
         if (s->supervisor->mv[n].interlocked)
             text_str(line, " interlocked");
         else if (s->supervisor->mv[n].beyond)
-            text_str(line, " left past its limits by an interlock");
+            text_str(line, " outside its limits, left there by an interlock");
         if (s->supervisor->mv[n].not_following)
             text_str(line, " not following its command");
         if (!s->supervisor->mv[n].bound)
-            text_str(line, " not announced by the plant");
+            text_str(line, " " NOT_ANNOUNCED);
         return true;
     }
     return false;
 }
 
-void command_status(struct console *c, unsigned n, char **word)
+void command_status(struct client *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
-    console_list(c, status_line, "");
+    reply_list(c, status_line, "");
 }
 
-void command_log(struct console *c, unsigned n, char **word)
+void command_log(struct client *c, unsigned n, char **word)
 {
     uint32_t every = 1;
     if (n == 1 && strcmp(word[0], "off") == 0) {
         c->service->telemetry.every = 0;
-        console_ok(c);
+        reply_ok(c);
         return;
     }
     if (strcmp(word[0], "on") != 0) {
-        console_err_about(c, ERR_PARSE, word[0], "wanted: log on [TICKS] or log off");
+        reply_usage(c, word[0], "log");
         return;
     }
     if (n == 2 && (text_parse_u32(word[1], &every) != ERR_OK || every < 1 || every > 1000000)) {
-        console_err_about(c, ERR_RANGE, word[1], "ticks between rows, 1 .. 1000000, are wanted");
+        reply_err_about(c, ERR_RANGE, word[1], "expected ticks between rows, 1 .. 1000000");
         return;
     }
     c->service->telemetry.every = every;
-    c->header_asked = true; /* `ok` follows the header */
+    reply_after_header(c);
 }
 
-void event_line(const struct event *e, struct text *line)
-{
-    uint8_t code = e->code & (uint8_t)~EVENT_REPEATED;
-    text_seconds(line, e->time_ms);
-    text_char(line, ' ');
-    text_str(line, event_level_name(event_level(code)));
-    text_char(line, ' ');
-    text_str(line, event_name(code));
-    text_char(line, ' ');
-    text_str(line, e->subject[0] ? e->subject : "-");
-    text_char(line, ' ');
-    text_float(line, e->value);
-    text_char(line, ' ');
-    if (code != e->code) {
-        text_str(line, "times by now, this is the latest");
-        return;
-    }
-    text_str(line, event_text(e->code));
-    if (e->code == EVENT_MEASUREMENT_BAD) {
-        text_str(line, ": ");
-        text_str(line, measurement_fault_text(e->detail));
-    }
-    if (e->code == EVENT_PLANT_REFUSED) {
-        text_str(line, ": ");
-        text_str(line, plant_fault_text(e->detail));
-    }
-#if CONFIG_STEPS
-    if (e->code == EVENT_SEQUENCE_HELD || e->code == EVENT_SEQUENCE_ABORTED) {
-        text_str(line, ": ");
-        text_str(line, sequence_kind_text(e->detail >> 4));
-        text_str(line, ", ");
-        text_str(line, sequence_reason_text(e->detail & 15u));
-    }
-#endif
-#if COMMISSION_CHANNELS
-    if (e->code == EVENT_COMMISSION_ENDED || e->code == EVENT_TRIAL_FAILED) {
-        text_str(line, ": ");
-        text_str(line, commission_reason_text((enum commission_reason)e->detail));
-    }
-#endif
-#if CONFIG_BLOCKS
-    if (e->code == EVENT_BLOCK_EVENT || e->code == EVENT_BLOCK_ALARM)
-        block_event_words(e, line);
-    if (e->code == EVENT_PROPOSAL_REFUSED) {
-        text_str(line, ": ");
-        text_str(line, err_text((enum err) - (int)e->detail));
-    }
-#endif
-    if (event_level(e->code) == EVENT_ACTION)
-        text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
-}
-
-static bool history_line(struct console *c, unsigned n, struct text *line)
+static bool history_line(struct client *c, unsigned n, struct text *line)
 {
     const struct event_log *log = &c->service->history;
     uint32_t sequence = event_log_oldest(log) + n;
@@ -372,25 +260,20 @@ static bool history_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-void command_events(struct console *c, unsigned n, char **word)
+void command_events(struct client *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
-    console_list(c, history_line, "");
+    reply_list(c, history_line, "");
 }
 
-void command_reboot(struct console *c, unsigned n, char **word)
+void command_reboot(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     (void)n;
     (void)word;
     enum err err = operate_reboot(&c->session, &a);
-    c->reboot = !err;
-    console_answer(c, err, &a);
+    if (!err)
+        reply_then_reboot(c);
+    reply_answer(c, err, &a);
 }
-
-#define ROW(name, arguments, help, lowest, highest)                                                \
-    {#name, arguments, help, lowest, highest, command_##name},
-const struct console_command console_commands[] = {CONSOLE_COMMANDS(ROW)};
-#undef ROW
-const unsigned console_command_count = sizeof console_commands / sizeof console_commands[0];

@@ -3,10 +3,10 @@
 
 #include "commission/commission.h"
 #include "commission/expected.h"
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/commission_listings.h"
+#include "console/phrases.h"
 #include "hal/tick.h"
-
-#if COMMISSION_CHANNELS
 
 static const char *const phases[] = {
     [COMMISSION_IDLE] = "idle",           [COMMISSION_TESTING] = "testing",
@@ -35,7 +35,7 @@ static float output_span(const struct mv_config *o)
     return o->hi - o->lo;
 }
 
-/* The test may end, and its memory go to the analysis, at any time. */
+/* Describes the test under way. It may end, and its memory go to the analysis, at any time. */
 static void test_line(const struct commission *c, const struct config *config, struct text *line)
 {
     const struct experiment *experiment = &c->work->experiment;
@@ -47,8 +47,8 @@ static void test_line(const struct commission *c, const struct config *config, s
         enum experiment_phase phase;
         uint8_t worst_output;
         real_t amplitude, worst;
-    } now = {experiment_phase(experiment), limits_worst_output(experiment_limits(experiment)),
-             experiment_amplitude(experiment), limits_worst(experiment_limits(experiment))};
+    } reached = {experiment_phase(experiment), limits_worst_output(experiment_limits(experiment)),
+                 experiment_amplitude(experiment), limits_worst(experiment_limits(experiment))};
     hal_tick_unlock();
     if (!testing)
         return;
@@ -59,20 +59,19 @@ static void test_line(const struct commission *c, const struct config *config, s
     text_u32(line, inputs_count(&c->inputs));
     text_str(line, "), round ");
     text_u32(line, inputs_round(&c->inputs));
-    text_str(line, ": ");
-    text_str(line, stages[now.phase]);
-    text_quantity(line, ", amplitude ", (float)now.amplitude * output_span(o), " ");
+    put_reason(line, stages[reached.phase]);
+    text_quantity(line, ", amplitude ", (float)reached.amplitude * output_span(o), " ");
     text_str(line, o->unit);
-    if (now.worst > REAL_C(0.0)) {
+    if (reached.worst > REAL_C(0.0)) {
         text_str(line, ", worst ");
         text_str(line,
-                 config->measurement[outputs_measurement(&c->outputs, now.worst_output)].name);
-        text_quantity(line, " at ", (float)now.worst, " of its limit");
+                 config->measurement[outputs_measurement(&c->outputs, reached.worst_output)].name);
+        text_quantity(line, " at ", (float)reached.worst, " of its limit");
     }
 }
 
 /* Prints how long start-up may still take. */
-static void time_left_line(const struct console *c, struct text *line)
+static void time_left_line(const struct client *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
     hal_tick_lock();
@@ -92,10 +91,10 @@ static void time_left_line(const struct console *c, struct text *line)
     text_str(line, left.planned ? " s" : " s if all rounds are needed");
 }
 
-static bool commission_status_line(struct console *c, unsigned n, struct text *line)
+static bool commission_status_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct config *config = console_settings(c);
+    const struct config *config = client_settings(c);
     enum commission_phase phase = status_phase(&m->status);
     if (n == 0) {
         text_str(line, "phase ");
@@ -117,7 +116,7 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
     if (phase == COMMISSION_TESTING) {
         test_line(m, config, line);
     } else if (phase == COMMISSION_RELAY) {
-        commission_relay_now(c, line);
+        relay_progress_line(c, line);
     } else if (phase == COMMISSION_READY) {
         text_str(line, commission_has_proposal(m)
                            ? "a proposal waits: `commission proposal`, then accept, edit or reject"
@@ -125,8 +124,7 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
     } else if (status_reason(&m->status) != REASON_NOT) {
         const char *subject = status_subject(&m->status);
         text_str(line, subject[0] ? subject : "-");
-        text_char(line, ' ');
-        text_str(line, commission_reason_text(status_reason(&m->status)));
+        put_word(line, commission_reason_text(status_reason(&m->status)));
     } else if (phase == COMMISSION_TRIAL) {
         text_str(line, "loop ");
         text_u32(line, adoption_turn(&m->adoption) + 1u);
@@ -139,7 +137,7 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
 
 static const struct {
     const char *word;
-    console_listing listing;
+    reply_listing listing;
 } listings[] = {
     {"plant", commission_plant_line},       {"plan", commission_plan_line},
     {"model", commission_model_line},       {"gains", commission_gains_line},
@@ -147,7 +145,7 @@ static const struct {
     {"proposal", commission_proposal_line}, {"trial", commission_trial_line},
 };
 
-static console_listing listing_of(const char *word)
+static reply_listing listing_of(const char *word)
 {
     for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++)
         if (strcmp(word, listings[i].word) == 0)
@@ -155,7 +153,7 @@ static console_listing listing_of(const char *word)
     return NULL;
 }
 
-/* `begin` and so on; COMMISSION_ASK_NONE: something else. */
+/* Finds what `begin`, `pause` and so on ask for. COMMISSION_ASK_NONE: the word is another. */
 static enum commission_ask ask_of(const char *word)
 {
     for (unsigned i = COMMISSION_ASK_NONE; i <= COMMISSION_ASK_REJECT; i++) {
@@ -166,11 +164,11 @@ static enum commission_ask ask_of(const char *word)
     return COMMISSION_ASK_NONE;
 }
 
-void command_commission(struct console *c, unsigned n, char **word)
+void command_commission(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     if (n == 0) {
-        console_list(c, commission_status_line, "");
+        reply_list(c, commission_status_line, "");
         return;
     }
     if (strcmp(word[0], "relay") == 0) {
@@ -178,38 +176,27 @@ void command_commission(struct console *c, unsigned n, char **word)
         return;
     }
     if (n > 1) {
-        console_err_about(c, ERR_PARSE, word[1], "only `commission relay` takes a loop");
+        reply_err_about(c, ERR_PARSE, word[1], "only `commission relay` takes a loop");
         return;
     }
-    console_listing listing = listing_of(word[0]);
+    reply_listing listing = listing_of(word[0]);
     enum commission_ask what = ask_of(word[0]);
     if (listing) {
-        console_list(c, listing, "");
+        reply_list(c, listing, "");
     } else if (what != COMMISSION_ASK_NONE) {
         enum err err = operate_startup(&c->session, what, &a);
         if (!err && what == COMMISSION_ASK_BEGIN)
             /* nothing moves before the plant has been at rest for a while */
-            console_list(c, commission_plan_line, "");
+            reply_list(c, commission_plan_line, "");
         else
-            console_answer(c, err, &a);
+            reply_answer(c, err, &a);
     } else if (strcmp(word[0], "accept") == 0) {
-        console_answer(c, operate_accept(&c->session, &a), &a);
+        reply_answer(c, operate_accept(&c->session, &a), &a);
     } else if (strcmp(word[0], "edit") == 0) {
-        console_answer(c, operate_edit(&c->session, &a), &a);
+        reply_answer(c, operate_edit(&c->session, &a), &a);
     } else if (strcmp(word[0], "discard") == 0) {
-        console_answer(c, operate_discard(&c->session, &a), &a);
+        reply_answer(c, operate_discard(&c->session, &a), &a);
     } else {
-        console_err_about(c, ERR_PARSE, word[0], "no such word; `help commission` lists them");
+        reply_err_about(c, ERR_PARSE, word[0], "no such word; `help commission` lists them");
     }
 }
-
-#else
-
-void command_commission(struct console *c, unsigned n, char **word)
-{
-    (void)n;
-    (void)word;
-    console_err(c, ERR_UNSUPPORTED, "automatic start-up is left out of this board's build");
-}
-
-#endif

@@ -1,41 +1,12 @@
-/* What automatic start-up has found, as listings: one fact a line, `name value unit`, for people and programs alike. */
+/* Results of automatic start-up as listings: one fact a line, `name value unit`, for people and programs alike. */
 #include "commission/commission.h"
 #include "commission/words.h"
-#include "console/console.h"
+#include "console/commission_listings.h"
+#include "console/commission_structural.h"
+#include "console/commission_words.h"
+#include "console/phrases.h"
 
-const struct measurement_config *commission_measurement(const struct console *c, unsigned j)
-{
-    return &console_settings(c)
-                ->measurement[outputs_measurement(&c->service->commission->outputs, j)];
-}
-
-const struct mv_config *commission_output(const struct console *c, unsigned k)
-{
-    return &console_settings(c)->mv[inputs_get(&c->service->commission->inputs, k)->output];
-}
-
-static void unit(struct text *t, const char *text)
-{
-    text_str(t, text[0] ? text : "-");
-}
-
-void commission_flags(struct text *t, unsigned bits)
-{
-    static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
-                                        "negative_L",  "short",      "not_settled",
-                                        "integrating", "inverse",    "oscillatory"};
-    text_str(t, " flags");
-    if (bits == 0)
-        text_str(t, " -");
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (!(bits >> i & 1u))
-            continue;
-        text_char(t, ' ');
-        text_str(t, names[i]);
-    }
-}
-
-static bool input_line(const struct console *c, unsigned k, struct text *line)
+static bool input_line(const struct client *c, unsigned k, struct text *line)
 {
     const struct tested_input *in = inputs_get(&c->service->commission->inputs, k);
     const struct mv_config *o = commission_output(c, k);
@@ -45,7 +16,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
     text_named_float(line, "held", o->lo + (float)in->test_base * span);
     text_named_float(line, "amplitude", (float)in->amplitude * span);
     text_char(line, ' ');
-    unit(line, o->unit);
+    commission_unit(line, o->unit);
     text_named_float(line, "half", (float)in->half_s);
     text_str(line, " s rounds ");
     text_u32(line, in->rounds);
@@ -62,7 +33,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
 }
 
 /* Gains in engineering units: what a person would measure. */
-static void element_line(const struct console *c, unsigned j, unsigned k, struct text *line)
+static void element_line(const struct client *c, unsigned j, unsigned k, struct text *line)
 {
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
@@ -70,14 +41,13 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "element ");
     text_str(line, y->name);
-    text_char(line, ' ');
-    text_str(line, u->name);
+    put_word(line, u->name);
     text_named_float(line, "gain", (float)e->fit.gain * scale);
     text_named_float(line, "sd", (float)e->fit.gain_sd * scale);
     text_char(line, ' ');
-    unit(line, y->unit);
+    commission_unit(line, y->unit);
     text_char(line, '/');
-    unit(line, u->unit);
+    commission_unit(line, u->unit);
     text_named_float(line, "T", (float)e->fit.time_constant_s);
     text_named_float(line, "sd", (float)e->fit.time_constant_sd_s);
     text_named_float(line, "s L", (float)e->fit.dead_time_s);
@@ -86,8 +56,8 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
     commission_flags(line, e->fit.flags);
 }
 
-/* What the moments and the plateaus make of the same test. */
-static void second_line(const struct console *c, unsigned j, unsigned k, struct text *line)
+/* Gives the estimates from moments and plateaus of the same test. */
+static void second_line(const struct client *c, unsigned j, unsigned k, struct text *line)
 {
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
@@ -95,8 +65,7 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "moments ");
     text_str(line, y->name);
-    text_char(line, ' ');
-    text_str(line, u->name);
+    put_word(line, u->name);
     text_named_float(line, "gain", (float)e->moments.gain * scale);
     text_named_float(line, "T", (float)e->moments.time_constant_s);
     text_named_float(line, "L", (float)e->moments.dead_time_s);
@@ -108,7 +77,7 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
     commission_flags(line, e->moments_flags);
 }
 
-bool commission_model_line(struct console *c, unsigned n, struct text *line)
+bool commission_model_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     unsigned inputs = inputs_count(&m->inputs), outputs = outputs_count(&m->outputs);
@@ -118,7 +87,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         return commission_relay_line(c, n, line); /* of one loop, and no model */
     if (!commission_keeps(m)) {
         if (n == 0)
-            text_str(line, COMMISSION_GONE);
+            text_str(line, RESULTS_DISCARDED);
         return n == 0;
     }
     if (n == 0)
@@ -132,7 +101,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         text_str(line, y->name);
         text_named_float(line, "noise", (float)outputs_noise(&m->outputs)[n] * (y->hi - y->lo));
         text_char(line, ' ');
-        unit(line, y->unit);
+        commission_unit(line, y->unit);
         /* Its rest, from the operating point: all of it, and what no drift explains. */
         text_named_float(line, "moved", (float)origin_moved(&m->origin, n) * (y->hi - y->lo));
         text_named_float(line, "left", (float)origin_left(&m->origin, n) * (y->hi - y->lo));
@@ -148,22 +117,6 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         element_line(c, j, k, line);
     else
         second_line(c, j, k, line);
-    return true;
-}
-
-bool commission_has_nothing(struct console *c, unsigned n, struct text *line)
-{
-    const struct commission *m = c->service->commission;
-    if (commission_has_results(m) && !by_relay_is_latest(&m->by_relay)) {
-        if (n == 0)
-            operate_startup_shown(&c->session);
-        return false;
-    }
-    if (n == 0)
-        text_str(line, by_relay_is_latest(&m->by_relay)
-                           ? "the latest test was by relay: `commission relay`"
-                       : commission_had_results(m) ? COMMISSION_GONE
-                                                   : "nothing yet: `commission begin` first");
     return true;
 }
 
@@ -186,15 +139,14 @@ static void gains_summary(const struct analysis *a, unsigned n, struct text *lin
     }
 }
 
-static void null_line(const struct console *c, bool outputs, struct text *line)
+static void null_line(const struct client *c, bool outputs, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
     unsigned n = outputs ? a->plant.outputs : a->plant.inputs;
     text_str(line, outputs ? "null outputs" : "null inputs");
     for (unsigned i = 0; i < n; i++) {
-        text_char(line, ' ');
-        text_str(line, outputs
+        put_word(line, outputs
                            ? commission_measurement(c, i)->name
                            : commission_output(c, analysis_job_input(&m->analysis_job, i))->name);
         text_char(line, ' ');
@@ -202,7 +154,7 @@ static void null_line(const struct console *c, bool outputs, struct text *line)
     }
 }
 
-bool commission_gains_line(struct console *c, unsigned n, struct text *line)
+bool commission_gains_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
@@ -223,8 +175,7 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
     if (n == 0) {
         text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
         for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
-            text_char(line, ' ');
-            text_str(line, commission_output(c, analysis_job_input(&m->analysis_job, k))->name);
+            put_word(line, commission_output(c, analysis_job_input(&m->analysis_job, k))->name);
         }
         return true;
     }
@@ -263,7 +214,7 @@ static void decoupler_words(const struct analysis *a, struct text *line)
     text_named_float(line, "without", (float)without->loads);
 }
 
-static void proposed_loop_line(const struct console *c, unsigned k, struct text *line)
+static void proposed_loop_line(const struct client *c, unsigned k, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
@@ -272,8 +223,7 @@ static void proposed_loop_line(const struct console *c, unsigned k, struct text 
     const struct measurement_config *y = commission_measurement(c, a->pairs.output[k]);
     text_str(line, "loop ");
     text_str(line, y->name);
-    text_char(line, ' ');
-    text_str(line,
+    put_word(line,
              commission_output(c, analysis_job_input(&m->analysis_job, a->pairs.input[k]))->name);
     text_named_float(line, "gain", (float)t->gain);
     text_named_float(line, "ti", (float)t->ti_s);
@@ -285,7 +235,7 @@ static void proposed_loop_line(const struct console *c, unsigned k, struct text 
     text_named_float(line, "settles", (float)p->settled_s);
 }
 
-bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
+bool commission_proposal_line(struct client *c, unsigned n, struct text *line)
 {
     const struct analysis *a = &c->service->commission->work->analysis;
     if (by_relay_is_latest(&c->service->commission->by_relay))

@@ -1,9 +1,11 @@
-/* `commission pairing`: the pairs, how sure they are, what speaks against them, and what they leave over. */
+/* `commission pairing`: the pairs, how certain they are, doubts, and channels left without a loop. */
 #include "commission/commission.h"
 #include "commission/words.h"
-#include "console/console.h"
+#include "console/commission_listings.h"
+#include "console/commission_words.h"
+#include "console/phrases.h"
 
-/* What speaks against the pairing as a whole. */
+/* A doubt about the pairing as a whole. */
 static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
 {
     struct words_doubt doubt;
@@ -11,21 +13,19 @@ static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
         return;
     text_str(line, "doubt");
     text_named_float(line, doubt.name, (float)doubt.value);
-    text_str(line, ": ");
-    text_str(line, doubt.text);
+    put_reason(line, doubt.text);
 }
 
-static void names(const struct console *c, unsigned j, unsigned i, struct text *line)
+static void names(const struct client *c, unsigned j, unsigned i, struct text *line)
 {
     text_str(line, commission_measurement(c, j)->name);
-    text_char(line, ' ');
-    text_str(
+    put_word(
         line,
         commission_output(c, analysis_job_input(&c->service->commission->analysis_job, i))->name);
 }
 
-/* Of an element: what its tests left open. */
-static void doubt_element_line(const struct console *c, unsigned j, unsigned i, struct text *line)
+/* A doubt about an element: its tests left something open. */
+static void doubt_element_line(const struct client *c, unsigned j, unsigned i, struct text *line)
 {
     const struct commission *m = c->service->commission;
     unsigned bits = certainty_flags(&m->work->analysis, (uint8_t)j, (uint8_t)i);
@@ -43,7 +43,7 @@ static void doubt_element_line(const struct console *c, unsigned j, unsigned i, 
 }
 
 /* Loops that run away where the others are in manual. */
-static void subset_line(const struct console *c, struct text *line)
+static void subset_line(const struct client *c, struct text *line)
 {
     const struct analysis *a = &c->service->commission->work->analysis;
     if (a->negative == 0)
@@ -54,8 +54,7 @@ static void subset_line(const struct console *c, struct text *line)
     for (unsigned k = 0; k < a->pairs.n; k++) {
         if ((a->negative & (1u << k)) == 0u)
             continue;
-        text_char(line, ' ');
-        text_str(line, commission_measurement(c, a->pairs.output[k])->name);
+        put_word(line, commission_measurement(c, a->pairs.output[k])->name);
     }
 }
 
@@ -63,12 +62,11 @@ static void left_line(const char *what, const char *name, const char *reason, st
 {
     text_str(line, "left");
     text_named_str(line, what, name);
-    text_str(line, ": ");
-    text_str(line, reason);
+    put_reason(line, reason);
 }
 
-/* What was tested and has no loop; false past the last. */
-static bool left_over_line(const struct console *c, unsigned n, struct text *line)
+/* A channel that was tested and has no loop; false past the last. */
+static bool left_over_line(const struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
@@ -90,8 +88,8 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
     return true;
 }
 
-/* After the pairs: what speaks against them, and what they leave over. */
-static bool remarks_line(const struct console *c, unsigned n, struct text *line)
+/* The lines behind the pairs: doubts, and channels left without a loop. */
+static bool remarks_line(const struct client *c, unsigned n, struct text *line)
 {
     const struct analysis *a = &c->service->commission->work->analysis;
     if (n < WORDS_DOUBTS) {
@@ -112,7 +110,7 @@ static bool remarks_line(const struct console *c, unsigned n, struct text *line)
     return left_over_line(c, n - 1u, line);
 }
 
-bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
+bool commission_pairing_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;

@@ -1,21 +1,23 @@
-/* What automatic start-up begins with (`commission plant`, `plan`), and what the accepted loops did on trial (`trial`). Listings like
- * those of console_commission_model.c. */
+/* `commission plant` and `plan`: what automatic start-up begins with. `commission trial`: what the accepted loops did on trial. The
+ * listings are like those of console_commission_model.c. */
 #include "commission/commission.h"
 #include "commission/expected.h"
-#include "console/console.h"
+#include "console/commission_listings.h"
+#include "console/commission_words.h"
+#include "console/phrases.h"
 #include "hal/tick.h"
 #include "io/plant_link.h"
 
-/* As the plant announces them, configured or not. The tick may be told of another plant meanwhile. */
-bool commission_plant_line(struct console *c, unsigned n, struct text *line)
+/* Lists the channels that the plant announces, configured or not. Another plant may announce itself to the tick meanwhile. */
+bool commission_plant_line(struct client *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
-    bool there = true;
+    bool more = true;
     hal_tick_lock();
     unsigned outputs = s->io.count(s->io.context, false);
     unsigned inputs = s->io.count(s->io.context, true);
     if (n == 0 && outputs + inputs == 0) {
-        text_str(line, "no plant is connected");
+        text_str(line, NO_PLANT);
     } else if (n == 0) {
         text_str(line, "plant tick");
         text_named_float(line, "s", (float)s->io.tick_ms(s->io.context) / 1000.0f);
@@ -32,17 +34,17 @@ bool commission_plant_line(struct console *c, unsigned n, struct text *line)
         if (manipulated)
             text_named_float(line, "safe", channel.safe);
     } else {
-        there = false;
+        more = false;
     }
     hal_tick_unlock();
-    return there;
+    return more;
 }
 
-/* What `commission begin` would move, by how much and for about how long, in the settings in force. */
-bool commission_plan_line(struct console *c, unsigned n, struct text *line)
+/* Lists what `commission begin` would move, by how much and for about how long, with the settings in force. */
+bool commission_plan_line(struct client *c, unsigned n, struct text *line)
 {
     const struct supervisor *s = c->service->supervisor;
-    const struct config *config = console_settings(c);
+    const struct config *config = client_settings(c);
     if (n == 0) {
         hal_tick_lock();
         struct expected all = expected_of(s);
@@ -70,7 +72,7 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
         text_named_float(line, "step", (float)e.first * span);
         text_named_float(line, "at most", (float)e.most * span);
         text_char(line, ' ');
-        text_str(line, o->unit[0] ? o->unit : "-");
+        commission_unit(line, o->unit);
         return true;
     }
     n -= CHANNEL_MAX;
@@ -85,14 +87,14 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
         m->start_up.limit > 0.0f ? m->start_up.limit : (float)TEST_LIMIT_DEFAULT * (m->hi - m->lo);
     text_named_float(line, "limit", m->start_up.critical ? 0.5f * limit : limit);
     text_char(line, ' ');
-    text_str(line, m->unit[0] ? m->unit : "-");
+    commission_unit(line, m->unit);
     return true;
 }
 
-bool commission_trial_line(struct console *c, unsigned n, struct text *line)
+bool commission_trial_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct config *config = console_settings(c);
+    const struct config *config = client_settings(c);
     unsigned loops = adoption_loops(&m->adoption);
     enum commission_phase phase = status_phase(&m->status);
     bool was = phase == COMMISSION_TRIAL || phase == COMMISSION_KEPT ||
@@ -112,8 +114,7 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     float scale = (float)(back ? -l->step : l->step) / (float)l->size;
     text_str(line, "trial ");
     text_str(line, y->name);
-    text_char(line, ' ');
-    text_str(line, config->mv[l->output].name);
+    put_word(line, config->mv[l->output].name);
     text_named_float(line, "step", (float)l->step * span);
     text_named_float(line, "iae", (float)l->iae * span);
     text_named_float(line, "predicted", (float)l->predicted.iae * scale * span);

@@ -2,11 +2,12 @@
 #include <string.h>
 
 #include "commission/commission.h"
-#include "console/console.h"
+#include "console/commission_listings.h"
+#include "console/phrases.h"
 #include "hal/tick.h"
 
 /* The latest test; the tick may begin another at any time. */
-static struct relay_finding latest(const struct console *c)
+static struct relay_finding latest(const struct client *c)
 {
     hal_tick_lock();
     struct relay_finding r = *by_relay_finding(&c->service->commission->by_relay);
@@ -14,7 +15,7 @@ static struct relay_finding latest(const struct console *c)
     return r;
 }
 
-void commission_relay_now(struct console *c, struct text *line)
+void relay_progress_line(struct client *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
     hal_tick_lock();
@@ -25,7 +26,7 @@ void commission_relay_now(struct console *c, struct text *line)
     if (!going_on)
         return;
     text_str(line, "loop ");
-    text_str(line, console_settings(c)->loop[loop].name);
+    text_str(line, client_settings(c)->loop[loop].name);
     if (r.resting) {
         text_str(line, " waits for rest");
     } else if (r.phase == RELAY_START) {
@@ -38,17 +39,16 @@ void commission_relay_now(struct console *c, struct text *line)
     }
 }
 
-static void found_line(const struct console *c, const struct relay_finding *r, struct text *line)
+static void found_line(const struct client *c, const struct relay_finding *r, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct measurement_config *y =
-        &console_settings(c)->measurement[outputs_measurement(&m->outputs, 0)];
-    const struct mv_config *u = &console_settings(c)->mv[inputs_get(&m->inputs, 0)->output];
+        &client_settings(c)->measurement[outputs_measurement(&m->outputs, 0)];
+    const struct mv_config *u = &client_settings(c)->mv[inputs_get(&m->inputs, 0)->output];
     const struct relay_result *x = &r->result;
     text_str(line, "relay ");
     text_str(line, y->name);
-    text_char(line, ' ');
-    text_str(line, u->name);
+    put_word(line, u->name);
     text_named_float(line, "ultimate", (float)x->gain);
     text_named_float(line, "described", (float)x->described);
     text_named_float(line, "period", (float)x->period_s);
@@ -61,13 +61,13 @@ static void found_line(const struct console *c, const struct relay_finding *r, s
     text_named_float(line, "worst", (float)inputs_get(&m->inputs, 0)->worst);
 }
 
-bool commission_relay_line(struct console *c, unsigned n, struct text *line)
+bool commission_relay_line(struct client *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     struct relay_finding r = latest(c);
     if (!r.found || !commission_had_results(m)) {
         if (n == 0 && status_phase(&m->status) == COMMISSION_RELAY)
-            commission_relay_now(c, line);
+            relay_progress_line(c, line);
         else if (n == 0)
             text_str(line, "no relay test has been done: `commission relay LOOP`");
         return n == 0;
@@ -86,16 +86,16 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-void commission_relay_command(struct console *c, unsigned n, char **word)
+void commission_relay_command(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     if (n == 1) {
-        console_list(c, commission_relay_line, "");
+        reply_list(c, commission_relay_line, "");
         return;
     }
     uint8_t loop = config_find_loop(operate_settings(&c->session), word[1]);
     enum err err = operate_relay(&c->session, loop, &a);
     if (err == ERR_UNKNOWN)
         a.subject = word[1];
-    console_answer(c, err, &a);
+    reply_answer(c, err, &a);
 }

@@ -1,16 +1,19 @@
-/* How the plant hangs together (`commission structure`), and what a proposal has because of it: inner loops and
- * feedforwards. Listings like those of console_commission_model.c; gains are in spans. */
+/* `commission structure`: parts, blocks and cascades of the plant. A proposal gets its inner loops and feedforwards from them. The
+ * listings are like those of console_commission_model.c; gains are in spans. */
 #include "commission/analysis_structure.h"
 #include "commission/commission.h"
 #include "commission/words.h"
-#include "console/console.h"
+#include "console/commission_listings.h"
+#include "console/commission_structural.h"
+#include "console/commission_words.h"
+#include "console/phrases.h"
 
-static const struct analysis *analysis(const struct console *c)
+static const struct analysis *analysis(const struct client *c)
 {
     return &c->service->commission->work->analysis;
 }
 
-static const char *input(const struct console *c, uint8_t k)
+static const char *input(const struct client *c, uint8_t k)
 {
     const struct commission *m = c->service->commission;
     uint8_t i = analysis_job_input(&m->analysis_job, analysis(c)->pairs.input[k]);
@@ -18,12 +21,10 @@ static const char *input(const struct console *c, uint8_t k)
 }
 
 /* Names of pair k. */
-static void pair(const struct console *c, uint8_t k, struct text *line)
+static void pair(const struct client *c, uint8_t k, struct text *line)
 {
-    text_char(line, ' ');
-    text_str(line, commission_measurement(c, analysis(c)->pairs.output[k])->name);
-    text_char(line, ' ');
-    text_str(line, input(c, k));
+    put_word(line, commission_measurement(c, analysis(c)->pairs.output[k])->name);
+    put_word(line, input(c, k));
 }
 
 static void block_line(const struct analysis *a, unsigned b, struct text *line)
@@ -59,7 +60,7 @@ static void multivariable_line(const struct analysis *a, unsigned b, struct text
                                                   : "nothing");
 }
 
-static void member_line(const struct console *c, uint8_t k, struct text *line)
+static void member_line(const struct client *c, uint8_t k, struct text *line)
 {
     const struct structure *s = layout_structure(&analysis(c)->layout);
     unsigned b = s->pair_block[k];
@@ -69,7 +70,7 @@ static void member_line(const struct console *c, uint8_t k, struct text *line)
     text_named_str(line, "single_loop", s->block[b].mimo >> k & 1u ? "no" : "yes");
 }
 
-static void way_of(const struct console *c, const struct cross_way *way, struct text *line)
+static void put_way(const struct client *c, const struct cross_way *way, struct text *line)
 {
     text_str(line, " from");
     pair(c, way->from, line);
@@ -82,7 +83,7 @@ static void way_of(const struct console *c, const struct cross_way *way, struct 
     text_named_float(line, "late", way->late_s);
 }
 
-static void way_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)
+static void way_line(const struct client *c, uint8_t from, uint8_t to, struct text *line)
 {
     const struct analysis *a = analysis(c);
     struct cross_way way;
@@ -90,10 +91,10 @@ static void way_line(const struct console *c, uint8_t from, uint8_t to, struct t
                                           to, &way) != ERR_OK)
         return;
     text_str(line, "way");
-    way_of(c, &way, line);
+    put_way(c, &way, line);
 }
 
-static void cascade_line(const struct console *c, const struct cascade *found, struct text *line)
+static void cascade_line(const struct client *c, const struct cascade *found, struct text *line)
 {
     bool used = (layout_inner_outputs(&analysis(c)->layout) & (1u << found->inner)) != 0u;
     text_str(line, "cascade");
@@ -107,7 +108,7 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
                    used ? "yes" : "no: no input of their own, or no settings for the inner loop");
 }
 
-static bool structure_lines(const struct console *c, unsigned n, struct text *line)
+static bool structure_lines(const struct client *c, unsigned n, struct text *line)
 {
     const struct analysis *a = analysis(c);
     const struct structure *s = layout_structure(&a->layout);
@@ -139,7 +140,7 @@ static bool structure_lines(const struct console *c, unsigned n, struct text *li
     return true;
 }
 
-bool commission_structure_line(struct console *c, unsigned n, struct text *line)
+bool commission_structure_line(struct client *c, unsigned n, struct text *line)
 {
     const struct analysis *a = analysis(c);
     bool has = commission_has_results(c->service->commission);
@@ -155,11 +156,11 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
     if (n == 0)
         text_str(line, has || !commission_had_results(c->service->commission)
                            ? "structure none: the pairing must be determined first"
-                           : COMMISSION_GONE);
+                           : RESULTS_DISCARDED);
     return n == 0;
 }
 
-static void inner_line(const struct console *c, uint8_t k, struct text *line)
+static void inner_line(const struct client *c, uint8_t k, struct text *line)
 {
     const struct analysis *a = analysis(c);
     const struct tuning *t = layout_inner_tuning(&a->layout, k);
@@ -167,10 +168,8 @@ static void inner_line(const struct console *c, uint8_t k, struct text *line)
     if (inner == INTERACT_NONE)
         return;
     text_str(line, "inner");
-    text_char(line, ' ');
-    text_str(line, commission_measurement(c, inner)->name);
-    text_char(line, ' ');
-    text_str(line, input(c, k));
+    put_word(line, commission_measurement(c, inner)->name);
+    put_word(line, input(c, k));
     text_named_float(line, "gain", t->gain);
     text_named_float(line, "ti", t->ti_s);
     text_named_float(line, "td", t->td_s);
@@ -178,18 +177,18 @@ static void inner_line(const struct console *c, uint8_t k, struct text *line)
     text_named_str(line, "below", commission_measurement(c, a->pairs.output[k])->name);
 }
 
-static void feed_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)
+static void feed_line(const struct client *c, uint8_t from, uint8_t to, struct text *line)
 {
     struct feed f = analysis_feed(analysis(c), from, to);
     if (f.verdict == FEED_NONE)
         return;
     text_str(line, "feedforward");
-    way_of(c, &f.way, line);
+    put_way(c, &f.way, line);
     text_named_float(line, "left", f.left);
     text_named_str(line, "used", words_of_feed(f.verdict));
 }
 
-bool commission_structural_line(struct console *c, unsigned n, struct text *line)
+bool commission_structural_line(struct client *c, unsigned n, struct text *line)
 {
     const struct analysis *a = analysis(c);
     if (n < a->pairs.n) {

@@ -1,116 +1,93 @@
 /* Console commands on loops: loop, mode, sp, out, tune. */
 #include <string.h>
 
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/phrases.h"
 #include "hal/tick.h"
 
-static const char *const mode_names[] = {"manual", "auto", "cascade"};
-
-static bool find_loop(struct console *c, const char *name, uint8_t *loop)
+static bool find_loop(struct client *c, const char *name, uint8_t *loop)
 {
     struct answer a;
     enum err err = operate_find_loop(&c->session, name, loop, &a);
     if (err)
-        console_answer(c, err, &a);
+        reply_answer(c, err, &a);
     return !err;
 }
 
-bool console_number(struct console *c, const char *text, const char *what, float *x)
-{
-    enum err err = text_parse_float(text, x);
-    if (!err)
-        return true;
-    char reason[80];
-    struct text t = text_on(reason, sizeof reason);
-    text_str(&t, "is no number; ");
-    text_str(&t, what);
-    text_str(&t, " is wanted, like 78.5");
-    console_err_about(c, err, text, reason);
-    return false;
-}
-
-void command_mode(struct console *c, unsigned n, char **word)
+void command_mode(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     uint8_t loop;
     if (n == 1 && strcmp(word[0], "machine") == 0) {
-        c->machine = true;
-        console_ok(c);
+        client_set_machine(c, true);
+        reply_ok(c);
         return;
     }
     if (n == 1 && strcmp(word[0], "human") == 0) {
-        c->machine = false;
-        console_ok(c);
+        client_set_machine(c, false);
+        reply_ok(c);
         return;
     }
     if (!find_loop(c, word[0], &loop))
         return;
-    for (unsigned m = 0; n == 2 && m < 3; m++) {
+    for (unsigned m = 0; n == 2 && m < MODE_NAMES; m++) {
         if (strcmp(word[1], mode_names[m]) == 0) {
-            console_answer(c, operate_mode(&c->session, loop, (enum loop_mode)m, &a), &a);
+            reply_answer(c, operate_mode(&c->session, loop, (enum loop_mode)m, &a), &a);
             return;
         }
     }
-    console_err_about(c, ERR_PARSE, n == 2 ? word[1] : word[0],
-                      "wanted: mode LOOP manual|auto|cascade, or mode machine|human");
+    reply_usage(c, n == 2 ? word[1] : word[0], "mode");
 }
 
-void command_sp(struct console *c, unsigned n, char **word)
+void command_sp(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     uint8_t loop;
     float x;
     (void)n;
-    if (find_loop(c, word[0], &loop) && console_number(c, word[1], "a setpoint", &x))
-        console_answer(c, operate_setpoint(&c->session, loop, x, &a), &a);
+    if (find_loop(c, word[0], &loop) && reply_number(c, word[1], "a setpoint", &x))
+        reply_answer(c, operate_setpoint(&c->session, loop, x, &a), &a);
 }
 
-void command_out(struct console *c, unsigned n, char **word)
+void command_out(struct client *c, unsigned n, char **word)
 {
     const struct config *config = operate_settings(&c->session);
     struct answer a;
     uint8_t loop, output;
     float x;
     (void)n;
-    if (!console_number(c, word[1], "an output", &x))
+    if (!reply_number(c, word[1], "an output", &x))
         return;
     output = config_find_mv(config, word[0]);
     loop = output == PLAN_NONE ? config_find_loop(config, word[0]) : PLAN_NONE;
     enum err err = operate_output(&c->session, loop, output, x, &a);
     if (err == ERR_UNKNOWN && !a.subject)
         a.subject = word[0];
-    console_answer(c, err, &a);
+    reply_answer(c, err, &a);
 }
 
-static void eu(struct text *line, float x, const char *unit)
-{
-    text_float(line, x);
-    text_char(line, ' ');
-    text_str(line, unit);
-}
-
-static void loop_summary(const struct console *c, uint8_t i, struct text *line)
+static void loop_summary(const struct client *c, uint8_t i, struct text *line)
 {
     const struct plan *plan = service_in_force(c->service);
     struct loop_reading r;
     if (!operate_loop(&c->session, i, &r))
         return;
     text_str(line, plan->config.loop[i].name);
-    text_char(line, ' ');
-    text_str(line, mode_names[r.mode]);
+    put_word(line, mode_names[r.mode]);
     text_str(line, "  pv ");
     text_str(line, r.pv->name);
     text_str(line, " = ");
-    eu(line, r.value, r.pv->unit);
+    reply_amount(c, line, r.value, r.pv->unit);
     text_str(line, "  sp ");
-    eu(line, r.setpoint, r.pv->unit);
+    reply_amount(c, line, r.setpoint, r.pv->unit);
     text_str(line, "  out ");
     text_str(line, r.mv ? r.mv->name : plan->config.loop[r.inner].name);
     text_str(line, " = ");
-    eu(line, r.output, r.mv ? r.mv->unit : plan->config.measurement[plan->loop[r.inner].pv].unit);
+    reply_amount(c, line, r.output,
+                 r.mv ? r.mv->unit : plan->config.measurement[plan->loop[r.inner].pv].unit);
 }
 
-static bool loop_line(struct console *c, unsigned n, struct text *line)
+static bool loop_line(struct client *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct plan *plan = service_in_force(s);
@@ -137,21 +114,21 @@ static bool loop_line(struct console *c, unsigned n, struct text *line)
     text_str(line, "  ");
     text_str(line, name);
     text_str(line, " = ");
-    text_float(line, value);
+    reply_value(c, line, value);
     return true;
 }
 
-void command_loop(struct console *c, unsigned n, char **word)
+void command_loop(struct client *c, unsigned n, char **word)
 {
     const struct plan *plan = service_in_force(c->service);
     if (n && config_find_loop(&plan->config, word[0]) == PLAN_NONE) {
-        console_err_about(c, ERR_UNKNOWN, word[0], "no such loop in force; `loop` lists them");
+        reply_err_about(c, ERR_UNKNOWN, word[0], "no such loop in force; `loop` lists them");
         return;
     }
-    console_list(c, loop_line, n ? word[0] : "");
+    reply_list(c, loop_line, n ? word[0] : "");
 }
 
-static void print_setting(struct console *c, uint8_t loop, const char *field, const char *word,
+static void print_setting(struct client *c, uint8_t loop, const char *field, const char *word,
                           float value)
 {
     char line[CONSOLE_OUTPUT_MAX];
@@ -165,10 +142,10 @@ static void print_setting(struct console *c, uint8_t loop, const char *field, co
         text_str(&t, word);
     else
         text_float(&t, value);
-    console_print(c, line);
+    reply_print(c, line);
 }
 
-void command_tune(struct console *c, unsigned n, char **word)
+void command_tune(struct client *c, unsigned n, char **word)
 {
     static const char *const rules[TUNING_RULES] = {"simc", "cohen-coon", "cohen-coon-pid"};
     struct answer a;
@@ -177,20 +154,19 @@ void command_tune(struct console *c, unsigned n, char **word)
     uint8_t loop;
     float lambda_s = 0.0f;
     unsigned rule = 0;
-    if (!find_loop(c, word[0], &loop) ||
-        !console_number(c, word[2], "a process gain", &model.gain) ||
-        !console_number(c, word[3], "a dead time in s", &model.dead_time_s) ||
-        !console_number(c, word[4], "a time constant in s", &model.time_constant_s) ||
-        (n == 6 && !console_number(c, word[5], "lambda in s", &lambda_s)))
+    if (!find_loop(c, word[0], &loop) || !reply_number(c, word[2], "a process gain", &model.gain) ||
+        !reply_number(c, word[3], "a dead time in s", &model.dead_time_s) ||
+        !reply_number(c, word[4], "a time constant in s", &model.time_constant_s) ||
+        (n == 6 && !reply_number(c, word[5], "lambda in s", &lambda_s)))
         return;
     while (rule < TUNING_RULES && strcmp(word[1], rules[rule]) != 0)
         rule++;
     if (n == 6 && rule != TUNE_SIMC) {
-        console_err_about(c, ERR_PARSE, word[5], "LAMBDA goes with the rule simc only");
+        reply_err_about(c, ERR_PARSE, word[5], "LAMBDA goes with the rule simc only");
         return;
     }
     if (rule == TUNING_RULES) {
-        console_err_about(c, ERR_PARSE, word[1], "rule must be simc, cohen-coon or cohen-coon-pid");
+        reply_err_about(c, ERR_PARSE, word[1], "rule must be simc, cohen-coon or cohen-coon-pid");
         return;
     }
     enum err err = operate_tune(&c->session, loop, (enum tuning_rule)rule, &model,
@@ -202,5 +178,5 @@ void command_tune(struct console *c, unsigned n, char **word)
         print_setting(c, loop, "action", result.action == TUNING_DIRECT ? "direct" : "reverse",
                       0.0f);
     }
-    console_answer(c, err, &a);
+    reply_answer(c, err, &a);
 }

@@ -1,13 +1,14 @@
-/* The console command on what blocks propose: proposal. */
+/* Console command `proposal`: settings that blocks propose. */
 #include <string.h>
 
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/phrases.h"
+#include "console/refusal_words.h"
 
-static void who(const struct console *c, uint8_t block, const char *what, struct text *line)
+static void proposer(const struct client *c, uint8_t block, const char *what, struct text *line)
 {
-    text_str(line, "block");
-    text_u32(line, block + 1u);
-    const char *kind = console_settings(c)->block[block].kind;
+    put_block(line, block);
+    const char *kind = client_settings(c)->block[block].kind;
     if (kind[0]) { /* it may be gone since */
         text_char(line, ' ');
         text_str(line, kind);
@@ -21,7 +22,7 @@ static void other_value(const char *what, float value, struct text *line)
     text_float(line, value);
 }
 
-static void value_now(const struct parameter *p, const struct config *config, struct text *line)
+static void present_value(const struct parameter *p, const struct config *config, struct text *line)
 {
     float value;
     text_str(line, "  ");
@@ -36,56 +37,50 @@ static void value_now(const struct parameter *p, const struct config *config, st
     other_value(" = ", parameter_get_number(p, config, &value) == ERR_OK ? value : 0.0f, line);
 }
 
-/* Line n of the one that waits. */
-static void waiting_line(const struct console *c, const struct proposal_reading *r, unsigned n,
+/* Line n of the proposal that waits. */
+static void waiting_line(const struct client *c, const struct proposal_reading *r, unsigned n,
                          struct text *line)
 {
     struct parameter p;
     float value;
     if (n == 0) {
-        who(c, r->block,
-            r->at_once ? " proposes, in force as soon as settings may be changed"
-            : r->state == PROPOSAL_OFFERED ? " proposes, to be accepted or rejected"
-                                           : " proposes, not checked yet",
-            line);
+        proposer(c, r->block,
+                 r->at_once ? " proposes, in force as soon as settings may be changed"
+                 : r->state == PROPOSAL_OFFERED ? " proposes, to be accepted or rejected"
+                                                : " proposes, not checked yet",
+                 line);
     } else if (operate_proposed(&c->session, n - 1u, &p, &value)) {
-        value_now(&p, operate_settings(&c->session), line);
+        present_value(&p, operate_settings(&c->session), line);
         other_value(", proposed ", value, line);
     }
 }
 
-static void back_line(const struct console *c, const struct way_back *back, unsigned n,
+static void back_line(const struct client *c, const struct way_back *back, unsigned n,
                       struct text *line)
 {
     struct parameter p;
     const struct config *config = operate_settings(&c->session);
     if (n == 0) {
-        who(c, back->block, " proposed what is in force, `proposal back` undoes it", line);
+        proposer(c, back->block, " proposed what is in force, `proposal back` undoes it", line);
     } else if (operate_find_proposed(config, back->value[n - 1u].id, &p) == ERR_OK) {
-        value_now(&p, config, line);
+        present_value(&p, config, line);
         other_value(", before ", back->value[n - 1u].value, line);
     }
 }
 
-static void refused_line(const struct console *c, const struct refused_proposal *r,
+static void refused_line(const struct client *c, const struct refused_proposal *r,
                          struct text *line)
 {
-    who(c, r->block, " refused: ", line);
+    proposer(c, r->block, " refused: ", line);
     service_fault_name(&r->fault, line);
     text_char(line, ' ');
-    if (r->fault.subject[0]) {
-        text_char(line, '\'');
-        text_str(line, r->fault.subject);
-        text_str(line, "' ");
-    }
-    text_str(line, r->fault.must_be ? "must be " : "");
-    text_str(line, r->fault.wanted);
+    config_fault_words(&r->fault, line);
     if (r->fault.code == ERR_RANGE && !r->fault.subject[0])
         other_value(", ", r->value, line);
 }
 
-/* Line n of those that are switched off, and not settings yet. *lines: how many there are. */
-static bool switched_off_line(const struct console *c, unsigned n, unsigned *lines,
+/* Line n of the elements that are switched off while the settings do not say so yet. *lines: how many there are. */
+static bool switched_off_line(const struct client *c, unsigned n, unsigned *lines,
                               struct text *line)
 {
     struct parameter p;
@@ -95,15 +90,15 @@ static bool switched_off_line(const struct console *c, unsigned n, unsigned *lin
          (*lines)++) {
         if (*lines != n)
             continue;
-        who(c, block, " has switched off", line);
-        value_now(&p, operate_settings(&c->session), line);
+        proposer(c, block, " has switched off", line);
+        present_value(&p, operate_settings(&c->session), line);
         other_value(", to be ", value, line);
         return true;
     }
     return false;
 }
 
-static bool proposal_line(struct console *c, unsigned n, struct text *line)
+static bool proposal_line(struct client *c, unsigned n, struct text *line)
 {
     struct proposal_reading r;
     unsigned off;
@@ -133,12 +128,12 @@ static bool proposal_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-void command_proposal(struct console *c, unsigned n, char **word)
+void command_proposal(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     enum err err;
     if (n == 0) {
-        console_list(c, proposal_line, "");
+        reply_list(c, proposal_line, "");
         return;
     }
     if (strcmp(word[0], "accept") == 0) {
@@ -148,9 +143,8 @@ void command_proposal(struct console *c, unsigned n, char **word)
     } else if (strcmp(word[0], "back") == 0) {
         err = operate_proposal_back(&c->session, &a);
     } else {
-        console_err_about(c, ERR_PARSE, word[0],
-                          "wanted: proposal, or proposal accept|reject|back");
+        reply_usage(c, word[0], "proposal");
         return;
     }
-    console_answer(c, err, &a);
+    reply_answer(c, err, &a);
 }

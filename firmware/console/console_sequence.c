@@ -1,10 +1,10 @@
 /* Console command on sequences: seq. */
 #include <string.h>
 
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/phrases.h"
+#include "console/sequence_words.h"
 #include "exchange/sequence_rows.h"
-
-#if CONFIG_STEPS
 
 static void seconds(struct text *line, uint32_t ms)
 {
@@ -12,42 +12,17 @@ static void seconds(struct text *line, uint32_t ms)
     text_str(line, " s");
 }
 
+/* " 85 degC" */
 static void amount(struct text *line, float x, const char *unit)
 {
     text_char(line, ' ');
-    text_float(line, x);
-    text_char(line, ' ');
-    text_str(line, unit);
-}
-
-static void step_number(struct text *line, unsigned k)
-{
-    text_str(line, "step ");
-    text_u32(line, k + 1u);
-}
-
-void sequence_headline(const struct service *s, struct text *line)
-{
-    const struct sequence *q = &s->supervisor->sequence;
-    if (q->state == SEQUENCE_IDLE)
-        return;
-    text_str(line, sequence_kind_text(q->kind));
-    text_char(line, ' ');
-    text_str(line, sequence_state_text(q->state));
-    text_str(line, " at ");
-    step_number(line, q->step);
-    if (q->state != SEQUENCE_HELD && q->state != SEQUENCE_ABORTED)
-        return;
-    text_str(line, ": ");
-    text_str(line, sequence_reason_text(q->reason));
-    text_str(line, q->about[0] ? ", " : "");
-    text_str(line, q->about);
+    put_amount(line, x, unit);
 }
 
 /* "TB above 85 degC for 60 s" */
 static void condition_text(const struct plan *plan, unsigned k, struct text *line)
 {
-    static const char *const how[] = {"at once", "above", "below", "steady within"};
+    static const char *const comparisons[] = {"at once", "above", "below", "steady within"};
     const struct step_config *c = &plan->config.step[k];
     if (c->until == STEP_TIME) {
         seconds(line, c->wait_s * UINT32_C(1000));
@@ -55,12 +30,11 @@ static void condition_text(const struct plan *plan, unsigned k, struct text *lin
         return;
     }
     if (c->until == STEP_CONFIRM) {
-        text_str(line, "somebody confirms");
+        text_str(line, "the operator confirms");
         return;
     }
     text_str(line, c->measurement);
-    text_char(line, ' ');
-    text_str(line, how[c->until]);
+    put_word(line, comparisons[c->until]);
     amount(line, c->limit, plan->config.measurement[plan->step[k].measurement].unit);
     if (c->wait_s && c->action != STEP_GUARD) {
         text_str(line, " for ");
@@ -84,7 +58,7 @@ static void action_text(const struct plan *plan, unsigned k, struct text *line)
         amount(line, c->value, plan->config.measurement[plan->loop[what].pv].unit);
 }
 
-/* A row in words. */
+/* Describes a row in words. */
 static void row_text(const struct plan *plan, unsigned k, struct text *line)
 {
     static const char *const otherwise[] = {"abort", "go on", "hold"};
@@ -121,7 +95,7 @@ static void reading_text(const struct service *s, unsigned k, struct text *line)
     amount(line, value, plan->config.measurement[i].unit);
 }
 
-/* How far the step is. */
+/* Describes the progress of the step. */
 static void progress_text(const struct service *s, struct text *line)
 {
     const struct plan *plan = service_in_force(s);
@@ -161,12 +135,12 @@ static void guard_text(const struct service *s, unsigned k, struct text *line)
     text_str(line, "; ");
     reading_text(s, k, line);
     if (q->violated_ms[k]) {
-        text_str(line, ", broken for ");
+        text_str(line, ", violated for ");
         seconds(line, q->violated_ms[k]);
     }
 }
 
-static bool seq_line(struct console *c, unsigned n, struct text *line)
+static bool seq_line(struct client *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct sequence *q = &s->supervisor->sequence;
@@ -194,7 +168,7 @@ static bool seq_line(struct console *c, unsigned n, struct text *line)
 }
 
 /* All rows in words, those of one sequence behind each other. */
-static bool seq_row_line(struct console *c, unsigned n, struct text *line)
+static bool seq_row_line(struct client *c, unsigned n, struct text *line)
 {
     const struct plan *plan = service_in_force(c->service);
     if (n >= 2u * CONFIG_STEPS)
@@ -209,36 +183,24 @@ static bool seq_row_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-void command_seq(struct console *c, unsigned n, char **word)
+void command_seq(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     unsigned what = 0;
     if (n == 0) {
-        console_list(c, seq_line, "");
+        reply_list(c, seq_line, "");
         return;
     }
     if (strcmp(word[0], "list") == 0) {
-        console_list(c, seq_row_line, "");
+        reply_list(c, seq_row_line, "");
         return;
     }
     while (what < SEQUENCE_COMMANDS &&
            strcmp(word[0], operate_sequence_word((enum sequence_command)what)) != 0)
         what++;
     if (what == SEQUENCE_COMMANDS) {
-        console_err_about(c, ERR_PARSE, word[0],
-                          "wanted: start, stop, hold, go, confirm, skip, abort or list");
+        reply_usage(c, word[0], "seq");
         return;
     }
-    console_answer(c, operate_sequence(&c->session, (enum sequence_command)what, &a), &a);
+    reply_answer(c, operate_sequence(&c->session, (enum sequence_command)what, &a), &a);
 }
-
-#else
-
-void command_seq(struct console *c, unsigned n, char **word)
-{
-    (void)n;
-    (void)word;
-    console_err(c, ERR_UNSUPPORTED, "sequences are left out of this board's build");
-}
-
-#endif

@@ -1,5 +1,6 @@
 /* `stats`: what ticks cost, and the counters of link, lines, console and memory. */
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/startup_words.h"
 #include "hal/clock.h"
 #include "hal/memory_use.h"
 #include "hal/uart.h"
@@ -30,7 +31,7 @@ static uint32_t mean(const struct tick_cost *cost)
     return result;
 }
 
-static bool stats_line(struct console *c, unsigned n, struct text *line)
+static bool stats_line(struct client *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct tick_cost *cost = &s->cost;
@@ -70,9 +71,9 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         return true;
     case 5:
         text_str(line, "console");
-        text_named_u32(line, "lines", c->stats.lines);
-        text_named_u32(line, "errors", c->stats.errors);
-        text_named_u32(line, "dropped", c->stats.dropped);
+        text_named_u32(line, "lines", reply_counts(c)->lines);
+        text_named_u32(line, "errors", reply_counts(c)->errors);
+        text_named_u32(line, "dropped", reply_counts(c)->dropped);
         text_named_u32(line, "telemetry_lost", s->telemetry.lost);
         text_named_u32(line, "events_lost", s->tick_events.lost);
         text_named_u32(line, "events_unannounced", s->unannounced);
@@ -86,21 +87,16 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         text_str(line, "board");
         text_named_u32(line, "up_ms", (uint32_t)hal_clock_ms());
         return true;
-#if COMMISSION_CHANNELS
-    case 8: /* the unit is that of the ticks */
-        text_str(line, "work");
-        text_named_u32(line, "n", s->work_cost.n);
-        text_named_u32(line, "max", s->work_cost.highest);
-        return true;
-#endif
+    case 8:
+        return work_cost_line(s, line);
     default:
         return false;
     }
 }
 
-void command_stats(struct console *c, unsigned n, char **word)
+void command_stats(struct client *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
-    console_list(c, stats_line, "");
+    reply_list(c, stats_line, "");
 }

@@ -1,53 +1,45 @@
 /* Console commands on stored settings: save, load, defaults, dump. */
 #include <string.h>
 
-#include "console/console.h"
+#include "console/command_table.h"
+#include "console/parameter_words.h"
 #include "storage/storage_record.h"
 
-bool console_storage_poll(struct console *c)
-{
-    struct answer a;
-    enum err err = operate_result(&c->session, &a);
-    if (!operate_waits(&c->session))
-        console_answer(c, err, &a);
-    return true;
-}
-
-/* Begun, it is answered when it is over. */
-static void begun(struct console *c, enum err err, const struct answer *a)
+/* Answers a refusal at once; the console answers what has begun when it is over. */
+static void answer_refusal(struct client *c, enum err err, const struct answer *a)
 {
     if (err)
-        console_answer(c, err, a);
+        reply_answer(c, err, a);
 }
 
-void command_save(struct console *c, unsigned n, char **word)
+void command_save(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     bool replace = n && strcmp(word[0], "replace") == 0;
     enum err err = operate_admit(&c->session, "save", &a);
     if (!err && n && !replace)
-        console_err_about(c, ERR_PARSE, word[0], "only `save` or `save replace`");
+        reply_usage(c, word[0], "save");
     else
-        begun(c, err ? err : operate_save(&c->session, replace, &a), &a);
+        answer_refusal(c, err ? err : operate_save(&c->session, replace, &a), &a);
 }
 
-void command_load(struct console *c, unsigned n, char **word)
+void command_load(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     (void)n;
     (void)word;
-    begun(c, operate_load(&c->session, &a), &a);
+    answer_refusal(c, operate_load(&c->session, &a), &a);
 }
 
-void command_defaults(struct console *c, unsigned n, char **word)
+void command_defaults(struct client *c, unsigned n, char **word)
 {
     struct answer a;
     (void)n;
     (void)word;
-    console_answer(c, operate_defaults(&c->session, &a), &a);
+    reply_answer(c, operate_defaults(&c->session, &a), &a);
 }
 
-static bool dump_line(struct console *c, unsigned n, struct text *line)
+static bool dump_line(struct client *c, unsigned n, struct text *line)
 {
     const struct config *config = operate_view(&c->session);
     struct parameter p;
@@ -59,7 +51,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
     if (parameter_of(config, n, &p)) {
         if (!record_wanted(&p, config))
             return true;
-        console_set_line(&p, config, line);
+        parameter_set_line(&p, config, line);
         return true;
     }
     if (!parameter_of(config, n - 1, &p))
@@ -68,9 +60,9 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-void command_dump(struct console *c, unsigned n, char **word)
+void command_dump(struct client *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
-    console_list(c, dump_line, "");
+    reply_list(c, dump_line, "");
 }

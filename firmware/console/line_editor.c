@@ -44,11 +44,11 @@ static void put_line(const struct line_editor *e, unsigned from, unsigned to)
     put_times(e, '*', to - shown);
 }
 
-/* What stands behind the cursor, and the cursor back to its place; `blanks` wipe what was there before. */
+/* Writes the line behind the cursor and puts the cursor back; `blanks` wipe characters that were there before. */
 static void put_tail(const struct line_editor *e, unsigned blanks)
 {
-    unsigned tail = (unsigned)e->n - e->at;
-    put_line(e, e->at, e->n);
+    unsigned tail = (unsigned)e->n - e->cursor;
+    put_line(e, e->cursor, e->n);
     put_times(e, ' ', blanks);
     put_times(e, '\b', tail + blanks);
 }
@@ -56,7 +56,7 @@ static void put_tail(const struct line_editor *e, unsigned blanks)
 void line_editor_show(const struct line_editor *e)
 {
     put_line(e, 0, e->n);
-    put_times(e, '\b', (unsigned)e->n - e->at);
+    put_times(e, '\b', (unsigned)e->n - e->cursor);
 }
 
 /* ---- editing ---- */
@@ -67,23 +67,23 @@ static void insert(struct line_editor *e, char x, bool people)
         e->overlong = true;
         return;
     }
-    memmove(e->line + e->at + 1, e->line + e->at, (size_t)(e->n - e->at) + 1u);
-    e->line[e->at++] = x;
+    memmove(e->line + e->cursor + 1, e->line + e->cursor, (size_t)(e->n - e->cursor) + 1u);
+    e->line[e->cursor++] = x;
     e->n++;
     if (!people)
         return;
-    put_line(e, e->at - 1u, e->at);
-    if (e->at < e->n)
+    put_line(e, e->cursor - 1u, e->cursor);
+    if (e->cursor < e->n)
         put_tail(e, 0);
 }
 
 /* Takes out what stands before the cursor. */
 static void rub_out(struct line_editor *e, bool people)
 {
-    if (e->at == 0)
+    if (e->cursor == 0)
         return;
-    memmove(e->line + e->at - 1, e->line + e->at, (size_t)(e->n - e->at) + 1u);
-    e->at--;
+    memmove(e->line + e->cursor - 1, e->line + e->cursor, (size_t)(e->n - e->cursor) + 1u);
+    e->cursor--;
     e->n--;
     if (!people)
         return;
@@ -93,21 +93,21 @@ static void rub_out(struct line_editor *e, bool people)
 
 static void move_cursor(struct line_editor *e, unsigned to)
 {
-    while (e->at > to) {
-        e->at--;
+    while (e->cursor > to) {
+        e->cursor--;
         put(e, "\b", 1);
     }
     to = to < e->n ? to : e->n;
-    if (e->at < to) {
-        put_line(e, e->at, to);
-        e->at = (uint8_t)to;
+    if (e->cursor < to) {
+        put_line(e, e->cursor, to);
+        e->cursor = (uint8_t)to;
     }
 }
 
 static void delete_under(struct line_editor *e)
 {
-    if (e->at < e->n) {
-        move_cursor(e, e->at + 1u);
+    if (e->cursor < e->n) {
+        move_cursor(e, e->cursor + 1u);
         rub_out(e, true);
     }
 }
@@ -121,7 +121,7 @@ static void replace(struct line_editor *e, const char *line, bool people)
     }
     size_t n = strlen(line);
     memmove(e->line, line, n + 1);
-    e->n = e->at = (uint8_t)n;
+    e->n = e->cursor = (uint8_t)n;
     if (people)
         put_line(e, 0, e->n);
 }
@@ -218,13 +218,13 @@ static void complete_word(struct line_editor *e)
 {
     char line[LINE_EDITOR_MAX + 1], best[32], buffer[32];
     struct text word = text_on(buffer, sizeof buffer);
-    unsigned found = 0, agree = 0, begin = e->at;
-    memcpy(line, e->line, e->at);
-    line[e->at] = '\0';
+    unsigned found = 0, agree = 0, begin = e->cursor;
+    memcpy(line, e->line, e->cursor);
+    line[e->cursor] = '\0';
     while (begin && line[begin - 1] != ' ')
         begin--;
     const char *begun = line + begin;
-    unsigned length = e->at - begin;
+    unsigned length = e->cursor - begin;
     for (unsigned n = 0; choice(e, line, n, &word); n++) {
         if (word.n == 0 || strncmp(buffer, begun, length) != 0)
             continue;
@@ -245,7 +245,7 @@ static void complete_word(struct line_editor *e)
     for (unsigned i = length; i < agree && e->n < LINE_EDITOR_MAX; i++)
         insert(e, best[i], true);
     /* A choice that ends with a dot is only half of a name. */
-    if (found == 1 && best[agree - 1] != '.' && e->at == e->n && e->n < LINE_EDITOR_MAX)
+    if (found == 1 && best[agree - 1] != '.' && e->cursor == e->n && e->n < LINE_EDITOR_MAX)
         insert(e, ' ', true);
 }
 
@@ -261,10 +261,10 @@ static void final_of_sequence(struct line_editor *e, char x)
         go_forth(e);
         break;
     case 'C':
-        move_cursor(e, e->at + 1u);
+        move_cursor(e, e->cursor + 1u);
         break;
     case 'D':
-        move_cursor(e, e->at ? e->at - 1u : 0);
+        move_cursor(e, e->cursor ? e->cursor - 1u : 0);
         break;
     case 'H':
     case '1':
@@ -360,7 +360,7 @@ bool line_editor_take(struct line_editor *e, char x, bool people)
 
 void line_editor_next(struct line_editor *e)
 {
-    e->n = e->at = 0;
+    e->n = e->cursor = 0;
     e->line[0] = '\0';
     e->overlong = e->garbled = false;
     e->back = 0;

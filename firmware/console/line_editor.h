@@ -34,7 +34,7 @@ struct line_editor {
     const struct line_editor_port *port;
     void *context;                  /* handed to the port */
     char line[LINE_EDITOR_MAX + 1]; /* always terminated */
-    uint8_t n, at;                  /* characters, cursor */
+    uint8_t n, cursor;              /* characters; place in them */
     bool overlong, garbled;         /* the line under way is to be refused */
     char last;                      /* last character, to take CR LF as one end */
     uint8_t escape;                 /* how far into an escape sequence */

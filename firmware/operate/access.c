@@ -1,5 +1,5 @@
-/* The two levels: operators look at everything and operate; engineers change it. And what the rest of the door needs: a refusal
- * in words, an action in the history. */
+/* The two levels: operators see everything and operate; engineers also change settings. Also what the rest of the door needs: a
+ * refusal in words, an action in the history. */
 #include <string.h>
 
 #include "hal/clock.h"
@@ -110,10 +110,10 @@ void session_poll(struct session *session)
         service_record(session->door->service, EVENT_DO_LOCK, "time", 0.0f, EVENT_ENGINEER);
 }
 
-static enum err refuse_key(struct answer *answer, enum err err, const char *words, uint32_t wait_ms)
+static enum err refuse_key(struct answer *answer, enum err err, uint32_t wait_ms)
 {
     answer->subject = NULL;
-    answer->words = words;
+    answer->words = NULL;
     answer->more = ANSWER_WAIT;
     answer->wait_ms = wait_ms;
     return err;
@@ -125,13 +125,12 @@ enum err operate_unlock(struct session *session, const char *key, struct answer 
     uint32_t passed_ms = board_ms() - door->wrong_ms;
     const char *right = operate_settings(session)->console_key;
     if (passed_ms < door->wrong_wait_ms)
-        return refuse_key(answer, ERR_BUSY, "after a wrong key none is looked at",
-                          door->wrong_wait_ms - passed_ms);
+        return refuse_key(answer, ERR_BUSY, door->wrong_wait_ms - passed_ms);
     if (right[0] && strcmp(key, right) != 0) {
         uint32_t wait_ms = door->wrong_wait_ms ? 2u * door->wrong_wait_ms : WRONG_KEY_MS;
         begin_wait(door, wait_ms < WRONG_KEY_MOST_MS ? wait_ms : WRONG_KEY_MOST_MS);
         service_record_one_more(door->service, EVENT_WRONG_KEY, EVENT_DO_UNLOCK);
-        return refuse_key(answer, ERR_LOCKED, "that is not the key", door->wrong_wait_ms);
+        return refuse_key(answer, ERR_LOCKED, door->wrong_wait_ms);
     }
     begin_wait(door, 0);
     engineer_acts(session);

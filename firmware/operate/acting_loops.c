@@ -1,10 +1,10 @@
-/* What a loop that acts must not have changed under it. */
+/* Settings that must not change while a loop acts. */
 #include <string.h>
 
 #include "exchange/calibration.h"
 #include "operate/operate_internal.h"
 
-/* Whether a channel that stands in both configurations keeps its unit, its span and its calibration. */
+/* A channel that stands in both configurations keeps its unit, its span and its calibration. */
 static bool keeps_pv(const struct config *a, const struct config *b, const char *name)
 {
     uint8_t i = config_find_measurement(a, name), k = config_find_measurement(b, name);
@@ -24,7 +24,7 @@ static bool keeps_mv(const struct config *a, const struct config *b, const char 
     return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
 }
 
-/* Another name for the PV, or for what is driven. One that is there nowhere is the plan's to refuse, with better words. */
+/* The PV, or what the loop drives, has another name. A name that nothing has is left to the plan, which refuses it in better words. */
 static bool another_pv(const struct config *new, const char *before, const char *name)
 {
     return strcmp(before, name) != 0 && config_find_measurement(new, name) != PLAN_NONE;
@@ -36,7 +36,7 @@ static bool another_out(const struct config *new, const char *before, const char
            (config_find_mv(new, name) != PLAN_NONE || config_find_loop(new, name) != PLAN_NONE);
 }
 
-/* What of loop i another configuration changes that an acting loop must not have changed under it; NULL: nothing. */
+/* Returns the field of loop i that another configuration changes although it must not change while the loop acts; NULL: none. */
 static const char *field_turned(const struct config *old, const struct config *new, uint8_t i)
 {
     const struct loop_config *a = &old->loop[i], *b = &new->loop[i];

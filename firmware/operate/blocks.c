@@ -1,8 +1,10 @@
-/* Blocks with a record: switched off and on, and told what their kinds have verbs for. */
+/* Blocks (blockN): switched off and on, and asked for the verbs of their kinds. */
 #include <string.h>
 
+#include "exchange/tables.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
+#include "settings/block_pool.h"
 
 #define NO_SUCH_BLOCK "no such block; `block` lists them"
 
@@ -72,9 +74,9 @@ enum err operate_find_block(const struct session *session, const char *name, uin
     return *block == PLAN_NONE ? operate_refuse(answer, ERR_UNKNOWN, name, NO_SUCH_BLOCK) : ERR_OK;
 }
 
-/* The kind of a block of the settings that everything asked now will meet; NULL: refused. */
-static const struct block_kind *kind_told(const struct session *session, uint8_t block,
-                                          enum err *err, struct answer *answer)
+/* Returns the kind of a block in the settings that apply to a request made now; NULL: refused. */
+static const struct block_kind *kind_asked(const struct session *session, uint8_t block,
+                                           enum err *err, struct answer *answer)
 {
     const struct plan *plan = service_plan(session->door->service);
     uint8_t place = is_block(&plan->config, block) ? plan->block[slot_of(block)].kind : PLAN_NONE;
@@ -100,12 +102,12 @@ enum err operate_block_switch(struct session *session, uint8_t block, bool on,
                               struct answer *answer)
 {
     enum err err;
-    const struct block_kind *kind = kind_told(session, block, &err, answer);
+    const struct block_kind *kind = kind_asked(session, block, &err, answer);
     if (!kind)
         return err;
     if (kind->stage == STAGE_ESTIMATE)
         return operate_refuse(answer, ERR_STATE, kind->name,
-                              "is an estimator: nothing could write its points in its place");
+                              "is an estimator: no other block can write its points");
     struct request r = {
         .kind = REQUEST_BLOCK, .loop = PLAN_NONE, .output = block, .mode = (uint8_t)on};
     err = operate_request(session, &r, answer);
@@ -118,7 +120,7 @@ enum err operate_find_verb(const struct session *session, uint8_t block, const c
                            uint8_t *verb, struct answer *answer)
 {
     enum err err;
-    const struct block_kind *kind = kind_told(session, block, &err, answer);
+    const struct block_kind *kind = kind_asked(session, block, &err, answer);
     if (!kind)
         return err;
     for (*verb = 0; *verb < kind->verbs; (*verb)++)
@@ -130,13 +132,13 @@ enum err operate_find_verb(const struct session *session, uint8_t block, const c
     return ERR_UNKNOWN;
 }
 
-/* Its number is as the verb wants it. */
+/* The verb takes that number, or none. */
 static enum err check_verb_number(const struct block_verb *verb, const float *number,
                                   struct answer *answer)
 {
     if (!number)
         return verb->number && !verb->may_lack_number
-                   ? operate_refuse(answer, ERR_PARSE, verb->name, "needs a number behind it")
+                   ? operate_refuse(answer, ERR_PARSE, verb->name, "needs a number")
                    : ERR_OK;
     if (!verb->number)
         return operate_refuse(answer, ERR_PARSE, verb->name, "takes no number");
@@ -152,7 +154,7 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
     struct service *s = session->door->service;
     enum err err;
     service_flush(s); /* the block is off, or on, in what is in force */
-    const struct block_kind *kind = kind_told(session, block, &err, answer);
+    const struct block_kind *kind = kind_asked(session, block, &err, answer);
     if (!kind)
         return err;
     if (verb >= kind->verbs) {
@@ -179,4 +181,17 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
     if (!err)
         record_block(session, block, v->name, r.value);
     return err;
+}
+
+enum err operate_block_figures(const struct parameter *p, struct config *staged, const char *text,
+                               struct answer *answer)
+{
+    answer->value.needed = 0;
+    return p->own ? ERR_FULL
+                  : record_make(staged, p->index, text, &answer->value.needed, &answer->value.free);
+}
+
+void operate_watch_tables(const struct service *s)
+{
+    tables_watch(TABLES_TO_GO_BACK_TO, operate_settings_before_trial(s));
 }

@@ -160,11 +160,11 @@ bool operate_loop(const struct session *session, uint8_t loop, struct loop_readi
 {
     const struct service *s = session->door->service;
     hal_tick_lock();
-    bool there = is_loop(service_in_force(s), loop);
-    if (there)
+    bool exists = is_loop(service_in_force(s), loop);
+    if (exists)
         read_loop(s, loop, reading);
     hal_tick_unlock();
-    return there;
+    return exists;
 }
 
 enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_rule rule,

@@ -4,7 +4,7 @@
  *
  * Rules
  *  1. Main loop only. Each client has a session; nothing here knows what kind of client it is.
- *  2. A function answers with a code. ERR_OK: done, or queued for the next tick; an event then says what became of it. Else
+ *  2. A function answers with a code. ERR_OK: done, or queued for the next tick, and an event then reports the result. Else
  *     nothing has changed, and *answer says what it is about and why.
  *  3. Loops and manipulated variables are given by their places in operate_settings(); PLAN_NONE and what is not
  *     configured are ERR_UNKNOWN.
@@ -22,7 +22,8 @@
 
 struct session;
 
-#if CONFIG_BLOCKS
+#define NO_PLANT "no plant is connected"
+
 /* Settings as they were before a proposal of a block came into force. */
 struct way_back {
     uint8_t n, block; /* values; 0: there is none */
@@ -30,26 +31,33 @@ struct way_back {
     struct proposed_value value[PROPOSAL_MAX];
 };
 
-/* The last that was refused: the parameter, or the block, and what would be right. */
+/* The last proposal that was refused: the parameter, or the block, and what would be right. */
 struct refused_proposal {
-    bool there;
+    bool known;
     uint8_t block;
     float value; /* that was proposed */
     struct config_fault fault;
+};
+
+/* The door's memory of proposals of blocks. On a board without blocks it is empty. */
+#if CONFIG_BLOCKS
+struct operate_proposals {
+    /* Checksum of the loops, blocks and spans that a waiting proposal was made for, and the plan that was last found to have it. */
+    uint32_t shape, shape_serial;
+    struct way_back back;
+    struct refused_proposal refused;
+};
+#else
+struct operate_proposals {
 };
 #endif
 
 struct operate {
     struct service *service;
     const struct session *editor; /* who opened the transaction; meaningless while none is open */
-    /* Last wrong key, board time, low bits, and for how long none is looked at; 0: none. Whoever tries. */
+    /* Last wrong key, board time, low bits, and for how long no other key is tried; 0: none. Whoever tries. */
     uint32_t wrong_ms, wrong_wait_ms;
-#if CONFIG_BLOCKS
-    /* Checksum of what a proposal that waits goes by, and the plan that was last found to have it. */
-    uint32_t shape, shape_serial;
-    struct way_back back;
-    struct refused_proposal refused;
-#endif
+    struct operate_proposals proposals;
 };
 
 /* A client. */
@@ -68,19 +76,19 @@ enum operate_wait {
     WAITS_TO_LOAD
 };
 
-/* What an answer holds beside subject and words. */
+/* The part of an answer beside subject and words. */
 enum answer_more {
     ANSWER_PLAIN,
     ANSWER_RANGE,  /* range: the value was refused, the allowed ones lie from lo to hi; no words */
     ANSWER_CONFIG, /* config: the settings do not fit together; no words, no subject */
     ANSWER_VALUE,  /* value: no value for that parameter; no words, no subject */
     ANSWER_PLACES, /* value: larger boards have that parameter's place; no words */
-    ANSWER_WAIT,   /* wait_ms: until the next try is looked at */
+    ANSWER_WAIT,   /* wait_ms: until the next key may be tried; no words */
     ANSWER_TAKEN,  /* workspace: somebody else has it, and says what frees it; no words */
     ANSWER_VERBS   /* kind: no such verb, its own are those; no words */
 };
 
-/* What is pointed to stays until something else is asked. */
+/* The texts it points to stay until the next call. */
 struct answer {
     const char *subject; /* NULL: none */
     const char *words;   /* NULL: err_text() of the code says all there is to say */
@@ -93,10 +101,8 @@ struct answer {
         struct config_fault config;
         struct {
             struct parameter parameter;
-            const char *text; /* NULL: it was given as a number */
-#if CONFIG_BLOCKS
+            const char *text;      /* NULL: it was given as a number */
             uint32_t needed, free; /* bytes for the settings of a kind, ERR_FULL */
-#endif
         } value;
         uint32_t wait_ms;
         const struct workspace *workspace;
@@ -107,21 +113,15 @@ struct answer {
 void operate_init(struct operate *door, struct service *service);
 void session_init(struct session *session, struct operate *door);
 
-#if COMMISSION_CHANNELS
-/* Once a turn of the main loop: puts the old settings back where a trial has failed. Returns whether there was anything to do. */
-bool operate_poll(struct operate *door);
-#else
-#define operate_poll(door) ((void)(door), false)
-#endif
 /* Once a turn, by each client: closes the engineer level when nobody has used it for long enough. */
 void session_poll(struct session *session);
 
-/* Settings in force: names by index of what is there now are of this. */
+/* Settings in force: names by index are of these. */
 static inline const struct config *operate_in_force(const struct session *session)
 {
     return &service_in_force(session->door->service)->config;
 }
-/* Settings that everything asked now will meet. */
+/* Settings that apply to a request made now. */
 static inline const struct config *operate_settings(const struct session *session)
 {
     return &service_plan(session->door->service)->config;
@@ -130,15 +130,15 @@ static inline const struct config *operate_settings(const struct session *sessio
 /* ---- access: access.c ---- */
 
 bool operate_is_engineer(const struct session *session);
-/* What every act of the engineer level begins with; `act` is what the answer is about. ERR_LOCKED. */
+/* Begins every act of the engineer level; the answer is about `act`. ERR_LOCKED. */
 MUST_CHECK enum err operate_admit(struct session *session, const char *act, struct answer *answer);
-/* Of an engineer where there is a key: full seconds until the level closes by itself; false: it does not. */
+/* *left_s: full seconds until the engineer level closes by itself, where there is a key. False: it does not. */
 bool operate_closes_in_s(const struct session *session, uint32_t *left_s);
 static inline bool operate_has_key(const struct session *session)
 {
     return operate_settings(session)->console_key[0] != '\0';
 }
-/* ERR_LOCKED: not the key. ERR_BUSY: so soon after a wrong one none is looked at, from whichever client. */
+/* ERR_LOCKED: not the key. ERR_BUSY: too soon after a wrong key, whichever client tried it. */
 MUST_CHECK enum err operate_unlock(struct session *session, const char *key, struct answer *answer);
 /* ERR_STATE: there is no key. */
 MUST_CHECK enum err operate_lock(struct session *session, struct answer *answer);
@@ -159,7 +159,7 @@ struct loop_reading {
     enum quality quality; /* of `value` */
 };
 
-/* In force now. False: there is no such loop. */
+/* In force. False: there is no such loop. */
 bool operate_loop(const struct session *session, uint8_t loop, struct loop_reading *reading);
 MUST_CHECK enum err operate_find_loop(const struct session *session, const char *name,
                                       uint8_t *loop, struct answer *answer);
@@ -180,7 +180,6 @@ MUST_CHECK enum err operate_tune(const struct session *session, uint8_t loop, en
                                  const struct fopdt *process, float lambda_s, struct tuning *tuning,
                                  struct answer *answer);
 
-#if CONFIG_BLOCKS
 /* ---- blocks with a record (blockN): blocks.c ---- */
 
 enum block_work { BLOCK_IDLE, BLOCK_WORKS, BLOCK_WORK_LATE };
@@ -188,14 +187,14 @@ enum block_work { BLOCK_IDLE, BLOCK_WORKS, BLOCK_WORK_LATE };
 struct block_reading {
     const struct block_kind *kind; /* NULL: this build lacks it, or had no room for it */
     const char *name;              /* of the kind */
-    const char
-        *gave_up; /* why it is off: "asked", an input, or a word of the kind; NULL: it is on */
+    /* Why it is off: "asked", an input, or a word of the kind; NULL: it is on. */
+    const char *gave_up;
     enum block_work work; /* done between ticks for it */
     uint16_t raised;      /* bit k: the k-th event of its kind holds */
     bool excites;         /* the plant, with a test signal */
 };
 
-/* In force now; blocks count from 0. False: there is no such block. */
+/* In force; blocks count from 0. False: there is no such block. */
 bool operate_block(const struct session *session, uint8_t block, struct block_reading *reading);
 /* "2", "block2", or a kind that one block alone is of. ERR_UNKNOWN, ERR_CONFLICT: several are. */
 MUST_CHECK enum err operate_find_block(const struct session *session, const char *name,
@@ -213,12 +212,11 @@ MUST_CHECK enum err operate_verb(struct session *session, uint8_t block, uint8_t
 /* The i-th inner value of what runs, and its name; NULL past the last. */
 const char *operate_block_value(const struct session *session, uint8_t block, unsigned i,
                                 float *value);
-#endif
 
-#if CONFIG_BLOCKS
 /* ---- proposals of blocks (block/proposal.h): proposals.c ---- */
 
-/* Once a turn of the main loop: what a block has proposed is checked, and comes into force where that needs nobody. Returns
+#if CONFIG_BLOCKS
+/* Once a turn of the main loop: checks what a block has proposed, and puts it into force where nobody must accept it. Returns
  * whether there was anything to do. */
 bool operate_poll_proposals(struct operate *door);
 
@@ -229,8 +227,8 @@ MUST_CHECK enum err operate_find_proposed(const struct config *config, uint32_t 
 struct proposal_reading {
     enum proposal_state state; /* of the one that waits */
     uint8_t block, values;
-    bool
-        at_once; /* it needs nobody, but waits for an open transaction, a sequence, a save or start-up to be over */
+    /* Nobody must accept it, but it waits for the end of an open transaction, a sequence, a save or start-up. */
+    bool at_once;
     const struct way_back *back;            /* NULL: there is none */
     const struct refused_proposal *refused; /* NULL: the last one was not */
 };
@@ -248,13 +246,18 @@ MUST_CHECK enum err operate_proposal_accept(struct session *session, struct answ
 MUST_CHECK enum err operate_proposal_reject(struct session *session, struct answer *answer);
 /* The values there were before the last one that came into force, in one. */
 MUST_CHECK enum err operate_proposal_back(struct session *session, struct answer *answer);
+
 #else
-#define operate_poll_proposals(door) ((void)(door), false)
+static inline bool operate_poll_proposals(struct operate *door)
+{
+    (void)door;
+    return false;
+}
 #endif
 
-/* ---- settings: settings.c ---- */
+/* ---- settings: staging.c, settings.c ---- */
 
-/* The open transaction's, or those everything asked now will meet. */
+/* The open transaction's, or those that apply to a request made now. */
 const struct config *operate_view(const struct session *session);
 static inline bool operate_is_open(const struct session *session)
 {
@@ -293,28 +296,49 @@ static inline bool operate_waits(const struct session *session)
 /* Every parameter at its default, but the key; within a transaction it waits for operate_apply(). */
 MUST_CHECK enum err operate_defaults(struct session *session, struct answer *answer);
 
-/* ---- alarms and sequences: requests.c ---- */
+/* ---- alarms: alarms.c ---- */
 
 /* By the name of its entry (alarm_name()), or "alarm3"; NULL: all of them. ERR_UNKNOWN, ERR_BUSY. */
 MUST_CHECK enum err operate_acknowledge(struct session *session, const char *name,
                                         struct answer *answer);
-#define SHELVE_WANTED "seconds, 0 to 86400, are wanted; 0 takes it off the shelf"
+#define SHELVE_WANTED "expected 0 to 86400 s; 0 ends the shelving"
 /* One of them, for 0 .. 86400 s; 0 takes it off the shelf. ERR_UNKNOWN, ERR_RANGE, ERR_BUSY. */
 MUST_CHECK enum err operate_shelve(struct session *session, const char *name, float seconds,
                                    struct answer *answer);
-#if CONFIG_STEPS
+
+/* ---- sequences: sequences.c ---- */
+
 /* "start", as the history names it. */
 const char *operate_sequence_word(enum sequence_command what);
 /* ERR_STATE; ERR_LOCKED: skip is the engineer's; ERR_BUSY. */
 MUST_CHECK enum err operate_sequence(struct session *session, enum sequence_command what,
                                      struct answer *answer);
-#endif
 
-/* ---- automatic start-up: startup.c ---- */
+/* ---- automatic start-up: startup.c, on_trial.c ---- */
 
-/* What is in force is on trial, or about to be taken back. */
-bool operate_is_in_acceptance(const struct session *session);
 #if COMMISSION_CHANNELS
+/* Once a turn of the main loop: puts the old settings back where a trial has failed. Returns whether there was anything to do. */
+bool operate_poll(struct operate *door);
+/* A trial of what start-up has proposed is running or rolling back. */
+bool operate_start_up_on_trial(const struct service *s);
+bool operate_is_in_acceptance(const struct session *session);
+#else
+static inline bool operate_poll(struct operate *door)
+{
+    (void)door;
+    return false;
+}
+static inline bool operate_start_up_on_trial(const struct service *s)
+{
+    (void)s;
+    return false;
+}
+static inline bool operate_is_in_acceptance(const struct session *session)
+{
+    (void)session;
+    return false;
+}
+#endif
 /* "begin", as the history names it; NULL: nothing a client may ask for so. */
 const char *operate_startup_word(enum commission_ask what);
 /* BEGIN, PAUSE, RESUME, SKIP, REPEAT, ABORT, REJECT. Pause and abort are everybody's, the others the engineer's.
@@ -329,12 +353,12 @@ MUST_CHECK enum err operate_accept(struct session *session, struct answer *answe
 /* Engineer. Opens a transaction with the proposal in it. */
 MUST_CHECK enum err operate_edit(struct session *session, struct answer *answer);
 
-/* Engineer. Gives up what was found: the workspace is free. ERR_STATE: under way, or nothing there. */
+/* Engineer. Discards the results: the workspace is free. ERR_STATE: under way, or there are no results. */
 MUST_CHECK enum err operate_discard(struct session *session, struct answer *answer);
-/* To be told whenever a client has shown something of what was found: others may have its place in the workspace then. */
+/* A client calls it when it has shown some of the results: others may have their place in the workspace then. */
 void operate_startup_shown(const struct session *session);
 
-/* How far it is. */
+/* The progress of start-up. */
 struct startup_reading {
     enum commission_phase phase;
     bool proposal;                   /* one waits to be accepted, edited or rejected */
@@ -342,6 +366,5 @@ struct startup_reading {
     char subject[CHANNEL_NAME_SIZE]; /* what `reason` is about, or empty */
 };
 struct startup_reading operate_startup_reading(const struct session *session);
-#endif
 
 #endif

@@ -1,10 +1,10 @@
-/* What the files of operate.h share. */
+/* Functions that the files of operate.h share. */
 #ifndef REFLUX_OPERATE_OPERATE_INTERNAL_H
 #define REFLUX_OPERATE_OPERATE_INTERNAL_H
 
 #include "operate/operate.h"
 
-#define QUEUE_FULL   "more requests waiting than the queue holds, try again"
+#define QUEUE_FULL   "the request queue is full, try again"
 #define NO_SUCH_LOOP "no such loop; `loop` lists them"
 #define OPEN_ALREADY "a transaction is open already: apply or abandon it"
 
@@ -20,10 +20,89 @@ void operate_record(const struct session *session, enum event_code code, const c
 /* Queues it for the next tick. */
 MUST_CHECK enum err operate_request(struct session *session, const struct request *request,
                                     struct answer *answer);
-/* Where a client may write settings: the open transaction, which is its own, or else a copy of what everything asked
- * now will meet. NULL: somebody else needs that place; ERR_BUSY. */
+/* Returns the settings that a client may write: the open transaction, which is its own, or else a copy of those that apply to a request
+ * made now. NULL: another client needs that place; ERR_BUSY. */
 struct config *operate_stage(struct session *session, struct answer *answer);
+/* No client has a transaction open, nothing is being saved or half printed, no sequence is under way: the main loop may
+ * change settings of its own accord. */
+bool operate_settings_are_free(const struct service *s);
+/* The same, and no start-up is under way. */
+bool operate_may_change_settings(const struct operate *door);
+
+/* ---- what a board may lack ---- */
+
 #if CONFIG_BLOCKS
+/* Before settings are written without operate_stage(): keeps tables that start-up may go back to from being given to others. */
+void operate_watch_tables(const struct service *s);
+/* Tells that the open transaction, if there is one, has come into force, or is abandoned. */
+void operate_transaction_over(struct operate *door, bool applied);
+/* After ERR_FULL: how many bytes a block's settings need, and how many are free; both 0 where a table has no place. Returns ERR_FULL. */
+MUST_CHECK enum err operate_block_figures(const struct parameter *p, struct config *staged,
+                                          const char *text, struct answer *answer);
+#else
+static inline void operate_watch_tables(const struct service *s)
+{
+    (void)s;
+}
+static inline void operate_transaction_over(struct operate *door, bool applied)
+{
+    (void)applied;
+    door->service->staging = false;
+}
+MUST_CHECK static inline enum err operate_block_figures(const struct parameter *p,
+                                                        struct config *staged, const char *text,
+                                                        struct answer *answer)
+{
+    (void)p;
+    (void)staged;
+    (void)text;
+    (void)answer;
+    return ERR_FULL;
+}
+#endif
+
+#if COMMISSION_CHANNELS
+/* The settings that a failed trial goes back to; NULL: no trial is running. */
+const struct config *operate_settings_before_trial(const struct service *s);
+#else
+static inline const struct config *operate_settings_before_trial(const struct service *s)
+{
+    (void)s;
+    return NULL;
+}
+#endif
+
+#if CONFIG_STEPS
+static inline bool operate_sequence_runs(const struct service *s)
+{
+    return sequence_active(&s->supervisor->sequence);
+}
+#else
+static inline bool operate_sequence_runs(const struct service *s)
+{
+    (void)s;
+    return false;
+}
+#endif
+
+#if CONFIG_LOOP_GUARD
+/* ERR_STATE where another configuration changes of a loop that acts its action, its PV or its MV, or their units, spans or calibration. */
+MUST_CHECK enum err operate_keep_acting_loops(const struct service *s, const struct config *next,
+                                              struct config_fault *fault);
+#else
+MUST_CHECK static inline enum err operate_keep_acting_loops(const struct service *s,
+                                                            const struct config *next,
+                                                            struct config_fault *fault)
+{
+    (void)s;
+    (void)next;
+    (void)fault;
+    return ERR_OK;
+}
+#endif
+
+/* ---- proposals of blocks ---- */
+
 /* Checksum of all that the ids and values of a proposal go by: loops, elements and blocks by their places, and what fractions
  * are of. */
 uint32_t proposed_shape(const struct config *c);
@@ -40,44 +119,20 @@ MUST_CHECK enum err proposed_write_all(struct config *config, uint8_t block,
  * Errors as service_apply(). */
 MUST_CHECK enum err proposed_adopt(struct operate *door, const struct proposed_value *v,
                                    const struct way_back *back, struct config_fault *fault);
-/* What is wrong is not one of its values. */
+/* Refuses a proposal for a reason that is none of its values. */
 MUST_CHECK enum err proposed_refuse_whole(struct config_fault *fault, enum err code, uint8_t block,
                                           const char *wanted);
-/* Whoever else changes settings is done with it: no transaction, save, sequence or start-up. */
-bool operate_may_change_settings(const struct operate *door);
-/* It is known, until the next is, what was wrong with what a block has proposed. */
+/* Keeps what was wrong with a proposal of a block, until the next is refused. */
 void operate_keep_refusal(struct operate *door, uint8_t block, float value,
                           const struct config_fault *fault);
 /* Once a turn, as operate_poll_proposals(). */
 bool operate_poll_switch_offs(struct operate *door);
-/* Before settings are written without operate_stage(): tables that start-up may go back to are not given to others. */
-void operate_watch_tables(const struct service *s);
-/* The open transaction, if there is one, has come into force, or is abandoned. */
-void operate_transaction_over(struct operate *door, bool applied);
-#else
-#define operate_transaction_over(door, applied) ((door)->service->staging = false)
-#endif
-#if COMMISSION_CHANNELS || CONFIG_BLOCKS
-/* No client has a transaction open, nothing is being saved or half printed, no sequence is under way: the main loop may
- * change settings of its own accord. */
-bool operate_settings_are_free(const struct service *s);
-#endif
-#if COMMISSION_CHANNELS
-/* What start-up has proposed is on trial, or about to be taken back. */
-bool operate_start_up_on_trial(const struct service *s);
-#else
-#define operate_start_up_on_trial(s) ((void)(s), false)
-#endif
-/* ERR_STATE where another configuration changes of a loop that acts its action, its PV or its MV, or their units, spans or calibration. */
-#if CONFIG_LOOP_GUARD
-MUST_CHECK enum err operate_keep_acting_loops(const struct service *s, const struct config *next,
-                                              struct config_fault *fault);
-#else
-#define operate_keep_acting_loops(s, next, fault) ((void)(s), (void)(next), (void)(fault), ERR_OK)
-#endif
-/* What is there goes into force. */
+
+/* ---- settings into force ---- */
+
+/* Puts the staged settings into force. */
 MUST_CHECK enum err operate_activate(struct session *session, struct answer *answer);
-/* ... unless a transaction is open: then it waits for operate_apply(). */
+/* The same, unless a transaction is open: then they wait for operate_apply(). */
 MUST_CHECK enum err operate_activate_unless_open(struct session *session, struct answer *answer);
 
 #endif

@@ -29,7 +29,7 @@ static void set_state(const struct operate *door, enum proposal_state state)
 
 /* ---- what becomes of one ---- */
 
-/* Which of its values is the parameter that a plan was refused for; PROPOSAL_MAX: none. */
+/* Returns which of its values is the parameter that a plan was refused for; PROPOSAL_MAX: none. */
 static uint8_t value_refused(const struct config *config, const struct block_proposal *is,
                              const struct config_fault *fault)
 {
@@ -43,17 +43,6 @@ static uint8_t value_refused(const struct config *config, const struct block_pro
     return PROPOSAL_MAX;
 }
 
-void operate_keep_refusal(struct operate *door, uint8_t block, float value,
-                          const struct config_fault *fault)
-{
-    char name[CHANNEL_NAME_SIZE];
-    struct text t = text_on(name, sizeof name);
-    door->refused =
-        (struct refused_proposal){.fault = *fault, .block = block, .value = value, .there = true};
-    service_fault_name(fault, &t);
-    service_record(door->service, EVENT_PROPOSAL_REFUSED, name, value, (uint8_t)-fault->code);
-}
-
 /* *at: the value that it is refused for; PROPOSAL_MAX: to be found, where it is one. */
 static void refuse_proposal(struct operate *door, uint8_t at, const struct config_fault *fault)
 {
@@ -65,18 +54,12 @@ static void refuse_proposal(struct operate *door, uint8_t at, const struct confi
     set_state(door, PROPOSAL_FREE);
 }
 
-bool operate_may_change_settings(const struct operate *door)
-{
-    const struct service *s = door->service;
-    return operate_settings_are_free(s) && !s->supervisor->testing && !operate_start_up_on_trial(s);
-}
-
-/* What the tick has given is staged; ERR_BUSY: not now, try again. */
+/* Stages the proposal of the tick. ERR_BUSY: not now, try again. */
 static enum err stage_proposal(struct operate *door, struct way_back *back,
                                struct config_fault *fault)
 {
     const struct proposal_slot *slot = slot_of_tick(door);
-    uint8_t at = PROPOSAL_MAX;
+    uint8_t refused = PROPOSAL_MAX;
     enum err err;
     operate_watch_tables(door->service);
     struct config *config = service_stage(door->service);
@@ -84,13 +67,14 @@ static enum err stage_proposal(struct operate *door, struct way_back *back,
         err = proposed_refuse_whole(fault, ERR_FULL, slot->block,
                                     "has more values than there is room for");
     else
-        err = proposed_write_all(config, slot->block, slot->is.value, slot->is.n, back, &at, fault);
+        err = proposed_write_all(config, slot->block, slot->is.value, slot->is.n, back, &refused,
+                                 fault);
     if (err)
-        refuse_proposal(door, at, fault);
+        refuse_proposal(door, refused, fault);
     return err;
 }
 
-/* In force from the next tick on. Of what is in force already nothing is told, and the way back stays. */
+/* Puts it into force from the next tick on. Settings that are in force already are not reported, and the way back stays. */
 static enum err adopt(struct operate *door, struct config_fault *fault)
 {
     const struct proposal_slot *slot = slot_of_tick(door);
@@ -123,7 +107,7 @@ static void offer(struct operate *door)
                    (float)(slot->block + 1u), 0);
 }
 
-/* By its block. */
+/* Its block has withdrawn it. */
 static bool take_withdrawn(struct operate *door)
 {
     const struct proposal_slot *slot = slot_of_tick(door);
@@ -136,30 +120,31 @@ static bool take_withdrawn(struct operate *door)
     return true;
 }
 
-/* What it was made for is there no longer. */
+/* The loops, blocks or spans have changed since. */
 static bool is_stale(struct operate *door)
 {
     const struct plan *plan = service_plan(door->service);
     const struct proposal_slot *slot = slot_of_tick(door);
     struct config_fault fault;
     if (state_of(door) == PROPOSAL_GIVEN && service_in_force(door->service)->serial == slot->plan) {
-        door->shape = proposed_shape(&service_in_force(door->service)->config);
-        door->shape_serial = slot->plan;
+        door->proposals.shape = proposed_shape(&service_in_force(door->service)->config);
+        door->proposals.shape_serial = slot->plan;
         set_state(door, PROPOSAL_SEEN);
     }
-    if (state_of(door) != PROPOSAL_GIVEN && plan->serial == door->shape_serial)
+    if (state_of(door) != PROPOSAL_GIVEN && plan->serial == door->proposals.shape_serial)
         return false;
-    if (state_of(door) != PROPOSAL_GIVEN && proposed_shape(&plan->config) == door->shape) {
-        door->shape_serial = plan->serial;
+    if (state_of(door) != PROPOSAL_GIVEN &&
+        proposed_shape(&plan->config) == door->proposals.shape) {
+        door->proposals.shape_serial = plan->serial;
         return false;
     }
     (void)!proposed_refuse_whole(&fault, ERR_CONFLICT, slot->block,
-                                 "was made for other loops, blocks or spans than there are now");
+                                 "is out of date: loops, blocks or spans have changed");
     refuse_proposal(door, PROPOSAL_MAX, &fault);
     return true;
 }
 
-/* Whether there was anything to do. */
+/* Returns whether there was anything to do. */
 static bool poll_proposal(struct operate *door)
 {
     struct config_fault fault;
@@ -194,8 +179,8 @@ bool operate_proposal(const struct session *session, struct proposal_reading *r)
         r->values = slot->is.n;
         r->at_once = slot->is.manner == PROPOSAL_AT_ONCE;
     }
-    r->back = door->back.n ? &door->back : NULL;
-    r->refused = door->refused.there ? &door->refused : NULL;
+    r->back = door->proposals.back.n ? &door->proposals.back : NULL;
+    r->refused = door->proposals.refused.known ? &door->proposals.refused : NULL;
     return r->state != PROPOSAL_FREE || r->back || r->refused;
 }
 
@@ -262,7 +247,7 @@ enum err operate_proposal_back(struct session *session, struct answer *answer)
 {
     struct operate *door = session->door;
     struct service *s = door->service;
-    struct way_back *back = &door->back;
+    struct way_back *back = &door->proposals.back;
     struct config_fault fault;
     float present;
     enum err err = operate_admit(session, "proposal", answer);

@@ -1,4 +1,4 @@
-/* What blocks propose as ids and values, written into settings. */
+/* Proposals of blocks, as ids and values, written into settings. */
 #include "base/crc32.h"
 #include "operate/operate_internal.h"
 
@@ -76,12 +76,11 @@ enum err proposed_write(struct config *config, uint8_t block, const struct propo
 {
     struct parameter p;
     if (operate_find_proposed(config, v->id, &p) != ERR_OK)
-        return proposed_refuse_whole(fault, ERR_UNKNOWN, block,
-                                     "names a parameter that is not there");
+        return proposed_refuse_whole(fault, ERR_UNKNOWN, block, "names an unknown parameter");
     if (!IS_OF_BLOCKS(p.group->id))
-        return refuse_proposed(fault, ERR_UNSUPPORTED, &p, "is no setting of a block");
+        return refuse_proposed(fault, ERR_UNSUPPORTED, &p, "is not a setting of a block");
     if (parameter_get_number(&p, config, old) != ERR_OK)
-        return refuse_proposed(fault, ERR_PARSE, &p, "is no number: it cannot be proposed");
+        return refuse_proposed(fault, ERR_PARSE, &p, "is not a number: it cannot be proposed");
     enum err err = parameter_set_number(&p, config, v->value);
     return err ? refuse_proposed(fault, err, &p, "is proposed with a value that is not allowed")
                : ERR_OK;
@@ -122,9 +121,20 @@ enum err proposed_adopt(struct operate *door, const struct proposed_value *v,
     enum err err = service_apply(s, service_staged(s), fault);
     if (err)
         return err;
-    door->back = *back;
-    door->refused.there = false;
+    door->proposals.back = *back;
+    door->proposals.refused.known = false;
     service_record(s, EVENT_BLOCK_ADOPTED, service_plan(s)->config.block[back->block].kind,
                    (float)(back->block + 1u), 0);
     return ERR_OK;
+}
+
+void operate_keep_refusal(struct operate *door, uint8_t block, float value,
+                          const struct config_fault *fault)
+{
+    char name[CHANNEL_NAME_SIZE];
+    struct text t = text_on(name, sizeof name);
+    door->proposals.refused =
+        (struct refused_proposal){.fault = *fault, .block = block, .value = value, .known = true};
+    service_fault_name(fault, &t);
+    service_record(door->service, EVENT_PROPOSAL_REFUSED, name, value, (uint8_t)-fault->code);
 }

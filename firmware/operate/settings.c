@@ -1,20 +1,10 @@
 /* The transaction, and settings one by one. */
-#include "exchange/tables.h"
 #include "operate/operate_internal.h"
-#include "settings/block_pool.h"
-#include "storage/storage.h"
 
-const struct config *operate_view(const struct session *session)
-{
-    struct service *s = session->door->service;
-    return s->staging ? service_staged(s) : operate_settings(session);
-}
-
-#if CONFIG_CALIBRATION
-#define NO_PARAMETER "no such parameter; `list all` shows them"
-#else /* other builds may have it */
-#define NO_PARAMETER "no such parameter in this board's build; `list all` shows them"
-#endif
+/* A build without calibration lacks parameters that other builds have. */
+#define NO_PARAMETER                                                                               \
+    (CONFIG_CALIBRATION ? "no such parameter; `list all` shows them"                               \
+                        : "no such parameter in this board's build; `list all` shows them")
 
 enum err operate_find_parameter(const struct session *session, const char *name,
                                 struct parameter *p, struct answer *answer)
@@ -24,81 +14,13 @@ enum err operate_find_parameter(const struct session *session, const char *name,
         answer->subject = name;
         answer->more = ANSWER_PLACES;
         answer->value.parameter = *p;
-#if CONFIG_BLOCKS
-    } else if (err == ERR_EMPTY) {
-        err =
-            operate_refuse(answer, ERR_UNKNOWN, name,
-                           "the block has no kind that this build knows, and so no such parameter");
-#endif
+    } else if (CONFIG_BLOCKS && err == ERR_EMPTY) {
+        err = operate_refuse(answer, ERR_UNKNOWN, name,
+                             "no such parameter: this build lacks the kind of the block");
     } else if (err) {
         (void)!operate_refuse(answer, err, name, NO_PARAMETER);
     }
     return err;
-}
-
-#if CONFIG_BLOCKS
-void operate_watch_tables(const struct service *s)
-{
-#if COMMISSION_CHANNELS
-    tables_watch(TABLES_TO_GO_BACK_TO,
-                 operate_start_up_on_trial(s) ? commission_old(s->commission) : NULL);
-#else
-    (void)s;
-#endif
-}
-#endif
-
-struct config *operate_stage(struct session *session, struct answer *answer)
-{
-    struct service *s = session->door->service;
-#if CONFIG_BLOCKS
-    operate_watch_tables(s);
-#endif
-    if (s->staging && session->door->editor == session)
-        return service_staged(s);
-    /* The last two: the place where settings are written is being saved, or named on a line half printed. */
-    if (s->staging || storage_saving(s->storage) || s->telemetry.printing) {
-        (void)!operate_refuse(answer, ERR_BUSY, NULL,
-                              s->staging ? "another client has opened a transaction"
-                                         : "another client reads the settings, try again");
-        return NULL;
-    }
-    return service_stage(s);
-}
-
-#if COMMISSION_CHANNELS || CONFIG_BLOCKS
-bool operate_settings_are_free(const struct service *s)
-{
-    /* An open transaction and a sequence are somebody's work, a save has the scratch plan, and a line of telemetry under
-     * way needs the names of its plan. */
-    bool read = s->telemetry.printing || storage_saving(s->storage);
-    if (s->staging || read)
-        return false;
-#if CONFIG_STEPS
-    return !sequence_active(&s->supervisor->sequence);
-#else
-    return true;
-#endif
-}
-#endif
-
-enum err operate_activate(struct session *session, struct answer *answer)
-{
-    struct service *s = session->door->service;
-    enum err err = operate_keep_acting_loops(s, service_staged(s), &answer->config);
-    if (!err)
-        err = service_apply(s, service_staged(s), &answer->config);
-    if (!err)
-        return ERR_OK;
-    if (!answer->config.group)
-        return operate_refuse(answer, err, NULL, QUEUE_FULL);
-    answer->more = ANSWER_CONFIG;
-    return err;
-}
-
-enum err operate_activate_unless_open(struct session *session, struct answer *answer)
-{
-    return operate_is_open(session) ? ERR_OK : operate_activate(session, answer);
 }
 
 enum err operate_begin(struct session *session, struct answer *answer)
@@ -171,12 +93,8 @@ static enum err set_in_words(struct session *session, const struct parameter *p,
     if (!staged)
         return ERR_BUSY;
     enum err err = parameter_set(p, staged, text);
-#if CONFIG_BLOCKS
-    if (err == ERR_FULL && !p->own) /* once more, for its figures */
-        err = record_make(staged, p->index, text, &answer->value.needed, &answer->value.free);
-    if (err == ERR_FULL && p->own)
-        answer->value.needed = 0;
-#endif
+    if (err == ERR_FULL)
+        err = operate_block_figures(p, staged, text, answer);
     return err ? refuse_value(answer, err, p, text) : operate_activate_unless_open(session, answer);
 }
 
@@ -215,9 +133,7 @@ enum err operate_set_number(struct session *session, const struct parameter *p, 
     if (!staged)
         return err ? err : ERR_BUSY;
     err = parameter_set_number(p, staged, value);
-#if CONFIG_BLOCKS
     answer->value.needed = 0; /* ERR_FULL can only be a table */
-#endif
     err = err ? refuse_value(answer, err, p, NULL) : operate_activate_unless_open(session, answer);
     if (err)
         return err;

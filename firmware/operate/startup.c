@@ -1,4 +1,4 @@
-/* Automatic start-up: what it is told, and the old settings' way back. */
+/* Automatic start-up: requests to it, and the way back to the old settings. */
 #include <string.h>
 
 #include "commission/commission.h"
@@ -7,8 +7,6 @@
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
 #include "storage/storage.h"
-
-#if COMMISSION_CHANNELS
 
 #define CHANNELS_CHANGED "channels or spans have changed since the tests; begin again"
 
@@ -35,14 +33,14 @@ static enum err admit_to_startup(struct session *session, bool engineer, struct 
     return err;
 }
 
-/* About start-up itself where nothing else is named. */
+/* The refusal is about start-up itself where nothing else is named. */
 static enum err refuse_startup(struct answer *answer, enum err err, const char *subject,
                                const char *words)
 {
     return operate_refuse(answer, err, subject ? subject : "commission", words);
 }
 
-/* What commission_put() says of a beginning. */
+/* Words a refusal of commission_put() to begin. */
 static enum err refuse_begin(const struct session *session, struct answer *answer, enum err err,
                              const char *subject, const char *words)
 {
@@ -136,7 +134,7 @@ static enum err may_try(struct service *s, struct answer *answer)
     }
     if (!err && s->io.state(s->io.context) != IO_READY) {
         err = ERR_STATE;
-        wanted = "no plant is connected";
+        wanted = NO_PLANT;
     }
     if (!err && changed) {
         err = ERR_CONFLICT;
@@ -181,7 +179,7 @@ enum err operate_accept(struct session *session, struct answer *answer)
         return err;
     if (s->staging && !s->staged_proposal)
         return operate_refuse(answer, ERR_STATE, NULL,
-                              "an open transaction lacks the proposal: apply or abandon it");
+                              "the open transaction lacks the proposal: apply or abandon it");
     struct config *config = proposed(session, &err, answer);
     return err ? err : begin_trial(session, config, answer);
 }
@@ -248,23 +246,3 @@ bool operate_poll(struct operate *door)
         service_record(s, EVENT_CONFIG_REFUSED, fault.group, (float)err, 0);
     return true;
 }
-
-bool operate_is_in_acceptance(const struct session *session)
-{
-    return operate_start_up_on_trial(session->door->service);
-}
-
-bool operate_start_up_on_trial(const struct service *s)
-{
-    return commission_is_on_trial(s->commission);
-}
-
-#else
-
-bool operate_is_in_acceptance(const struct session *session)
-{
-    (void)session;
-    return false;
-}
-
-#endif

@@ -31,7 +31,7 @@ enum err operate_load(struct session *session, struct answer *answer)
     return wait_for(session, WAITS_TO_LOAD, "load", answer);
 }
 
-/* What is staged goes into force, or within a transaction waits. */
+/* Puts staged settings into force; within a transaction they wait. */
 static enum err take_staged(struct session *session, const char *act, struct answer *answer)
 {
     enum err err = operate_activate_unless_open(session, answer);
@@ -43,7 +43,7 @@ static enum err begin_save(struct session *session, bool replace, struct answer 
     const char *reason =
         "a proposal is on trial: save when it is kept, or after `commission abort`";
     enum err err = ERR_STATE;
-    if (!operate_is_in_acceptance(session))
+    if (!operate_start_up_on_trial(session->door->service))
         err = storage_save(session->door->service->storage, replace, &reason);
     if (err)
         return operate_refuse(answer, err, "not saved", reason);

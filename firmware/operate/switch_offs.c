@@ -28,12 +28,12 @@ static uint8_t values_for(const struct operate *door, const struct config *confi
                           struct proposed_value *v)
 {
     const struct switch_off_slot *slot = switch_off_slot_of(door, n);
-    bool there = config_block_kind(config, n) == slot->kind;
+    bool same_kind = config_block_kind(config, n) == slot->kind;
     uint8_t count = 0;
     for (uint8_t k = 0; k < slot->is.n && k < SWITCH_OFF_MAX; k++) {
         uint32_t id = slot->is.value[k].id;
         bool own = id >> 16 && (id & PROPOSED_SELF) == n;
-        if (there || !own)
+        if (same_kind || !own)
             v[count++] = slot->is.value[k];
     }
     return count;
@@ -69,7 +69,7 @@ static void adopt_or_refuse(struct operate *door, uint8_t n)
     set_switch_off(door, n, SWITCH_OFF_FREE);
 }
 
-/* What cannot be written into the transaction waits until that is over. */
+/* Values that cannot be written into the transaction wait until it is over. */
 static bool stage_switch_off(struct operate *door, uint8_t n)
 {
     struct proposed_value v[SWITCH_OFF_MAX];

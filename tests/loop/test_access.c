@@ -78,21 +78,21 @@ static void the_key_opens_and_a_wrong_one_does_not(void)
 static void after_each_wrong_key_in_a_row_the_wait_doubles_up_to_a_minute(void)
 {
     static const unsigned waits_s[] = {2, 4, 8, 16, 32, 60, 60};
-    char told[40];
+    char told[48];
     set_key_and_lock();
     for (unsigned i = 0; i < sizeof waits_s / sizeof waits_s[0]; i++) {
         ask_refused("unlock wrong", "LOCKED");
-        snprintf(told, sizeof told, "the next try is looked at in s %u", waits_s[i]);
+        snprintf(told, sizeof told, "wrong key: wait %u s before the next try", waits_s[i]);
         TEST_ASSERT_TRUE_MESSAGE(said(told), told);
         pass(1000u * waits_s[i] - 50);
         ask_refused("unlock pot_still", "BUSY"); /* and makes the wait no longer */
-        TEST_ASSERT_TRUE(said("looked at in s 1"));
+        TEST_ASSERT_TRUE(said("wait 1 s before"));
         pass(50);
     }
     ask_ok("unlock pot_still");
     ask_ok("lock");
     ask_refused("unlock wrong", "LOCKED");
-    TEST_ASSERT_TRUE(said("in s 2")); /* from the beginning again */
+    TEST_ASSERT_TRUE(said("wait 2 s")); /* from the beginning again */
 }
 
 /* Else a reset button would be a way around the wait. */
@@ -111,7 +111,7 @@ static void the_wait_after_wrong_keys_survives_a_reset(void)
     ask_refused("unlock pot_still", "BUSY");
     pass(8000);
     ask_refused("unlock wrong", "LOCKED");
-    TEST_ASSERT_TRUE(said("in s 16")); /* and goes on doubling */
+    TEST_ASSERT_TRUE(said("wait 16 s")); /* and goes on doubling */
 }
 
 /* Whoever wants to hide what was done must not be able to by typing keys. */
@@ -223,7 +223,7 @@ static void the_engineer_level_locks_itself_when_nobody_uses_it(void)
     ask_ok("begin");        /* counts */
     pass(50000);
     ask_ok("version");
-    TEST_ASSERT_TRUE(said("locks itself in s 10"));
+    TEST_ASSERT_TRUE(said("locks in 10 s"));
     ask_ok("set loop1.gain 2");
     pass(59000);
     ask_ok("apply");
@@ -245,7 +245,7 @@ static void telling_automatic_start_up_something_counts_as_use(void)
     ask_refused("commission accept", "STATE");
     pass(50000);
     ask_ok("version");
-    TEST_ASSERT_TRUE(said("locks itself in s 10"));
+    TEST_ASSERT_TRUE(said("locks in 10 s"));
     pass(11000);
     ask_refused("commission accept", "LOCKED");
 }

@@ -15,7 +15,7 @@ static void an_empty_block_shows_only_its_kind(void)
     ask_refused("set block2.loops top", "STATE");
     TEST_ASSERT_TRUE(said("the block has no kind; set that first"));
     ask_refused("get block2.lambda", "UNKNOWN");
-    TEST_ASSERT_TRUE(said("has no kind"));
+    TEST_ASSERT_TRUE(said("lacks the kind"));
 }
 
 static void a_block_is_set_and_shown_like_everything_else(void)

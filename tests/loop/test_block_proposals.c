@@ -175,15 +175,15 @@ static void one_that_does_not_fit_is_refused_whole_with_field_and_reason(void)
     proposes(GAIN, 3);
     proposes(0x4040, 2);
     is_refused(" warning PROPOSAL_REFUSED loop1.name 2 ",
-               "block1 watch refused: loop1.name is no number: it cannot be proposed");
+               "block1 watch refused: loop1.name is not a number: it cannot be proposed");
     proposes(GAIN, 3);
     proposes(0x7100, 2); /* no block has a say in interlocks */
     is_refused(" warning PROPOSAL_REFUSED lock1.limit 2 ",
-               "block1 watch refused: lock1.limit is no setting of a block");
+               "block1 watch refused: lock1.limit is not a setting of a block");
     proposes(GAIN, 3);
     proposes(0x4FC0, 2);
     is_refused(" warning PROPOSAL_REFUSED block1.proposal 2 ",
-               "block1 watch refused: block1.proposal names a parameter that is not there");
+               "block1 watch refused: block1.proposal names an unknown parameter");
     proposes(GAIN, 3);
     watch_proposes.n = PROPOSAL_MAX + 1;
     is_refused(" warning PROPOSAL_REFUSED block1.proposal 0 ",
@@ -301,8 +301,8 @@ static void one_whose_block_is_gone_is_given_up_under_its_number_alone(void)
     gives(PROPOSAL_WHEN_ACCEPTED);
     ask_ok("set block1.kind -");
     samples(1);
-    ANSWERS("proposal", "block1 refused: block1.proposal was made for other loops, blocks or spans "
-                        "than there are now");
+    ANSWERS("proposal",
+            "block1 refused: block1.proposal is out of date: loops, blocks or spans have changed");
 }
 
 static void nor_does_the_way_back_lead_into_other_loops(void)
@@ -508,13 +508,13 @@ static void a_value_in_a_row_must_fit_as_any_other(void)
                "101");
     proposes(ELEMENT_GAIN(1, 1), 1); /* there is one row */
     is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
-               "block1 watch refused: block1.proposal names a parameter that is not there");
+               "block1 watch refused: block1.proposal names an unknown parameter");
     proposes(proposed_in_row(1, 8, 0, 4), 1); /* lo: four values */
     is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
-               "block1 watch refused: block1.proposal names a parameter that is not there");
+               "block1 watch refused: block1.proposal names an unknown parameter");
     proposes(proposed_in_row(1, 12, 0, 1), 1); /* washout: no row */
     is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
-               "block1 watch refused: block1.proposal names a parameter that is not there");
+               "block1 watch refused: block1.proposal names an unknown parameter");
 }
 
 static void changing_settings_is_for_engineers(void)

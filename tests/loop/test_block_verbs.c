@@ -138,10 +138,9 @@ static void a_number_may_be_either_end_of_its_range(void)
 static void refusals_name_what_there_is(void)
 {
     ask_refused("block 1 frz", "UNKNOWN");
-    TEST_ASSERT_TRUE(said("frz: its kind has no such verb, but: freeze thaw tune\n"));
+    TEST_ASSERT_TRUE(said("frz: no such verb; its kind has: freeze thaw tune\n"));
     ask_refused("block 2 frz", "UNKNOWN");
-    TEST_ASSERT_TRUE(
-        said("frz: its kind has no such verb, but: tune; `block N on|off` switches it\n"));
+    TEST_ASSERT_TRUE(said("frz: no such verb; its kind has: tune; `block N on|off` switches it\n"));
     ask_refused("block 3", "UNKNOWN");
     TEST_ASSERT_TRUE(said("no such block; `block` lists them"));
     ask_refused("block gmv tune", "UNKNOWN");

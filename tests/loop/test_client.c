@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "client_bench.h"
+#include "console/commands.h"
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -180,9 +181,39 @@ static void settings_from_a_model_are_for_the_spans_of_its_loop(void)
     REFUSED(ERR_UNKNOWN, operate_tune(&client, 1, TUNE_SIMC, &process, 60, &t, &answer));
 }
 
+/* ---- the console's rows ---- */
+
+/* The arguments of a command stand in its row as text, and completion offers what stands there. */
+static bool row_has(const char *command, const char *word)
+{
+    static const char *const rows[][2] = {
+#define ROW(name, arguments, help, words_min, words_max) {#name, arguments},
+        CONSOLE_COMMANDS(ROW)
+#undef ROW
+    };
+    for (unsigned i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        if (strcmp(rows[i][0], command) == 0)
+            return strstr(rows[i][1], word) != NULL;
+    return false;
+}
+
+static void rows_of_commands_have_every_request(void)
+{
+    for (unsigned k = 0; k < SEQUENCE_COMMANDS; k++)
+        TEST_ASSERT_TRUE_MESSAGE(row_has("seq", operate_sequence_word((enum sequence_command)k)),
+                                 "write the new word into the row `seq` of console/commands.h");
+    for (unsigned k = 0; k <= COMMISSION_ASK_REJECT; k++) {
+        const char *word = operate_startup_word((enum commission_ask)k);
+        TEST_ASSERT_TRUE_MESSAGE(!word || row_has("commission", word),
+                                 "write the new word into the row `commission` of "
+                                 "console/commands.h");
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(rows_of_commands_have_every_request);
     RUN_TEST(without_text_wood_berry_is_commissioned_and_a_setpoint_stepped);
     RUN_TEST(what_it_has_commissioned_is_saved_and_comes_back);
     RUN_TEST(what_it_gives_as_a_number_is_looked_at_like_a_word);

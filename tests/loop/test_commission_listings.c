@@ -76,10 +76,10 @@ static void before_it_begins_every_listing_says_so_and_no_more(void)
 static void the_plan_counts_what_is_set_for_each_channel(void)
 {
     ask_ok("begin");
-    ask_ok("set mv1.start_up.step 0.2");
+    ask_ok("set mv1.test_step 0.2");
     ask_ok("set mv2.test_time 1800");
-    ask_ok("set meas1.start_up.limit 3");
-    ask_ok("set meas1.start_up.critical on");
+    ask_ok("set meas1.test_limit 3");
+    ask_ok("set meas1.test_critical on");
     ask_ok("set test.rounds 2");
     ask_ok("set test.window 40");
     ask_ok("apply");

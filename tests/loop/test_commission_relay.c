@@ -257,7 +257,7 @@ static void everything_that_ends_it_leaves_the_output_where_it_was(void)
 
 static void a_measurement_past_its_limit_ends_it(void)
 {
-    static const char *const narrow[] = {"set meas2.start_up.limit 0.05", "set mv1.start_up.step 0.4",
+    static const char *const narrow[] = {"set meas2.test_limit 0.05", "set mv1.test_step 0.4",
                                          NULL};
     wood_berry(narrow);
     ask_ok("commission relay old_R");
@@ -267,7 +267,7 @@ static void a_measurement_past_its_limit_ends_it(void)
 
 static void an_output_that_does_nothing_ends_it(void)
 {
-    static const char *const deaf[] = {"set mv1.start_up.step 0.0001", "set test.longest 9000", NULL};
+    static const char *const deaf[] = {"set mv1.test_step 0.0001", "set test.longest 9000", NULL};
     wood_berry(deaf);
     ask_ok("commission relay old_R");
     until("COMMISSION_ENDED old_R", 1500);

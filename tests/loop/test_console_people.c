@@ -191,7 +191,7 @@ static void what_is_done_at_the_console_is_kept_with_who_did_it(void)
     static const char *const wanted[] = {
         "5.000 action DO_KEY - 0 key changed, by engineer",
         "5.000 action DO_LOCK - 0 ",
-        "5.000 action DO_MODE bottom 1 mode asked for (0 manual, 1 auto, 2 cascade), by operator",
+        "5.000 action DO_MODE bottom 1 mode asked for: auto, by operator",
         "5.000 action DO_SETPOINT bottom 112.5 setpoint asked for, by operator",
         "5.000 action DO_OUTPUT top 2 ",
         "5.000 action DO_UNLOCK - 0 ",
@@ -238,6 +238,23 @@ static void a_loss_of_power_forgets_them(void)
     TEST_ASSERT_TRUE(said("STARTED"));
 }
 
+/* ---- numbers ---- */
+
+static void people_read_four_digits_and_scripts_all(void)
+{
+    board.values[1] = 110.12346;
+    samples(1);
+    type("mode human\rstatus\r");
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(board.said, "T10 = 110.1 degC good"), board.said);
+    board_forget();
+    type("loop bottom\r");
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(board.said, "pv T10 = 110.1 degC"), board.said);
+    type("mode machine\n");
+    board_forget();
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("T10 = 110.12346 degC good"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -256,5 +273,6 @@ int main(void)
     RUN_TEST(what_is_done_at_the_console_is_kept_with_who_did_it);
     RUN_TEST(events_before_a_reset_are_shown_after_it_marked_by_their_boot);
     RUN_TEST(a_loss_of_power_forgets_them);
+    RUN_TEST(people_read_four_digits_and_scripts_all);
     return UNITY_END();
 }

@@ -336,7 +336,7 @@ static void in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it(v
     stays_at(2, 20);
     TEST_ASSERT_FALSE(active());
     ask_ok("status");
-    TEST_ASSERT_TRUE(said("heat = 2 kW left past its limits by an interlock"));
+    TEST_ASSERT_TRUE(said("heat = 2 kW outside its limits, left there by an interlock"));
     ask_ok("mode top auto");
     stays_at(2, 10);
     set_to("loop2.gain", "1.4"); /* nothing to do with it */

@@ -129,7 +129,8 @@ static void status_and_alarm_name_what_an_interlock_forces_and_has_left(void)
     board.values[1] = 110;
     samples(1);
     ask_ok("status");
-    TEST_ASSERT_EQUAL_STRING("heat = 0 kW left past its limits by an interlock", line_of("heat"));
+    TEST_ASSERT_EQUAL_STRING("heat = 0 kW outside its limits, left there by an interlock",
+                             line_of("heat"));
     ask_ok("out heat 0.5");
     samples(1);
     ask_ok("status");
@@ -395,7 +396,7 @@ static void what_is_only_looked_at_is_no_action(void)
 static void every_action_is_kept_with_its_subject_and_value(void)
 {
     static const char *const done[][2] = {
-        {"mode bottom auto", "DO_MODE bottom 1 mode asked for (0 manual, 1 auto, 2 cascade)"},
+        {"mode bottom auto", "DO_MODE bottom 1 mode asked for: auto"},
         {"sp bottom 112.5", "DO_SETPOINT bottom 112.5 setpoint asked for"},
         {"out top 2", "DO_OUTPUT top 2 output asked for"},
         {"set alarm1.on T10", "DO_SET alarm1.on 0 parameter set; 0 for a word"},

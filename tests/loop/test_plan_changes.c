@@ -98,7 +98,7 @@ static void the_reason_of_the_safe_state_outlives_the_settings_it_was_taken_unde
     samples(1);
     board.quality[T10] = QUALITY_BAD;
     samples(1);
-    const char *reason = "SAFE_STATE loops in manual, outputs at safe values since: T10";
+    const char *reason = "SAFE_STATE loops in manual, outputs at safe values because of: T10";
     TEST_ASSERT_EQUAL_STRING(reason, line_with("alarm", "SAFE_STATE"));
     ask_ok("set loop1.gain 2");
     samples(1);

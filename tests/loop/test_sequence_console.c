@@ -94,7 +94,8 @@ static void seq_shows_where_it_is_and_how_far(void)
     TEST_ASSERT_TRUE(said("has held 2 s of 3 s"));
     samples(2);
     ask_ok("seq");
-    TEST_ASSERT_EQUAL_STRING("  step 4: wait until somebody confirms; after 500 s hold", reply[1]);
+    TEST_ASSERT_EQUAL_STRING("  step 4: wait until the operator confirms; after 500 s hold",
+                             reply[1]);
     TEST_ASSERT_EQUAL_STRING("  waits for `seq confirm`; in step 1 s, time-out in 499 s", reply[2]);
     ask_ok("seq hold");
     samples(1);

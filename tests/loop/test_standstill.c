@@ -40,8 +40,9 @@ static void is_safe_and_says_so(void)
     TEST_ASSERT_TRUE(said("state safe"));
     TEST_ASSERT_TRUE(said("stands still"));
     ask_ok("alarm");
-    TEST_ASSERT_TRUE(said("SAFE_STATE loops in manual, outputs at safe values since: plant_time"));
-    TEST_ASSERT_TRUE(said("SAMPLE_STALLED samples come, but plant time does not move on"));
+    TEST_ASSERT_TRUE(
+        said("SAFE_STATE loops in manual, outputs at safe values because of: plant_time"));
+    TEST_ASSERT_TRUE(said("SAMPLE_STALLED samples arrive, but plant time does not advance"));
 }
 
 static void an_hour_of_samples_between_two_ticks_is_the_safe_state_after_six(void)

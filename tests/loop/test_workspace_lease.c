@@ -103,7 +103,7 @@ static void the_other_is_refused_from_the_asking_to_the_end_of_the_tests(void)
     plant_step();
     TEST_ASSERT_TRUE(other_leases()); /* nothing has been found */
     ask_ok("commission model");
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
 }
 
 static void a_beginning_that_is_called_off_frees_it(void)
@@ -129,7 +129,7 @@ static void a_part_of_a_model_must_have_been_looked_at(void)
     TEST_ASSERT_TRUE(other_leases());
     ask_ok("commission model");
     TEST_ASSERT_FALSE(said("element"));
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
 }
 
 static void or_given_up(void)
@@ -152,9 +152,9 @@ static void rejected_it_is_free(void)
     TEST_ASSERT_TRUE(said("pair xD R"));
     TEST_ASSERT_TRUE(other_leases());
     ask_ok("commission pairing");
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
     ask_ok("commission structure");
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
 }
 
 static void kept_unseen_it_is_held_until_it_is_looked_at_or_given_up(void)
@@ -170,7 +170,7 @@ static void kept_unseen_it_is_held_until_it_is_looked_at_or_given_up(void)
     ask_ok("commission trial");
     TEST_ASSERT_TRUE(said("trial xD R step")); /* kept outside */
     ask_ok("commission proposal");
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
     ask_refused("commission edit", "STATE");
     ask_refused("commission accept", "STATE");
 }
@@ -220,7 +220,7 @@ static void what_has_made_room_does_not_come_back(void)
     plant_step();
     TEST_ASSERT_TRUE(said("REQUEST_REFUSED"));
     ask_ok("commission pairing");
-    TEST_ASSERT_TRUE(said("what was found has made room"));
+    TEST_ASSERT_TRUE(said("results discarded"));
     TEST_ASSERT_TRUE(other_leases());
 }
 

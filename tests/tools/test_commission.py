@@ -180,8 +180,8 @@ class Kept(FolderTest):
         self.assertEqual((self.folder / "transcript.txt").read_text(), "0.000 > unlock ***\n")
 
     def test_every_line_bears_the_plant_time(self) -> None:
-        said, _rows = self.written("> log on", "< ! 90.000 info OUTPUT h 1 manual output is now", "> status")
-        self.assertEqual(said, "0.000 > log on\n90.000 < ! 90.000 info OUTPUT h 1 manual output is now\n90.000 > status\n")
+        said, _rows = self.written("> log on", "< ! 90.000 info OUTPUT h 1 new manual output", "> status")
+        self.assertEqual(said, "0.000 > log on\n90.000 < ! 90.000 info OUTPUT h 1 new manual output\n90.000 > status\n")
 
     def test_rows_that_came_damaged_are_not(self) -> None:
         header, row = "H,1,number,time[s],T[degC]", "T,1,7,70.000,20.5"

@@ -127,7 +127,7 @@ static void shows(const char *line)
     while (n && want[n - 1] == ' ')
         want[--n] = '\0';
     TEST_ASSERT_EQUAL_STRING(want, seen);
-    TEST_ASSERT_EQUAL(editor.at, at);
+    TEST_ASSERT_EQUAL(editor.cursor, at);
 }
 
 /* ---- editing ---- */
@@ -345,7 +345,7 @@ static void any_keys_in_any_order_leave_screen_and_line_in_agreement(void)
     struct random_source source = {.state = 0xED17u};
     for (unsigned n = 0; n < 200000; n++) {
         type(keys[random_below(&source, sizeof keys / sizeof keys[0])]);
-        TEST_ASSERT_TRUE(editor.at <= editor.n);
+        TEST_ASSERT_TRUE(editor.cursor <= editor.n);
         TEST_ASSERT_EQUAL(strlen(editor.line), editor.n);
         if (n % 16 == 0)
             shows(editor.line);
@@ -364,7 +364,7 @@ static void noise_never_leaves_the_buffers(void)
             line_editor_next(&editor);
             memset(row, 0, sizeof row);
         }
-        at = editor.at; /* both kinds of session are mixed here: the screen is not followed */
+        at = editor.cursor; /* both kinds of session are mixed here: the screen is not followed */
         TEST_ASSERT_EQUAL(strlen(editor.line), editor.n);
     }
 }

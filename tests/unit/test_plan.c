@@ -375,9 +375,9 @@ static void an_interlock_forces_within_the_span(void)
 
 static void a_test_step_wider_than_half_the_span_and_unknown_pairs_are_refused(void)
 {
-    put("mv1.start_up.step", "6");
+    put("mv1.test_step", "6");
     refused(ERR_RANGE, "mv", 1, "test_step", "reflux");
-    put("mv1.start_up.step", "5");
+    put("mv1.test_step", "5");
     put("pair2.meas", "T1");
     refused(ERR_UNKNOWN, "pair", 2, "mv", "");
     put("pair2.mv", "nobody");

@@ -485,7 +485,7 @@ static void prepared(double held, double y, double limit)
     char value[24];
     channels(2, 2);
     snprintf(value, sizeof value, "%g", limit * 50.0);
-    put("meas1.start_up.limit", value);
+    put("meas1.test_limit", value);
     simple(2);
     c.outputs.noise_sd[0] = REAL_C(0.002);
     writes();
@@ -539,7 +539,7 @@ static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
     c.outputs.noise_sd[0] = REAL_C(0.1);
-    put("meas1.start_up.limit", "50");
+    put("meas1.test_limit", "50");
     put("mv2.min", "1.8"); /* 5 % below where it is held */
     prepare();
     const struct analysis *a = &c.work->analysis;
@@ -560,14 +560,14 @@ static void a_step_leaves_measurements_that_no_loop_holds_within_their_limits(vo
     }
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
-    put("meas1.start_up.limit", "25");
-    put("meas2.start_up.limit", "2");
+    put("meas1.test_limit", "25");
+    put("meas2.test_limit", "2");
     prepare();
     TEST_ASSERT_EQUAL_UINT8(2, c.adoption.channels);
     TEST_ASSERT_EQUAL_UINT8(1, c.adoption.channel[1].measurement);
     double step = fabs((double)c.adoption.loop[0].step);
     TEST_ASSERT_DOUBLE_WITHIN(3e-3, 0.7 * 0.04, 0.5 * step); /* 2 of 50 */
-    put("meas2.start_up.critical", "on");
+    put("meas2.test_critical", "on");
     prepare();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.02, (double)c.adoption.channel[1].limit);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5 * step, fabs((double)c.adoption.loop[0].step));

@@ -149,7 +149,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                 char text[24];
                 cascade();
                 snprintf(text, sizeof text, "%g", 200 * limit);
-                put("meas1.start_up.limit", text);
+                put("meas1.test_limit", text);
                 analyse();
                 writes();
                 memset(&supervisor, 0, sizeof supervisor);

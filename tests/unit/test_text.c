@@ -60,6 +60,17 @@ static void the_ends_of_the_range_read_back(void)
     }
 }
 
+/* Four digits, and zeros in front of the point where the number is longer. */
+static void writes_four_digits(float x)
+{
+    char four[40], want[40];
+    struct text line = text_on(buffer, sizeof buffer);
+    text_float4(&line, x);
+    snprintf(four, sizeof four, "%.4g", (double)x);
+    snprintf(want, sizeof want, "%.9g", strtod(four, NULL));
+    TEST_ASSERT_EQUAL_STRING(want, buffer);
+}
+
 static void writes_as_the_c_library(float x)
 {
     char want[40];
@@ -92,6 +103,22 @@ static void numbers_are_written_as_the_c_library_writes_them(void)
         writes_as_the_c_library(from_bits(power << 20));
         writes_as_the_c_library(from_bits((power << 20) + 1u));
         writes_as_the_c_library(from_bits((power << 20) ^ 0xFFFFFu));
+    }
+}
+
+static void people_get_four_digits(void)
+{
+    struct random_source r = {SEED};
+    writes_four_digits(21.646257f);
+    writes_four_digits(87.1299973f);
+    writes_four_digits(-12345.6f);
+    writes_four_digits(0.0f);
+    writes_four_digits(9999.7f);
+    for (unsigned n = 0; n < 10000; n++) {
+        float x = from_bits((uint32_t)random_next(&r));
+        if (isfinite(x))
+            writes_four_digits(x);
+        writes_four_digits((float)(int32_t)random_next(&r) / 1024.0f);
     }
 }
 
@@ -290,6 +317,7 @@ int main(void)
     RUN_TEST(every_finite_float_reads_back_bit_for_bit);
     RUN_TEST(the_ends_of_the_range_read_back);
     RUN_TEST(numbers_are_written_as_the_c_library_writes_them);
+    RUN_TEST(people_get_four_digits);
     RUN_TEST(what_is_no_number_is_written_as_none);
     RUN_TEST(numbers_are_read_as_the_c_library_reads_them);
     RUN_TEST(numbers_halfway_between_two_floats_are_read_as_the_c_library_reads_them);

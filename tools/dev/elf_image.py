@@ -46,8 +46,9 @@ class Image:
         self.path = path
         self.symbols: dict[str, int] = {}  # every name, for data the last one wins
         self.functions: dict[int, Function] = {}
-        self.unaligned: list[tuple[int, int]] = []  # [start, end) of objects that can hold no address, by their place
+        self.unaligned: list[tuple[int, int]] = []  # [start, end) of objects that can hold no address
         self._read_symbols()
+        self._read_texts()
         self.instructions: dict[int, Instruction] = {}
         self._disassemble()
         self.sorted_addresses = sorted(self.instructions)
@@ -79,6 +80,15 @@ class Image:
                 k = bisect.bisect_right(starts, f.start)
                 f.end = starts[k] if k < len(starts) else f.start + 64
             f.name = min(f.names, key=lambda n: (n.startswith("_"), len(n), n))
+
+    def _read_texts(self) -> None:
+        """Constant texts hold no address, whatever four of their characters read like. Their places are in the linker's map."""
+        place = self.path.with_suffix(".map")
+        if not place.exists():
+            return
+        for match in re.finditer(r"^ \.rodata\.[\w.]*str1\.\d+\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) ", place.read_text(errors="replace"), re.M):
+            start = int(match[1], 16)
+            self.unaligned.append((start, start + int(match[2], 16)))
 
     def _disassemble(self) -> None:
         for line in tool("objdump", "-d", "--no-show-raw-insn", str(self.path)).splitlines():
@@ -127,6 +137,8 @@ class Image:
                 value = int(match[2]) << 16 | low[match[1]]
                 if value in thumb:
                     taken.add(thumb[value])
+            else:  # a half that something else has overwritten belongs to no address
+                low.pop(instruction.operands.split(",")[0], None)
         return taken
 
     def has_fpu(self) -> bool:

@@ -85,9 +85,9 @@ static void a_change_of_its_settings_asks_for_another_gain_and_the_old_one_goes_
     TEST_ASSERT_TRUE(inside("observer", "gain_1") > before + 0.1);
     ask_ok("set alarm1.limit 3"); /* nothing of it */
     plant_step();
-    TEST_ASSERT_FALSE(said("works between ticks"));
+    TEST_ASSERT_FALSE(said("job running"));
     ask_ok("block");
-    TEST_ASSERT_FALSE(said("works between ticks"));
+    TEST_ASSERT_FALSE(said("job running"));
 }
 
 /* Beyond what float tells apart, and where nothing stands still for as long as it may look. */
@@ -107,7 +107,7 @@ static void a_gain_that_is_not_found_is_not_used(void)
         plant_connect();
         plant_steps(60);
         TEST_ASSERT_EQUAL_DOUBLE(0, inside("observer", "gained"));
-        TEST_ASSERT_FALSE(said("works between ticks"));
+        TEST_ASSERT_FALSE(said("job running"));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, inside("observer", "gain_1"));
     }
 }

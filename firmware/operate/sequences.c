@@ -1,38 +1,6 @@
-/* Alarms acknowledged and shelved; sequences told what to do. */
-#include "exchange/alarm_names.h"
+/* Sequences started, stopped, held and confirmed. */
 #include "exchange/sequence_rows.h"
 #include "operate/operate_internal.h"
-
-static enum err alarm_request(struct session *session, const char *name, struct request *r,
-                              struct answer *answer)
-{
-    r->loop = PLAN_NONE;
-    r->output = name ? alarm_find(operate_settings(session), name) : PLAN_NONE;
-    if (r->output == PLAN_NONE && (name || r->kind == REQUEST_SHELVE))
-        return operate_refuse(answer, ERR_UNKNOWN, name,
-                              "no such alarm; `list alarm` shows those configured");
-    if (!(r->value >= 0.0f && r->value <= 86400.0f))
-        return operate_refuse(answer, ERR_RANGE, NULL, SHELVE_WANTED);
-    if (service_request(session->door->service, r) != ERR_OK)
-        return operate_refuse(answer, ERR_BUSY, NULL, "too many requests wait for the next tick");
-    operate_record(session, EVENT_DO_ALARM, name ? name : "all", r->value);
-    return ERR_OK;
-}
-
-enum err operate_acknowledge(struct session *session, const char *name, struct answer *answer)
-{
-    struct request r = {.kind = REQUEST_ACK};
-    return alarm_request(session, name, &r, answer);
-}
-
-enum err operate_shelve(struct session *session, const char *name, float seconds,
-                        struct answer *answer)
-{
-    struct request r = {.kind = REQUEST_SHELVE, .value = seconds};
-    return alarm_request(session, name, &r, answer);
-}
-
-#if CONFIG_STEPS
 
 static const char *const words[SEQUENCE_COMMANDS] = {
     [SEQUENCE_DO_START] = "start",     [SEQUENCE_DO_STOP] = "stop", [SEQUENCE_DO_HOLD] = "hold",
@@ -45,7 +13,7 @@ const char *operate_sequence_word(enum sequence_command what)
     return words[what];
 }
 
-/* Why not, or NULL. What happens until the tick is told by an event. */
+/* Why the sequence cannot do it, or NULL. An event reports what changes before the next tick. */
 static const char *objection(const struct service *s, enum sequence_command what)
 {
     const struct sequence *q = &s->supervisor->sequence;
@@ -58,7 +26,7 @@ static const char *objection(const struct service *s, enum sequence_command what
                           -1) == PLAN_NONE)
             return "no row is configured for it; `help step1.seq`";
         if (s->io.state(s->io.context) != IO_READY)
-            return "no plant is connected";
+            return NO_PLANT;
         if (s->supervisor->testing)
             return "automatic start-up is under way; `commission abort` ends it";
         if (active && (what == SEQUENCE_DO_START || q->kind == SEQUENCE_STOP))
@@ -101,5 +69,3 @@ enum err operate_sequence(struct session *session, enum sequence_command what,
         operate_record(session, EVENT_DO_SEQUENCE, words[what], 0.0f);
     return err;
 }
-
-#endif

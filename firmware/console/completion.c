@@ -1,8 +1,11 @@
-/* What may be typed next. The row of each command says it: capital words of its arguments stand for names of a
- * kind, the others for themselves. */
+/* Completion. The row of each command says which words may follow: capital words of its arguments stand for names of a kind, the
+ * others for themselves. */
+#include "console/completion.h"
+
 #include <string.h>
 
-#include "console/console.h"
+#include "console/block_words.h"
+#include "console/command_table.h"
 #include "exchange/alarm_names.h"
 #include "settings/parameters.h"
 #include "supervise/alarms.h"
@@ -12,7 +15,7 @@
 struct typed {
     unsigned position; /* of the word under way; 0 is the command */
     char command[WORD_SIZE], before[WORD_SIZE];
-    const char *begun;
+    const char *word; /* under way */
 };
 
 static void copy(char *to, const char *from, size_t n)
@@ -25,21 +28,21 @@ static void copy(char *to, const char *from, size_t n)
 
 static struct typed look_at_line(const char *line)
 {
-    struct typed t = {.begun = line};
+    struct typed t = {.word = line};
     while (*line) {
         while (*line == ' ')
             line++;
-        t.begun = line;
+        t.word = line;
         while (*line && *line != ' ')
             line++;
         if (!*line)
             break;
-        copy(t.position ? t.before : t.command, t.begun, (size_t)(line - t.begun));
-        t.begun = line;
+        copy(t.position ? t.before : t.command, t.word, (size_t)(line - t.word));
+        t.word = line;
         t.position++;
     }
-    while (*t.begun == ' ')
-        t.begun++;
+    while (*t.word == ' ')
+        t.word++;
     return t;
 }
 
@@ -49,17 +52,15 @@ static bool is(const char *kind, size_t n, const char *name)
 }
 
 /* Without a dot so far: "loop1." for all its fields. */
-static void parameter_choice(const struct config *config, unsigned n, const char *begun,
+static void parameter_choice(const struct config *config, unsigned n, const char *typed,
                              struct text *word)
 {
     struct parameter p;
     if (!parameter_of(config, n, &p))
         return;
-    if (strchr(begun, '.')) {
-#if CONFIG_BLOCKS
-        if (p.row > 0) /* the first stands for all of a table */
+    if (strchr(typed, '.')) {
+        if (is_further_row(&p)) /* the first stands for all of a table */
             return;
-#endif
         parameter_name(&p, word);
         return;
     }
@@ -102,7 +103,7 @@ static unsigned name_choice(const struct config *config, unsigned kinds, unsigne
 }
 
 /* Puts the n-th choice of a kind into *word; returns how many there are. */
-static unsigned kind_choice(const struct console *c, const char *kind, size_t size,
+static unsigned kind_choice(const struct client *c, const char *kind, size_t size,
                             const struct typed *t, unsigned n, struct text *word)
 {
     const struct config *config = operate_settings(&c->session);
@@ -121,46 +122,23 @@ static unsigned kind_choice(const struct console *c, const char *kind, size_t si
         text_str(word, name);
         return CONFIG_ALARMS;
     }
-#if CONFIG_BLOCKS
-    if (is(kind, size, "BLOCK")) {
-        if (n < CONFIG_BLOCKS && config->block[n].kind[0])
-            text_u32(word, n + 1u);
-        return CONFIG_BLOCKS;
-    }
-    if (is(kind, size, "VERB")) {
-        struct block_reading r;
-        struct answer a;
-        uint8_t block;
-        if (operate_find_block(&c->session, t->before, &block, &a) != ERR_OK ||
-            !operate_block(&c->session, block, &r) || !r.kind)
-            return 0;
-        if (n < r.kind->verbs)
-            text_str(word, r.kind->verb[n].name);
-        return r.kind->verbs;
-    }
-#endif
+    if (is(kind, size, "BLOCK") || is(kind, size, "VERB"))
+        return block_choice(&c->session, kind, size, t->before, n, word);
     if (is(kind, size, "COMMAND")) {
         if (n < console_command_count)
             text_str(word, console_commands[n].name);
         return console_command_count;
     }
     if (is(kind, size, "PARAMETER") || is(kind, size, "PREFIX")) {
-        parameter_choice(view, n, t->begun, word);
+        parameter_choice(view, n, t->word, word);
         return parameter_count(view);
     }
     if (is(kind, size, "VALUE") && parameter_find_in(view, t->before, &p) == ERR_OK) {
         if ((p.field->type == PARAMETER_NAME && !parameter_is_secret(&p)) ||
             p.field->type == PARAMETER_LIST)
             return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
-#if CONFIG_BLOCKS
-        if (p.field->type == PARAMETER_KIND) {
-            if (block_kind_has_record((uint8_t)n))
-                text_str(word, block_kinds[n]->name);
-            return block_kind_count;
-        }
-#endif
         if (p.field->type != PARAMETER_WORD)
-            return 0;
+            return block_kind_choice(&p, n, word);
         const char *words = parameter_word_list(&p);
         return word_choice(words, strlen(words), n, word) ? n + 1u : n;
     }
@@ -190,16 +168,13 @@ static const char *argument_at(const char *arguments, unsigned position, size_t 
     return arguments;
 }
 
-bool console_choice(void *console, const char *line, unsigned n, struct text *word)
+bool console_choice(void *client, const char *line, unsigned n, struct text *word)
 {
-    const struct console *c = console;
+    const struct client *c = client;
     struct typed t = look_at_line(line);
-    const struct console_command *command = NULL;
     if (t.position == 0)
         return kind_choice(c, "COMMAND", 7, &t, n, word) > n;
-    for (unsigned i = 0; i < console_command_count; i++)
-        if (strcmp(console_commands[i].name, t.command) == 0)
-            command = &console_commands[i];
+    const struct console_command *command = find_command(t.command);
     if (!command)
         return false;
     size_t size;
@@ -209,10 +184,10 @@ bool console_choice(void *console, const char *line, unsigned n, struct text *wo
         size_t width = 0;
         while (width < size && kinds[width] != '|')
             width++;
-        unsigned there = kind_choice(c, kinds, width, &t, n, word);
-        if (n < there)
+        unsigned choices = kind_choice(c, kinds, width, &t, n, word);
+        if (n < choices)
             return true;
-        n -= there;
+        n -= choices;
         width += width < size; /* past the bar */
         kinds += width;
         size -= width;
