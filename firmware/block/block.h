@@ -67,7 +67,7 @@ struct block_setup {
     const void *settings; /* of the kind: block/settings.h, or the struct its parameters fill */
     float interval_s;     /* of its steps, [0.001, 1e5] s */
     uint8_t members;      /* up to BLOCK_MEMBERS_MAX */
-    uint8_t there;        /* bit k: there is a member k */
+    uint8_t present;      /* bit k: there is a member k */
     uint8_t inputs, points;
     struct block_member member[BLOCK_MEMBERS_MAX];
     /* Of blocks with a record. Where any of these has another span the block begins without a past. */

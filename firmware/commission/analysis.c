@@ -147,7 +147,7 @@ static void identity(struct matrix *d, uint8_t n)
     memset(d, 0, sizeof *d);
     d->rows = d->cols = n;
     for (uint8_t k = 0; k < n; k++)
-        d->at[k][k] = REAL_C(1.0);
+        d->value[k][k] = REAL_C(1.0);
 }
 
 /* Designs a decoupler for a block that single loops would control badly. */
@@ -174,7 +174,7 @@ static void decouple_block(struct analysis *a, const struct block *block)
         a->decoupler = DECOUPLER_USED;
     for (uint8_t i = 0; i < part.n; i++)
         for (uint8_t j = 0; j < part.n; j++)
-            a->d.at[place[i]][place[j]] = a->work.decoupler.result.d.at[i][j];
+            a->d.value[place[i]][place[j]] = a->work.decoupler.result.d.value[i][j];
 }
 
 /* The firmware takes a decoupler whose every part has an inverse: any loop may go to manual. */
@@ -183,7 +183,7 @@ static bool firmware_takes(const struct matrix *d)
     float matrix[DECOUPLER_MAX][DECOUPLER_MAX] = {{0.0f}};
     for (unsigned i = 0; i < d->rows; i++)
         for (unsigned j = 0; j < d->cols; j++)
-            matrix[i][j] = (float)d->at[i][j];
+            matrix[i][j] = (float)d->value[i][j];
     return plan_accepts_matrix(matrix, (uint8_t)d->rows);
 }
 

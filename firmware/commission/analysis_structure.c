@@ -188,7 +188,7 @@ void analysis_ask_second(struct analysis *a)
     if (measure_compute(plant, &a->pairs, a->config.h_s, &a->work.second.work, m) != ERR_OK)
         return;
     for (uint8_t k = 0; k < a->pairs.n; k++)
-        a->layout.pair_phi[k] = m->phi.at[k][k];
+        a->layout.pair_phi[k] = m->phi.value[k][k];
     a->layout.second =
         measure_agrees(m, &a->work.second.assignment) ? SECOND_AGREES : SECOND_DIFFERS;
 }

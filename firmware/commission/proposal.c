@@ -89,7 +89,7 @@ enum err proposal_write(const struct commission *c, struct config *config)
         strncpy(l->out, out, sizeof l->out - 1);
         proposal_name_loop(config, place[k], pv, out);
         for (uint8_t j = 0; j < n && decoupled; j++)
-            config->decoupler[place[k]][place[j]] = (float)a->d.at[k][j];
+            config->decoupler[place[k]][place[j]] = (float)a->d.value[k][j];
     }
     return proposal_add_structure(c, config, place);
 }

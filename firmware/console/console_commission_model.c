@@ -183,7 +183,7 @@ bool commission_gains_line(struct client *c, unsigned n, struct text *line)
     text_str(line, commission_measurement(c, n - 1u)->name);
     for (unsigned k = 0; k < a->plant.inputs; k++) {
         text_char(line, ' ');
-        text_float(line, (float)a->lambda.at[n - 1u][k]);
+        text_float(line, (float)a->lambda.value[n - 1u][k]);
     }
     return true;
 }

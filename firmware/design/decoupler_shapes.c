@@ -16,20 +16,21 @@ static enum err finish_shape(const struct matrix *gains, struct decoupler_shape 
     size_t n = gains->rows;
     shape->d.rows = shape->d.cols = gains->rows;
     for (size_t k = 0; k < n; k++) {
-        real_t own = shape->d.at[k][k];
+        real_t own = shape->d.value[k][k];
         for (size_t i = 0; i < n; i++)
-            if (!(real_abs(shape->d.at[i][k]) <= REAL_C(1e6) * real_abs(own)) || own == REAL_C(0.0))
+            if (!(real_abs(shape->d.value[i][k]) <= REAL_C(1e6) * real_abs(own)) ||
+                own == REAL_C(0.0))
                 return ERR_SINGULAR;
         for (size_t i = 0; i < n; i++)
-            shape->d.at[i][k] /= own;
+            shape->d.value[i][k] /= own;
     }
     enum err err = matrix_multiply(gains, &shape->d, &shape->seen);
     for (size_t k = 0; k < n && !err; k++) {
-        real_t most = REAL_C(0.0), own = shape->seen.at[k][k], size = REAL_C(0.0);
+        real_t most = REAL_C(0.0), own = shape->seen.value[k][k], size = REAL_C(0.0);
         for (size_t l = 0; l < n; l++) {
-            size += real_abs(gains->at[k][l] * shape->d.at[l][k]);
-            if (l != k && real_abs(shape->seen.at[k][l]) > most)
-                most = real_abs(shape->seen.at[k][l]);
+            size += real_abs(gains->value[k][l] * shape->d.value[l][k]);
+            if (l != k && real_abs(shape->seen.value[k][l]) > most)
+                most = real_abs(shape->seen.value[k][l]);
         }
         if (!(real_abs(own) > (real_t)n * REAL_EPSILON * size))
             return ERR_SINGULAR;
@@ -56,7 +57,8 @@ enum err decoupler_partial(const struct matrix *gains,
         return err;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
-            shape->d.at[k][l] = work->inverse.at[k][l] * (k == l ? REAL_C(1.0) : factor[k][l]);
+            shape->d.value[k][l] =
+                work->inverse.value[k][l] * (k == l ? REAL_C(1.0) : factor[k][l]);
     return finish_shape(gains, shape);
 }
 
@@ -75,23 +77,23 @@ enum err decoupler_one_way(const struct matrix *gains, const uint8_t *rank,
         return ERR_RANGE;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
-            shape->d.at[k][l] = k == l ? REAL_C(1.0) : REAL_C(0.0);
+            shape->d.value[k][l] = k == l ? REAL_C(1.0) : REAL_C(0.0);
     /* Loop rank[l] moves the inputs of those before it so that their outputs stay. */
     for (size_t l = 1; l < n; l++) {
         struct matrix *before = &work->inverse;
         real_t x[MATRIX_MAX];
         before->rows = before->cols = (uint8_t)l;
         for (size_t i = 0; i < l; i++) {
-            x[i] = -gains->at[rank[i]][rank[l]];
+            x[i] = -gains->value[rank[i]][rank[l]];
             for (size_t j = 0; j < l; j++)
-                before->at[i][j] = gains->at[rank[i]][rank[j]];
+                before->value[i][j] = gains->value[rank[i]][rank[j]];
         }
         err = lu_factor(before, &work->pseudo.lu);
         if (err)
             return err;
         lu_solve(&work->pseudo.lu, x, x);
         for (size_t i = 0; i < l; i++)
-            shape->d.at[rank[i]][rank[l]] = x[i];
+            shape->d.value[rank[i]][rank[l]] = x[i];
     }
     return finish_shape(gains, shape);
 }
@@ -122,8 +124,8 @@ enum err decoupler_by_directions(const struct matrix *gains, real_t condition_hi
         for (size_t j = 0; j < n; j++) {
             real_t sum = REAL_C(0.0);
             for (size_t k = 0; k < n; k++)
-                sum += svd->v.at[i][k] * inverse[k] * svd->u.at[j][k];
-            shape->d.at[i][j] = sum;
+                sum += svd->v.value[i][k] * inverse[k] * svd->u.value[j][k];
+            shape->d.value[i][j] = sum;
         }
     return finish_shape(gains, shape);
 }

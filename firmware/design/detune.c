@@ -56,7 +56,7 @@ static struct fopdt decoupled(const struct detune *d, size_t k)
     real_t lag_hi = own->time_constant_s, lag_lo = own->time_constant_s;
     for (size_t j = 0; j < loops->pairs.n; j++) {
         const struct fopdt *e = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[j]];
-        real_t part = e->gain * loops->decoupler->at[j][k];
+        real_t part = e->gain * loops->decoupler->value[j][k];
         if (real_abs(part) <= REAL_C(0.0))
             continue;
         gain += part;
@@ -83,7 +83,7 @@ static enum err set_models(struct detune *d, struct interact_refusal *reason)
         return ERR_SINGULAR;
     for (size_t k = 0; k < loops->pairs.n; k++) {
         struct fopdt *m = &d->model[k];
-        real_t lambda = d->work.begin.lambda.at[k][k];
+        real_t lambda = d->work.begin.lambda.value[k][k];
         *m = d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
         if (loops->decoupler)
             *m = decoupled(d, k);
@@ -119,7 +119,7 @@ static real_t passes_from(const struct detune *d, size_t j, size_t k)
         return passes(d, j, p->input[k]);
     real_t sum = REAL_C(0.0);
     for (size_t l = 0; l < p->n; l++)
-        sum += passes(d, j, p->input[l]) * d->loops.decoupler->at[l][k];
+        sum += passes(d, j, p->input[l]) * d->loops.decoupler->value[l][k];
     return sum;
 }
 
@@ -205,7 +205,7 @@ static enum err begin_part(struct detune *d)
         d->part_decoupler.rows = d->part_decoupler.cols = part->pairs.n;
         for (size_t i = 0; i < part->pairs.n; i++)
             for (size_t j = 0; j < part->pairs.n; j++)
-                d->part_decoupler.at[i][j] = all->decoupler->at[d->place[i]][d->place[j]];
+                d->part_decoupler.value[i][j] = all->decoupler->value[d->place[i]][d->place[j]];
         part->decoupler = &d->part_decoupler;
     }
     d->lo = REAL_C(1.0);

@@ -133,18 +133,18 @@ void loops_open(const struct loops *loops, const struct loops_sampled *sampled, 
         for (size_t l = 0; l < n; l++)
             row[l] = element_response(sampled, k, l, angle, z_less_1);
         for (size_t l = 0; l < n; l++) {
-            open->at[k][l] = row[l];
+            open->value[k][l] = row[l];
             if (!loops->decoupler)
                 continue;
-            open->at[k][l] = cplx(REAL_C(0.0), REAL_C(0.0));
+            open->value[k][l] = cplx(REAL_C(0.0), REAL_C(0.0));
             for (size_t j = 0; j < n; j++)
-                open->at[k][l] =
-                    cplx_add(open->at[k][l], cplx_scale(row[j], loops->decoupler->at[j][l]));
+                open->value[k][l] =
+                    cplx_add(open->value[k][l], cplx_scale(row[j], loops->decoupler->value[j][l]));
         }
     }
     for (size_t l = 0; l < n; l++) {
         struct cplx c = loops_controller(loops, (uint8_t)l, sampled->step_s, z_less_1);
         for (size_t k = 0; k < n; k++)
-            open->at[k][l] = cplx_mul(open->at[k][l], c);
+            open->value[k][l] = cplx_mul(open->value[k][l], c);
     }
 }

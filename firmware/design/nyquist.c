@@ -59,8 +59,8 @@ static real_t open_bound(const struct cmatrix *open)
     for (size_t i = 0; i < open->rows; i++) {
         real_t r = REAL_C(0.0), c = REAL_C(0.0);
         for (size_t j = 0; j < open->cols; j++) {
-            r += cplx_abs(open->at[i][j]);
-            c += cplx_abs(open->at[j][i]);
+            r += cplx_abs(open->value[i][j]);
+            c += cplx_abs(open->value[j][i]);
         }
         row = r > row ? r : row;
         col = c > col ? c : col;
@@ -76,7 +76,7 @@ static real_t dead_time(const struct nyquist *n)
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++) {
             real_t dead = n->plant->element[pairs->output[k]][pairs->input[l]].dead_time_s;
-            if (dead > longest && cplx_square(n->open.at[k][l]) >= NOTED * NOTED)
+            if (dead > longest && cplx_square(n->open.value[k][l]) >= NOTED * NOTED)
                 longest = dead;
         }
     return longest;
@@ -96,11 +96,11 @@ static enum err evaluate_point(struct nyquist *n, real_t w, struct point *p)
     size_t size = n->loops->pairs.n;
     for (size_t i = 0; i < size; i++)
         for (size_t j = 0; j < size; j++)
-            n->open.at[i][j] = cplx_scale(n->open.at[i][j], n->gain_times);
+            n->open.value[i][j] = cplx_scale(n->open.value[i][j], n->gain_times);
     p->bound = open_bound(&n->open);
     p->dead_s = dead_time(n);
     for (size_t i = 0; i < size; i++)
-        n->open.at[i][i].re += REAL_C(1.0);
+        n->open.value[i][i].re += REAL_C(1.0);
     enum err err = clu_factor(&n->open, &n->lu);
     if (err)
         return err;

@@ -41,9 +41,9 @@ static enum err check_placement(const struct polynomial *a, const struct polynom
         {"observer", "0 to 0.95", real_within(goal->observer, REAL_C(0.0), REAL_C(0.95))},
         {"condition_hi", "10 to 1e6", real_within(goal->condition_hi, REAL_C(10.0), REAL_C(1e6))},
         {"a", "a polynomial that begins with 1",
-         polynomial_check(a) == ERR_OK && a->n > 0 && a->at[0] == REAL_C(1.0)},
+         polynomial_check(a) == ERR_OK && a->n > 0 && a->value[0] == REAL_C(1.0)},
         {"b", "a polynomial that begins with 0",
-         polynomial_check(b) == ERR_OK && b->n > 1 && b->at[0] == REAL_C(0.0)},
+         polynomial_check(b) == ERR_OK && b->n > 1 && b->value[0] == REAL_C(0.0)},
     };
     for (size_t k = 0; k < sizeof rule / sizeof rule[0]; k++)
         if (!rule[k].fine)
@@ -72,7 +72,7 @@ static real_t step_peak(const struct polynomial *f, real_t at_rest, struct pair_
            y2 = REAL_C(0.0), peak = REAL_C(0.0);
     for (unsigned t = 0; t < SAMPLES; t++) {
         if (t < f->n)
-            sum += f->at[t];
+            sum += f->value[t];
         real_t y = gain * sum - m.m1 * y1 - m.m2 * y2;
         real_t size = magnitude ? real_abs(y) : y;
         peak = size > peak ? size : peak;
@@ -115,9 +115,9 @@ static void take_observer(const struct pole_placement_goal *goal, unsigned order
     const real_t one = REAL_C(1.0);
     polynomial_set(o, &one, 1);
     for (unsigned k = 0; k < order && goal->observer > REAL_C(0.0); k++) {
-        o->at[o->n] = REAL_C(0.0);
+        o->value[o->n] = REAL_C(0.0);
         for (unsigned i = o->n; i > 0; i--)
-            o->at[i] -= goal->observer * o->at[i - 1];
+            o->value[i] -= goal->observer * o->value[i - 1];
         o->n++;
     }
 }
@@ -126,7 +126,7 @@ static void take_observer(const struct pole_placement_goal *goal, unsigned order
 
 static real_t coefficient_of(const struct polynomial *p, unsigned k)
 {
-    return k < p->n ? p->at[k] : REAL_C(0.0);
+    return k < p->n ? p->value[k] : REAL_C(0.0);
 }
 
 /* Row k is of z^-(k + 1); unknown are p[1] to p[nb - 1], then q[0] to q[na]. */
@@ -138,7 +138,7 @@ static void set_equations(const struct polynomial *ak, const struct polynomial *
         for (unsigned col = 0; col < m->cols; col++) {
             unsigned power = row + 1;
             unsigned less = col + 1 < nb ? col + 1 : col + 1 - nb;
-            m->at[row][col] =
+            m->value[row][col] =
                 power < less ? REAL_C(0.0) : coefficient_of(col + 1 < nb ? ak : b, power - less);
         }
 }
@@ -152,7 +152,7 @@ static enum err solve_equations(struct pole_placement_work *w, real_t *x, real_t
     w->scaled.rows = w->scaled.cols = m->rows;
     for (unsigned i = 0; i < m->rows; i++)
         for (unsigned j = 0; j < m->cols; j++)
-            w->scaled.at[i][j] = row[i] * m->at[i][j] * col[j];
+            w->scaled.value[i][j] = row[i] * m->value[i][j] * col[j];
     enum err err = svd_decompose(&w->svd, &w->scaled);
     if (err)
         return err;
@@ -188,7 +188,7 @@ static struct cplx on_circle(const struct polynomial *p, struct cplx z_inverse)
     struct cplx value = cplx(REAL_C(0.0), REAL_C(0.0));
     for (unsigned k = p->n; k-- > 0;) {
         value = cplx_mul(value, z_inverse);
-        value.re += p->at[k];
+        value.re += p->value[k];
     }
     return value;
 }
@@ -221,9 +221,9 @@ static enum err place_poles(const struct polynomial *ak, const struct polynomial
     if (err || !(result->condition <= goal->condition_hi))
         return refuse_placement(reason, ERR_SINGULAR, "a", "without a zero that b has, or nearly");
     result->p.n = (uint8_t)nb;
-    result->p.at[0] = REAL_C(1.0);
+    result->p.value[0] = REAL_C(1.0);
     for (unsigned k = 1; k < nb; k++)
-        result->p.at[k] = x[k - 1];
+        result->p.value[k] = x[k - 1];
     polynomial_set(&result->q, &x[nb - 1], na + 1);
     return ERR_OK;
 }
@@ -241,7 +241,7 @@ enum err pole_placement_design(const struct polynomial *a, const struct polynomi
     /* Whatever returns an error without a reason of its own leaves this one. */
     *reason = (struct pole_placement_refusal){"model", "one that can be designed for"};
     struct polynomial den = *a, num = *b, ak = {0};
-    const struct polynomial k = {.n = 2, .at = {REAL_C(1.0), REAL_C(-1.0)}};
+    const struct polynomial k = {.n = 2, .value = {REAL_C(1.0), REAL_C(-1.0)}};
     *result = (struct pole_placement){0};
     polynomial_trim(&den);
     polynomial_trim(&num);
@@ -260,7 +260,7 @@ enum err pole_placement_design(const struct polynomial *a, const struct polynomi
     if (err)
         return err;
     struct pair_of_poles m = poles_at(result->radius, result->angle);
-    const struct polynomial pair = {.n = 3, .at = {REAL_C(1.0), m.m1, m.m2}};
+    const struct polynomial pair = {.n = 3, .value = {REAL_C(1.0), m.m1, m.m2}};
     unsigned order = den.n - 1u, room = den.n - 1u + num.n - 1u;
     if (room < 2)
         return refuse_placement(reason, ERR_RANGE, "a",
@@ -275,7 +275,7 @@ enum err pole_placement_design(const struct polynomial *a, const struct polynomi
     real_t factor =
         polynomial_value(&result->q, REAL_C(1.0)) / polynomial_value(&result->r, REAL_C(1.0));
     for (unsigned i = 0; i < result->r.n; i++)
-        result->r.at[i] *= factor;
+        result->r.value[i] *= factor;
     *reason = (struct pole_placement_refusal){"", ""};
     return ERR_OK;
 }
@@ -284,7 +284,7 @@ enum err pole_placement_judge(const struct polynomial *a, const struct polynomia
                               struct pole_placement *result)
 {
     struct polynomial den = *a, num = *b, ak = {0};
-    const struct polynomial k = {.n = 2, .at = {REAL_C(1.0), REAL_C(-1.0)}};
+    const struct polynomial k = {.n = 2, .value = {REAL_C(1.0), REAL_C(-1.0)}};
     polynomial_trim(&den);
     polynomial_trim(&num);
     enum err err = polynomial_add_product(&ak, REAL_C(1.0), &den, &k);

@@ -54,9 +54,9 @@ static void take_model(const struct difference_model *model, struct polynomial_m
         for (unsigned k = 0; k < 100 && most * scale > REAL_C(1.0); k++)
             scale *= REAL_C(0.5);
         for (unsigned j = 0; j < b->cols; j++) {
-            polynomial_set(&b->at[i][j], model->b[i][j], model->nb);
+            polynomial_set(&b->value[i][j], model->b[i][j], model->nb);
             for (unsigned k = 0; k < model->nb; k++)
-                b->at[i][j].at[k] *= scale;
+                b->value[i][j].value[k] *= scale;
         }
     }
 }
@@ -66,11 +66,11 @@ enum err polynomial_decoupler_zeros(struct polynomial_decoupler *d)
 {
     struct polynomial backwards = {.n = d->det.n};
     for (unsigned k = 0; k < backwards.n; k++)
-        backwards.at[k] = d->det.at[backwards.n - 1u - k];
+        backwards.value[k] = d->det.value[backwards.n - 1u - k];
     enum err err = polynomial_find_roots(&backwards, &d->zeros);
     d->outermost = REAL_C(0.0);
     for (unsigned k = 0; k < d->zeros.n && !err; k++) {
-        real_t size = cplx_abs(d->zeros.at[k]) + d->zeros.radius[k];
+        real_t size = cplx_abs(d->zeros.value[k]) + d->zeros.radius[k];
         if (size > d->outermost)
             d->outermost = size;
     }
@@ -106,21 +106,21 @@ static enum err normalise_column(const struct polynomial_decoupler_config *c,
                                  struct polynomial_matrix *g, unsigned k, unsigned *taken,
                                  real_t *scale, struct polynomial_decoupler_refusal *reason)
 {
-    real_t rest = polynomial_value(&g->at[k][k], REAL_C(1.0));
+    real_t rest = polynomial_value(&g->value[k][k], REAL_C(1.0));
     *taken = POLYNOMIAL_MOST;
     for (unsigned i = 0; i < g->rows; i++)
-        if (g->at[i][k].n && polynomial_delay(&g->at[i][k]) < *taken)
-            *taken = polynomial_delay(&g->at[i][k]);
+        if (g->value[i][k].n && polynomial_delay(&g->value[i][k]) < *taken)
+            *taken = polynomial_delay(&g->value[i][k]);
     for (unsigned i = 0; i < g->rows; i++)
-        if (!(polynomial_size(&g->at[i][k]) <= c->element_hi * real_abs(rest)) ||
+        if (!(polynomial_size(&g->value[i][k]) <= c->element_hi * real_abs(rest)) ||
             rest == REAL_C(0.0))
             return refuse_decoupler(reason, ERR_SINGULAR, "element",
                                     "within bounds where a loop moves its own input by 1", i, k);
     *scale = REAL_C(1.0) / rest;
     for (unsigned i = 0; i < g->rows; i++) {
-        polynomial_advance(&g->at[i][k], *taken);
-        for (unsigned l = 0; l < g->at[i][k].n; l++)
-            g->at[i][k].at[l] *= *scale;
+        polynomial_advance(&g->value[i][k], *taken);
+        for (unsigned l = 0; l < g->value[i][k].n; l++)
+            g->value[i][k].value[l] *= *scale;
     }
     return ERR_OK;
 }
@@ -133,13 +133,13 @@ static void find_numerator(const struct difference_model *model, const struct po
     real_t row = REAL_C(1.0);
     for (unsigned j = 0; j < b->cols; j++)
         for (unsigned k = 0; k < model->nb; k++)
-            if (b->at[i][j].at[k] != REAL_C(0.0))
-                row = model->b[i][j][k] / b->at[i][j].at[k];
+            if (b->value[i][j].value[k] != REAL_C(0.0))
+                row = model->b[i][j][k] / b->value[i][j].value[k];
     h->n = 0;
     for (; h->n < delay; h->n++)
-        h->at[h->n] = REAL_C(0.0);
+        h->value[h->n] = REAL_C(0.0);
     for (unsigned k = 0; k < d->det.n; k++)
-        h->at[h->n++] = d->det.at[k] * scale * row;
+        h->value[h->n++] = d->det.value[k] * scale * row;
 }
 
 enum err polynomial_decoupler_check(const struct difference_model *model,

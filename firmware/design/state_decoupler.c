@@ -48,7 +48,7 @@ static enum err check_goal(const struct state_decoupler_goal *g, size_t loops,
 static void output_row(const struct matrix *c, size_t i, real_t *row)
 {
     for (size_t k = 0; k < STATE_MODEL_STATES; k++)
-        row[k] = k < c->cols ? c->at[i][k] : REAL_C(0.0);
+        row[k] = k < c->cols ? c->value[i][k] : REAL_C(0.0);
 }
 
 /* to <- row times a matrix. */
@@ -57,7 +57,7 @@ static void multiply_row(const real_t *row, const struct matrix *by, real_t *to)
     for (size_t j = 0; j < by->cols; j++) {
         to[j] = REAL_C(0.0);
         for (size_t k = 0; k < by->rows; k++)
-            to[j] += row[k] * by->at[k][j];
+            to[j] += row[k] * by->value[k][j];
     }
 }
 
@@ -80,7 +80,7 @@ static real_t largest_cosine(const struct matrix *b, const real_t *row, const re
     for (size_t j = 0; j < b->cols; j++) {
         real_t column[STATE_MODEL_STATES] = {REAL_C(0.0)};
         for (size_t k = 0; k < b->rows; k++)
-            column[k] = b->at[k][j];
+            column[k] = b->value[k][j];
         real_t both = size * norm_of(column, b->rows);
         if (both > REAL_C(0.0) && real_abs(moved[j]) / both > largest)
             largest = real_abs(moved[j]) / both;
@@ -98,7 +98,7 @@ static enum err keep_row(struct matrix *chain, const real_t *row, size_t loop,
         return refuse_state(reason, ERR_SINGULAR, "output",
                             "moved by an input, by other states than the outputs before", loop);
     for (size_t k = 0; k < chain->cols; k++)
-        chain->at[chain->rows][k] = row[k] / size;
+        chain->value[chain->rows][k] = row[k] / size;
     chain->rows++;
     return ERR_OK;
 }
@@ -116,13 +116,13 @@ static enum err find_index(const struct state_model *model,
         enum err err = keep_row(&work->chain, row, i, reason);
         if (err)
             return err;
-        multiply_row(row, &model->b, d->b_star.at[i]);
+        multiply_row(row, &model->b, d->b_star.value[i]);
         multiply_row(row, &model->a, next);
-        real_t cosine = largest_cosine(&model->b, row, d->b_star.at[i]);
+        real_t cosine = largest_cosine(&model->b, row, d->b_star.value[i]);
         if (cosine > config->row_lo) {
             d->index[i] = (uint8_t)j;
             for (size_t k = 0; k < n; k++)
-                d->a_star.at[i][k] = next[k];
+                d->a_star.value[i][k] = next[k];
             return ERR_OK;
         }
         if (cosine > d->neglected)
@@ -143,7 +143,7 @@ static enum err judge_b_star(const struct state_decoupler_config *config,
     work->invariant = d->b_star;
     for (size_t i = 0; i < d->loops; i++)
         for (size_t j = 0; j < d->loops; j++)
-            work->invariant.at[i][j] *= r[i] * c[j];
+            work->invariant.value[i][j] *= r[i] * c[j];
     enum err err = svd_decompose(&work->at.svd, &work->invariant);
     if (err)
         return err;
@@ -164,10 +164,10 @@ static void solve_columns(const struct lu *lu, size_t loops, struct matrix *to)
     for (size_t j = 0; j < to->cols; j++) {
         real_t column[MATRIX_MAX];
         for (size_t i = 0; i < loops; i++)
-            column[i] = to->at[i][j];
+            column[i] = to->value[i][j];
         lu_solve(lu, column, column);
         for (size_t i = 0; i < loops; i++)
-            to->at[i][j] = column[i];
+            to->value[i][j] = column[i];
     }
 }
 
@@ -219,17 +219,17 @@ static void find_gains(const struct state_model *model, struct state_decoupler_w
         real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
         output_row(&model->c, i, row);
         for (size_t k = 0; k < n; k++) {
-            d->f.at[i][k] = work->invariant.at[i][k] = -d->a_star.at[i][k];
+            d->f.value[i][k] = work->invariant.value[i][k] = -d->a_star.value[i][k];
         }
         for (size_t j = 0; j <= d->index[i]; j++) {
             multiply_row(row, &model->a, next);
             for (size_t k = 0; k < n; k++) {
-                d->f.at[i][k] += d->m[i][j] * row[k];
+                d->f.value[i][k] += d->m[i][j] * row[k];
                 row[k] = next[k];
             }
         }
         for (size_t j = 0; j < loops; j++)
-            d->g.at[i][j] = i == j ? d->k_star[i] : REAL_C(0.0);
+            d->g.value[i][j] = i == j ? d->k_star[i] : REAL_C(0.0);
     }
     solve_columns(&work->lu, loops, &d->f);
     solve_columns(&work->lu, loops, &d->g);
@@ -256,7 +256,7 @@ static enum err find_feedforward(const struct state_model *model, enum state_fee
             }
             multiply_row(row, &model->e, next);
             for (size_t j = 0; j < d->tf.cols; j++)
-                d->tf.at[i][j] = -next[j];
+                d->tf.value[i][j] = -next[j];
         }
         solve_columns(&work->lu, loops, &d->tf);
         return ERR_OK;
@@ -267,7 +267,7 @@ static enum err find_feedforward(const struct state_model *model, enum state_fee
         err = matrix_multiply(inverse, &model->e, &d->tf);
     for (size_t i = 0; i < loops && !err; i++)
         for (size_t j = 0; j < d->tf.cols; j++)
-            d->tf.at[i][j] = -d->tf.at[i][j];
+            d->tf.value[i][j] = -d->tf.value[i][j];
     return err;
 }
 
@@ -278,10 +278,10 @@ static void count_needed(const struct state_decoupler_config *config, struct sta
     for (size_t i = 0; i < d->loops; i++) {
         real_t largest = REAL_C(0.0);
         for (size_t k = 0; k < d->states; k++)
-            if (real_abs(d->f.at[i][k]) > largest)
-                largest = real_abs(d->f.at[i][k]);
+            if (real_abs(d->f.value[i][k]) > largest)
+                largest = real_abs(d->f.value[i][k]);
         for (size_t k = 0; k < d->states; k++)
-            if (real_abs(d->f.at[i][k]) > config->weight_lo * largest)
+            if (real_abs(d->f.value[i][k]) > config->weight_lo * largest)
                 d->needed |= (uint16_t)(1u << k);
     }
     for (size_t k = 0; k < d->states; k++)

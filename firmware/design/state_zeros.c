@@ -14,15 +14,15 @@ static void move_hidden(const struct state_model *m, const struct matrix *invari
         for (size_t l = 0; l < m->b.cols; l++) {
             u[l] = REAL_C(0.0);
             for (size_t k = 0; k < n; k++)
-                u[l] += invariant->at[l][k] * v->at[k][first + col];
+                u[l] += invariant->value[l][k] * v->value[k][first + col];
         }
         for (size_t i = 0; i < n; i++) {
             real_t sum = REAL_C(0.0);
             for (size_t k = 0; k < n; k++)
-                sum += m->a.at[i][k] * v->at[k][first + col];
+                sum += m->a.value[i][k] * v->value[k][first + col];
             for (size_t l = 0; l < m->b.cols; l++)
-                sum += m->b.at[i][l] * u[l];
-            moved->at[i][col] = sum;
+                sum += m->b.value[i][l] * u[l];
+            moved->value[i][col] = sum;
         }
     }
 }
@@ -57,8 +57,8 @@ enum err state_zeros_find(const struct state_model *m, const struct matrix *chai
         for (size_t j = 0; j < zeros->n; j++) {
             real_t sum = REAL_C(0.0);
             for (size_t k = 0; k < n; k++)
-                sum += v->at[k][fixed + i] * w->moved.at[k][j];
-            w->modes.at[i][j] = cplx(sum, REAL_C(0.0));
+                sum += v->value[k][fixed + i] * w->moved.value[k][j];
+            w->modes.value[i][j] = cplx(sum, REAL_C(0.0));
             squares += sum * sum;
         }
     zeros->error = REAL_C(16.0) * (real_t)zeros->n * REAL_EPSILON * real_sqrt(squares);
@@ -84,31 +84,32 @@ enum err state_loop_radius(const struct state_model *m, const struct state_law *
     a->rows = a->cols = (uint8_t)all;
     for (size_t i = 0; i < all; i++)
         for (size_t j = 0; j < all; j++)
-            a->at[i][j] = cplx(i < n && j < n ? m->a.at[i][j] : REAL_C(0.0), REAL_C(0.0));
+            a->value[i][j] = cplx(i < n && j < n ? m->a.value[i][j] : REAL_C(0.0), REAL_C(0.0));
     /* moved: B G, and what each loop's setpoint would do is what its integral and its differences do. */
     enum err err = matrix_multiply(&m->b, law->g, &w->moved);
     for (size_t i = 0; i < n && !err; i++) {
         for (size_t j = 0; j < n; j++)
             for (size_t l = 0; l < loops; l++) {
                 real_t per_sample = law->derivative_s[l] / m->period_s;
-                a->at[i][j].re += m->b.at[i][l] * law->f->at[l][j] -
-                                  w->moved.at[i][l] * per_sample * m->c.at[l][j];
+                a->value[i][j].re += m->b.value[i][l] * law->f->value[l][j] -
+                                     w->moved.value[i][l] * per_sample * m->c.value[l][j];
             }
         for (size_t l = 0; l < loops; l++) {
             if (law->integral_s[l] > REAL_C(0.0))
-                a->at[i][integral[l]].re = w->moved.at[i][l];
+                a->value[i][integral[l]].re = w->moved.value[i][l];
             if (law->derivative_s[l] > REAL_C(0.0))
-                a->at[i][before[l]].re = w->moved.at[i][l] * law->derivative_s[l] / m->period_s;
+                a->value[i][before[l]].re =
+                    w->moved.value[i][l] * law->derivative_s[l] / m->period_s;
         }
     }
     for (size_t l = 0; l < loops && !err; l++) {
         if (law->integral_s[l] > REAL_C(0.0))
-            a->at[integral[l]][integral[l]].re = REAL_C(1.0);
+            a->value[integral[l]][integral[l]].re = REAL_C(1.0);
         for (size_t j = 0; j < n; j++) {
             if (law->integral_s[l] > REAL_C(0.0))
-                a->at[integral[l]][j].re = -m->c.at[l][j] * m->period_s / law->integral_s[l];
+                a->value[integral[l]][j].re = -m->c.value[l][j] * m->period_s / law->integral_s[l];
             if (law->derivative_s[l] > REAL_C(0.0))
-                a->at[before[l]][j].re = m->c.at[l][j];
+                a->value[before[l]][j].re = m->c.value[l][j];
         }
     }
     struct cplx value[STATE_MODEL_STATES];

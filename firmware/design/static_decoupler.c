@@ -53,15 +53,15 @@ static enum err check_bounds(const struct pairs *pairs, const struct static_deco
     size_t n = pairs->n;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++) {
-            real_t lambda = work->gains.at[k][l] * work->inverse.at[l][k];
+            real_t lambda = work->gains.value[k][l] * work->inverse.value[l][k];
             if (!real_within(real_abs(lambda), REAL_C(0.0), c->lambda_hi))
                 return refuse_element(reason, "relative gain",
                                       "small enough that inputs need not be exact", pairs, k, l);
         }
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
-            if (!(real_abs(work->inverse.at[l][k]) <=
-                  c->element_hi * real_abs(work->inverse.at[k][k])))
+            if (!(real_abs(work->inverse.value[l][k]) <=
+                  c->element_hi * real_abs(work->inverse.value[k][k])))
                 return refuse_element(reason, "element", "within the firmware's range", pairs, k,
                                       l);
     return ERR_OK;
@@ -99,16 +99,16 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
     result->d.rows = result->d.cols = pairs->n;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
-            result->d.at[l][k] = work->inverse.at[l][k] / work->inverse.at[k][k];
+            result->d.value[l][k] = work->inverse.value[l][k] / work->inverse.value[k][k];
     /* K D with K wrong by E is diag(gain) + E D. */
     result->left_sd = REAL_C(0.0);
     for (size_t k = 0; k < n; k++) {
-        result->gain[k] = REAL_C(1.0) / work->inverse.at[k][k];
+        result->gain[k] = REAL_C(1.0) / work->inverse.value[k][k];
         for (size_t l = 0; l < n; l++) {
             real_t sum = REAL_C(0.0);
             for (size_t j = 0; j < n; j++)
-                sum += gain_variance(plant, pairs, config->floor, k, j) * result->d.at[j][l] *
-                       result->d.at[j][l];
+                sum += gain_variance(plant, pairs, config->floor, k, j) * result->d.value[j][l] *
+                       result->d.value[j][l];
             real_t sd = real_sqrt(sum);
             if (l == k)
                 result->gain_sd[k] = sd;

@@ -89,7 +89,7 @@ static void control(struct trial *t)
         if (loops->decoupler) {
             u = REAL_C(0.0);
             for (size_t k = 0; k < n; k++)
-                u += loops->decoupler->at[l][k] * v[k];
+                u += loops->decoupler->value[l][k] * v[k];
         }
         if (real_abs(u) > t->loop[l].moved)
             t->loop[l].moved = real_abs(u);

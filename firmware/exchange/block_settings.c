@@ -28,7 +28,7 @@ const void *config_record(const struct config *config, uint8_t n)
 {
     if (config_block_kind(config, n) == NO_KIND)
         return NULL;
-    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].at;
+    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].offset;
 }
 
 void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])

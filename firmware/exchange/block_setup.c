@@ -21,7 +21,7 @@ void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b
     b->setup.settings = &l->own;
     b->setup.interval_s = plan->tick_s * (float)l->divisor;
     b->setup.members = 1;
-    b->setup.there = 1;
+    b->setup.present = 1;
     b->setup.member[0] =
         (struct block_member){i, plan->loop[i].mv != PLAN_NONE, m->hi - m->lo, 1.0f};
 }
@@ -33,10 +33,10 @@ void plan_setup_matrix(const struct plan *plan, struct block_setup *setup,
     setup->settings = matrix;
     setup->interval_s = plan->tick_s;
     setup->members = DECOUPLER_MAX;
-    setup->there = 0;
+    setup->present = 0;
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
         bool there = plan->loop[i].used && plan->loop[i].decouple;
-        setup->there = (uint8_t)(setup->there | (there ? 1u << i : 0u));
+        setup->present = (uint8_t)(setup->present | (there ? 1u << i : 0u));
         setup->member[i] =
             (struct block_member){i, true, 0.0f, there ? plan_own_reach(plan, i) : 0.0f};
     }
@@ -59,7 +59,7 @@ void plan_setup_element(const struct plan *plan, uint8_t k, struct block_instanc
     };
     b->setup.interval_s = plan->tick_s;
     b->setup.members = 1;
-    b->setup.there = 1;
+    b->setup.present = 1;
     b->setup.member[0] = (struct block_member){PLAN_NONE, true, hi - lo, 0.0f};
 }
 

@@ -277,7 +277,7 @@ struct block_config {
     char loops[BLOCK_LOOPS_SIZE];  /* it serves: names with one blank between them */
     char inputs[BLOCK_NAMES_SIZE]; /* further points it reads */
     char points[BLOCK_NAMES_SIZE]; /* points it writes */
-    uint16_t at,
+    uint16_t offset,
         bytes; /* the record in the pool; no bytes: the kind is unknown here, or found no room */
 };
 

@@ -76,7 +76,7 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
     setup->members = r->members;
     setup->inputs = r->inputs;
     setup->points = r->points;
-    setup->there = (uint8_t)((1u << r->members) - 1u);
+    setup->present = (uint8_t)((1u << r->members) - 1u);
     for (uint8_t k = 0; k < r->members; k++) {
         const struct loop_plan *p = &plan->loop[r->member[k]];
         const struct measurement_config *m = &plan->config.measurement[p->pv];

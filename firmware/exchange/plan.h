@@ -57,9 +57,9 @@ struct loop_plan {
 #define PLAN_BLOCKS   ((uint8_t)(SLOT_RECORDS + CONFIG_BLOCKS))
 
 struct block_place {
-    uint16_t at, grains; /* place of its state in the arena, and size, in grains */
-    uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is no block */
-    uint8_t spare;       /* bytes of the last grain that the state does not need */
+    uint16_t grain, grains; /* first grain of its state in the arena, and how many */
+    uint8_t kind;           /* in block_kinds[]; PLAN_NONE = there is no block */
+    uint8_t spare;          /* bytes of the last grain that the state does not need */
 };
 
 #define INFER_IS_ESTIMATE 0x80u

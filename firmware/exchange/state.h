@@ -206,10 +206,10 @@ struct loop_state {
 
 /* A block in force: where its state is, and what the tick remembers of it. */
 struct block_state {
-    uint16_t at, grains;  /* in the arena */
-    uint8_t kind;         /* in block_kinds[]; PLAN_NONE = there is none */
-    bool retune : 1;      /* new settings wait for the step that the old ones still make */
-    bool stepped : 1;     /* it has not been told yet what became of its last step */
+    uint16_t grain, grains; /* first one in the arena, and how many */
+    uint8_t kind;           /* in block_kinds[]; PLAN_NONE = there is none */
+    bool retune : 1;        /* new settings wait for the step that the old ones still make */
+    bool stepped : 1;       /* it has not been told yet what became of its last step */
     bool off : 1;         /* it has given up, or was switched off: the loops' own controllers act */
     bool must_follow : 1; /* before its next step */
     bool running : 1;     /* a feedforward element: has begun on a usable value */
@@ -231,20 +231,20 @@ _Static_assert(BLOCK_EVENTS_MAX < 16, "a bit for each, and one more");
 
 /* What a block excites: block_excitation.h. */
 struct excited {
-    uint8_t what, at; /* EXCITE_MV: which; EXCITE_SETPOINT: of which loop */
+    uint8_t what, index; /* EXCITE_MV: which; EXCITE_SETPOINT: of which loop */
     num_t amplitude, lo, hi;
 };
 
-struct excite_told {
+struct excite_answer {
     uint8_t state, reason;
 };
 
 struct excitation_state {
     uint8_t holder; /* number of the block that excites, from 1; 0 = none */
     uint8_t targets;
-    struct excite_told told[CONFIG_BLOCKS]; /* what became of each block's asking */
-    uint32_t modes;                         /* of all loops when it began, two bits each */
-    uint32_t asked;                         /* tick of the last asking */
+    struct excite_answer answer[CONFIG_BLOCKS]; /* what became of each block's asking */
+    uint32_t modes;                             /* of all loops when it began, two bits each */
+    uint32_t asked;                             /* tick of the last asking */
     struct excited target[BLOCK_EXCITES_MAX];
 };
 
@@ -260,7 +260,7 @@ struct proposal_slot {
     uint8_t block;
     _Atomic bool withdrawn; /* by its block: the main loop, which may be reading it, frees it */
     uint32_t plan;          /* serial */
-    struct block_proposal is;
+    struct block_proposal content;
 };
 
 /* A switch-off on its way from the tick, which has silenced the element and writes it while the place is free, to the main loop, which
@@ -275,7 +275,7 @@ enum switch_off_state {
 struct switch_off_slot {
     _Atomic uint8_t state; /* enum switch_off_state */
     uint8_t kind;          /* of the block that gave it: place in block_kinds[] */
-    struct block_switch_off is;
+    struct block_switch_off content;
 };
 #define SILENCED_BYTES (1 + CONFIG_BLOCKS) /* a bit for each switch_off_element() and term */
 _Static_assert(CONFIG_FEEDFORWARDS <= ELEMENT_TERMS, "their bits fit a byte");
@@ -362,9 +362,9 @@ struct supervisor {
 /* The state of the block in a slot of the plan in force. */
 static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
 {
-    REFLUX_ASSERT(slot < PLAN_BLOCKS && (uint32_t)s->block[slot].at + s->block[slot].grains <=
+    REFLUX_ASSERT(slot < PLAN_BLOCKS && (uint32_t)s->block[slot].grain + s->block[slot].grains <=
                                             PLAN_ARENA_BYTES / ARENA_GRAIN);
-    return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
+    return (uint8_t *)s->arena + s->block[slot].grain * ARENA_GRAIN;
 }
 
 #if CONFIG_BLOCKS

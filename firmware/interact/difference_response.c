@@ -44,7 +44,7 @@ enum err difference_response(const struct difference_model *model, real_t omega,
             return ERR_SINGULAR;
         for (size_t j = 0; j < model->inputs; j++) {
             struct cplx b = cplx_mul(sum_of_powers(model->b[i][j], model->nb, back), back);
-            response->at[i][j] = cplx_div(b, a);
+            response->value[i][j] = cplx_div(b, a);
         }
     }
     return ERR_OK;

@@ -20,7 +20,7 @@ static enum err decompose_scaled(struct gains *g)
     product->cols = g->k.cols;
     for (size_t i = 0; i < g->k.rows; i++)
         for (size_t j = 0; j < g->k.cols; j++)
-            product->at[i][j] = g->k.at[i][j] * g->row_scale[i] * g->col_scale[j];
+            product->value[i][j] = g->k.value[i][j] * g->row_scale[i] * g->col_scale[j];
     return svd_begin(&g->svd, product);
 }
 
@@ -38,8 +38,8 @@ enum err gains_begin(struct gains *g, const struct interact_plant *plant, real_t
     g->sd.cols = g->k.cols;
     for (size_t i = 0; i < g->k.rows; i++)
         for (size_t j = 0; j < g->k.cols; j++) {
-            real_t part = floor * g->k.at[i][j], sd = plant->gain_sd[i][j];
-            g->sd.at[i][j] = real_sqrt(sd * sd + part * part);
+            real_t part = floor * g->k.value[i][j], sd = plant->gain_sd[i][j];
+            g->sd.value[i][j] = real_sqrt(sd * sd + part * part);
         }
     g->rank = g->rank_exact = 0;
     g->condition = g->condition_scaled = g->smallest_in_sd = REAL_C(0.0);
@@ -65,7 +65,7 @@ static void rotate_variances(struct gains *g)
             real_t sum = REAL_C(0.0);
             for (size_t i = 0; i < p; i++) {
                 real_t part =
-                    g->svd.u.at[i][k] * g->sd.at[i][j] * g->row_scale[i] * g->col_scale[j];
+                    g->svd.u.value[i][k] * g->sd.value[i][j] * g->row_scale[i] * g->col_scale[j];
                 sum += part * part;
             }
             row[j] = sum;
@@ -73,8 +73,8 @@ static void rotate_variances(struct gains *g)
         for (size_t l = 0; l < m; l++) {
             real_t sum = REAL_C(0.0);
             for (size_t j = 0; j < m; j++)
-                sum += row[j] * g->svd.v.at[j][l] * g->svd.v.at[j][l];
-            g->scaled.at[k][l] = sum;
+                sum += row[j] * g->svd.v.value[j][l] * g->svd.v.value[j][l];
+            g->scaled.value[k][l] = sum;
         }
     }
 }
@@ -85,7 +85,7 @@ static void rank_in_noise(struct gains *g)
 {
     size_t n = smaller_side(g);
     rotate_variances(g);
-    real_t variance = g->scaled.at[n - 1][n - 1];
+    real_t variance = g->scaled.value[n - 1][n - 1];
     if (variance > REAL_C(0.0))
         g->smallest_in_sd = g->svd.s[n - 1] / real_sqrt(variance);
     size_t rank = 0;
@@ -95,8 +95,8 @@ static void rank_in_noise(struct gains *g)
             energy += g->svd.s[k] * g->svd.s[k];
         for (size_t k = rank; k < g->k.rows; k++)
             for (size_t l = rank; l < g->k.cols; l++) {
-                sum += g->scaled.at[k][l];
-                squares += g->scaled.at[k][l] * g->scaled.at[k][l];
+                sum += g->scaled.value[k][l];
+                squares += g->scaled.value[k][l] * g->scaled.value[k][l];
             }
         if (energy <= REAL_C(0.0))
             break;
@@ -111,7 +111,7 @@ static bool errors_known(const struct gains *g)
 {
     for (size_t i = 0; i < g->sd.rows; i++)
         for (size_t j = 0; j < g->sd.cols; j++)
-            if (g->sd.at[i][j] > REAL_C(0.0))
+            if (g->sd.value[i][j] > REAL_C(0.0))
                 return true;
     return false;
 }
@@ -177,7 +177,7 @@ enum err gains_null_input(const struct gains *g, unsigned k, real_t *x)
     if (k >= (unsigned)g->k.cols - g->rank)
         return ERR_RANGE;
     for (size_t j = 0; j < g->k.cols; j++)
-        x[j] = g->svd.v.at[j][g->rank + k] * g->col_scale[j];
+        x[j] = g->svd.v.value[j][g->rank + k] * g->col_scale[j];
     normalise(x, g->k.cols);
     return ERR_OK;
 }
@@ -189,7 +189,7 @@ enum err gains_null_output(const struct gains *g, unsigned k, real_t *y)
     if (k >= (unsigned)g->k.rows - g->rank)
         return ERR_RANGE;
     for (size_t i = 0; i < g->k.rows; i++)
-        y[i] = g->svd.u.at[i][g->rank + k] * g->row_scale[i];
+        y[i] = g->svd.u.value[i][g->rank + k] * g->row_scale[i];
     normalise(y, g->k.rows);
     return ERR_OK;
 }

@@ -16,7 +16,7 @@ enum err ina_identity(uint8_t n, struct matrix *g)
     g->rows = g->cols = n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            g->at[i][j] = i == j ? REAL_C(1.0) : REAL_C(0.0);
+            g->value[i][j] = i == j ? REAL_C(1.0) : REAL_C(0.0);
     return ERR_OK;
 }
 
@@ -32,7 +32,7 @@ enum err ina_operate(struct matrix *g, const struct ina_operation *operation)
     if (operation->kind == INA_SCALE && real_abs(by) < BY_LEAST)
         return ERR_RANGE;
     for (size_t i = 0; i < g->rows; i++) {
-        real_t *at = g->at[i], was = at[row];
+        real_t *at = g->value[i], was = at[row];
         switch (operation->kind) {
         case INA_ADD:
             at[other] -= by * was;
@@ -73,8 +73,8 @@ enum err ina_direct(const struct cmatrix *f, const struct matrix *g, struct cmat
         for (size_t j = 0; j < f->rows; j++) {
             struct cplx sum = cplx(REAL_C(0.0), REAL_C(0.0));
             for (size_t k = 0; k < f->rows; k++)
-                sum = cplx_add(sum, cplx_scale(f->at[i][k], g->at[k][j]));
-            h->at[i][j] = sum;
+                sum = cplx_add(sum, cplx_scale(f->value[i][k], g->value[k][j]));
+            h->value[i][j] = sum;
         }
     return ERR_OK;
 }
@@ -96,7 +96,7 @@ enum err ina_inverse(const struct cmatrix *f, const struct matrix *g, struct ina
             unit[i] = cplx(i == j ? REAL_C(1.0) : REAL_C(0.0), REAL_C(0.0));
         clu_solve(&work->lu, unit, column);
         for (size_t i = 0; i < n; i++)
-            inverse->at[i][j] = column[i];
+            inverse->value[i][j] = column[i];
     }
     return ERR_OK;
 }
@@ -105,10 +105,10 @@ real_t ina_dominance(const struct cmatrix *array, enum ina_by by, real_t *radius
 {
     real_t worst = REAL_C(0.0);
     for (size_t i = 0; i < array->rows; i++) {
-        real_t sum = REAL_C(0.0), own = cplx_abs(array->at[i][i]);
+        real_t sum = REAL_C(0.0), own = cplx_abs(array->value[i][i]);
         for (size_t j = 0; j < array->rows; j++)
             if (j != i)
-                sum += cplx_abs(by == INA_BY_ROWS ? array->at[i][j] : array->at[j][i]);
+                sum += cplx_abs(by == INA_BY_ROWS ? array->value[i][j] : array->value[j][i]);
         real_t part = own > REAL_C(0.0) ? sum / own : INFINITY;
         if (radius)
             radius[i] = sum;
@@ -144,7 +144,7 @@ static real_t projection(const struct ina_align_work *work, size_t i, size_t j)
 {
     real_t sum = REAL_C(0.0);
     for (size_t k = 0; k < work->stacked.cols; k++)
-        sum += work->stacked.at[i][k] * work->inverse.at[k][j];
+        sum += work->stacked.value[i][k] * work->inverse.value[k][j];
     return sum;
 }
 
@@ -158,8 +158,8 @@ enum err ina_align(const struct cmatrix *f, struct ina_align_work *work, struct 
     work->stacked.cols = f->rows;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
-            work->stacked.at[i][j] = f->at[i][j].re;
-            work->stacked.at[n + i][j] = f->at[i][j].im;
+            work->stacked.value[i][j] = f->value[i][j].re;
+            work->stacked.value[n + i][j] = f->value[i][j].im;
         }
     err = matrix_pseudo_inverse(&work->stacked, &work->pseudo, &work->inverse);
     if (err)
@@ -170,7 +170,8 @@ enum err ina_align(const struct cmatrix *f, struct ina_align_work *work, struct 
         best_angle(projection(work, j, j), projection(work, j, n + j),
                    projection(work, n + j, n + j), &cosine, &sine);
         for (size_t i = 0; i < n; i++)
-            g->at[i][j] = work->inverse.at[i][j] * cosine + work->inverse.at[i][n + j] * sine;
+            g->value[i][j] =
+                work->inverse.value[i][j] * cosine + work->inverse.value[i][n + j] * sine;
     }
     return ERR_OK;
 }
@@ -181,9 +182,9 @@ bool ina_normalise(struct matrix *g)
     for (size_t j = 0; j < g->cols; j++) {
         real_t largest = REAL_C(0.0);
         for (size_t i = 0; i < g->rows; i++)
-            if (real_abs(g->at[i][j]) > real_abs(largest))
-                largest = g->at[i][j];
-        real_t by = g->at[j][j];
+            if (real_abs(g->value[i][j]) > real_abs(largest))
+                largest = g->value[i][j];
+        real_t by = g->value[j][j];
         if (real_abs(by) < DIAGONAL_PART * real_abs(largest)) {
             by = largest;
             all = false;
@@ -193,7 +194,7 @@ bool ina_normalise(struct matrix *g)
             continue;
         }
         for (size_t i = 0; i < g->rows; i++)
-            g->at[i][j] /= by;
+            g->value[i][j] /= by;
     }
     return all;
 }

@@ -96,14 +96,14 @@ static real_t largest_lambda(struct ina_search *s, const real_t *k)
 {
     s->a.rows = s->a.cols = s->n;
     for (size_t m = 0; m < (size_t)s->n * s->n; m++)
-        s->a.at[m / s->n][m % s->n] = k[m];
+        s->a.value[m / s->n][m % s->n] = k[m];
     if (lu_factor(&s->a, &s->lu))
         return INFINITY;
     lu_inverse(&s->lu, &s->b);
     real_t largest = REAL_C(0.0);
     for (size_t i = 0; i < s->n; i++)
         for (size_t j = 0; j < s->n; j++) {
-            real_t lambda = real_abs(s->a.at[i][j] * s->b.at[j][i]);
+            real_t lambda = real_abs(s->a.value[i][j] * s->b.value[j][i]);
             largest = lambda > largest ? lambda : largest;
         }
     return largest;
@@ -122,7 +122,7 @@ static real_t judged_ratio(struct ina_search *s, const real_t *k, real_t limit)
 /* By rows, the row at hand; by columns all of K. */
 static const real_t *given_row(const struct ina_search *s, size_t at)
 {
-    return s->k.at[s->config.by == INA_BY_ROWS ? s->row : at / s->n] + at % s->n;
+    return s->k.value[s->config.by == INA_BY_ROWS ? s->row : at / s->n] + at % s->n;
 }
 
 static void scale_to_1(const struct ina_search *s, real_t *x)
@@ -141,7 +141,7 @@ static void sum_squares(struct ina_search *s, size_t row)
     s->a.rows = s->a.cols = s->b.rows = s->b.cols = s->n;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
-            s->a.at[k][l] = s->b.at[k][l] = REAL_C(0.0);
+            s->a.value[k][l] = s->b.value[k][l] = REAL_C(0.0);
     for (size_t point = 0; point < s->points; point++) {
         const struct cplx *f = s->inverse + point * n * n;
         real_t all = REAL_C(0.0);
@@ -153,9 +153,9 @@ static void sum_squares(struct ina_search *s, size_t row)
                     struct cplx p = f[k * n + j], q = f[l * n + j];
                     real_t part = (p.re * q.re + p.im * q.im) / all;
                     if (j == row)
-                        s->b.at[k][l] += part;
+                        s->b.value[k][l] += part;
                     else
-                        s->a.at[k][l] += part;
+                        s->a.value[k][l] += part;
                 }
     }
 }
@@ -169,13 +169,13 @@ static bool pseudo_diagonal(struct ina_search *s, size_t row, real_t *x)
     if (lu_factor(&s->a, &s->lu))
         return false;
     for (size_t k = 0; k < n; k++)
-        x[k] = s->k.at[row][k];
+        x[k] = s->k.value[row][k];
     for (unsigned round = 0; round < POWER_ROUNDS; round++) {
         real_t image[INA_MOST], square = REAL_C(0.0);
         for (size_t k = 0; k < n; k++) {
             image[k] = REAL_C(0.0);
             for (size_t l = 0; l < n; l++)
-                image[k] += s->b.at[k][l] * x[l];
+                image[k] += s->b.value[k][l] * x[l];
             square += image[k] * x[k];
         }
         if (!(square > REAL_C(0.0)))
@@ -284,7 +284,7 @@ static void store_rows(struct ina_search *s)
 {
     bool rows = s->config.by == INA_BY_ROWS;
     for (size_t m = 0; m < s->numbers; m++)
-        s->g.at[rows ? s->row : m / s->n][m % s->n] = s->best[m];
+        s->g.value[rows ? s->row : m / s->n][m % s->n] = s->best[m];
     for (size_t i = 0; i < s->n; i++)
         if (!rows || i == s->row)
             s->ratio[i] = s->size;
@@ -297,7 +297,7 @@ static enum err finish_search(struct ina_search *s)
 {
     real_t k[INA_MOST * INA_MOST];
     for (size_t m = 0; m < (size_t)s->n * s->n; m++)
-        k[m] = s->g.at[m / s->n][m % s->n];
+        k[m] = s->g.value[m / s->n][m % s->n];
     s->lambda = largest_lambda(s, k);
     /* By columns every K that was taken is within the bound, but for the rounding of this one. */
     real_t most = s->config.by == INA_BY_ROWS ? s->config.lambda_hi : ELEMENT_MOST;
@@ -311,11 +311,11 @@ static enum err finish_search(struct ina_search *s)
     real_t largest = REAL_C(0.0);
     for (size_t i = 0; i < s->n; i++)
         for (size_t j = 0; j < s->n; j++)
-            largest = real_abs(s->g.at[i][j]) > largest ? real_abs(s->g.at[i][j]) : largest;
+            largest = real_abs(s->g.value[i][j]) > largest ? real_abs(s->g.value[i][j]) : largest;
     for (size_t j = 0; j < s->n; j++) {
-        real_t by = s->g.at[j][j] < REAL_C(0.0) ? -largest : largest;
+        real_t by = s->g.value[j][j] < REAL_C(0.0) ? -largest : largest;
         for (size_t i = 0; i < s->n; i++)
-            s->g.at[i][j] /= by;
+            s->g.value[i][j] /= by;
     }
     return ERR_OK;
 }

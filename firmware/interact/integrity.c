@@ -25,10 +25,10 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
         for (unsigned j = 0; j < w->n; j++) {
             if (pairs->output[i] >= gains->rows || pairs->input[j] >= gains->cols)
                 return ERR_RANGE;
-            real_t own = gains->at[pairs->output[i]][pairs->input[i]];
+            real_t own = gains->value[pairs->output[i]][pairs->input[i]];
             if (real_abs(own) <= REAL_C(0.0))
                 return ERR_SINGULAR;
-            w->element[i * w->n + j] = gains->at[pairs->output[i]][pairs->input[j]] / own;
+            w->element[i * w->n + j] = gains->value[pairs->output[i]][pairs->input[j]] / own;
         }
     return ERR_OK;
 }
@@ -100,10 +100,10 @@ bool integrity_of_two(const struct matrix *gains, const struct pairs *pairs)
 {
     for (unsigned k = 0; k < pairs->n; k++)
         for (unsigned l = 0; l < k; l++) {
-            real_t own = gains->at[pairs->output[k]][pairs->input[k]] *
-                         gains->at[pairs->output[l]][pairs->input[l]];
-            real_t cross = gains->at[pairs->output[k]][pairs->input[l]] *
-                           gains->at[pairs->output[l]][pairs->input[k]];
+            real_t own = gains->value[pairs->output[k]][pairs->input[k]] *
+                         gains->value[pairs->output[l]][pairs->input[l]];
+            real_t cross = gains->value[pairs->output[k]][pairs->input[l]] *
+                           gains->value[pairs->output[l]][pairs->input[k]];
             if (!(cross / own < REAL_C(1.0)))
                 return false;
         }

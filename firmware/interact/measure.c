@@ -26,8 +26,8 @@ enum err measure_compute(const struct interact_plant *plant, const struct pairs 
         return err;
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++)
-            work->gains.at[k][l] =
-                work->gains.at[k][l] /
+            work->gains.value[k][l] =
+                work->gains.value[k][l] /
                 residence_at_least(&plant->element[pairs->output[k]][pairs->input[l]], shortest_s);
     err = rga_compute(&work->gains, &work->rga, &result->phi);
     if (err)
@@ -35,9 +35,9 @@ enum err measure_compute(const struct interact_plant *plant, const struct pairs 
     result->gamma.rows = result->gamma.cols = pairs->n;
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++) {
-            real_t lambda = result->lambda.at[k][l];
-            result->gamma.at[k][l] =
-                real_abs(lambda) > REAL_C(1e-9) ? result->phi.at[k][l] / lambda : REAL_C(0.0);
+            real_t lambda = result->lambda.value[k][l];
+            result->gamma.value[k][l] =
+                real_abs(lambda) > REAL_C(1e-9) ? result->phi.value[k][l] / lambda : REAL_C(0.0);
         }
     return ERR_OK;
 }
@@ -49,7 +49,7 @@ bool measure_agrees(const struct measure *m, struct assignment *work)
     work->rows = work->cols = m->phi.rows;
     for (size_t k = 0; k < m->phi.rows; k++)
         for (size_t l = 0; l < m->phi.rows; l++) {
-            real_t phi = m->phi.at[k][l];
+            real_t phi = m->phi.value[k][l];
             bool positive = phi > REAL_C(1e-9) && phi < REAL_C(1e9);
             work->cost[k][l] =
                 positive ? (int32_t)(real_abs(real_log(phi)) * REAL_C(1e4)) : ASSIGNMENT_FORBIDDEN;
@@ -67,7 +67,7 @@ enum err measure_equivalent(const struct measure *m, const struct interact_plant
 {
     if (k >= pairs->n || k >= m->lambda.rows)
         return ERR_RANGE;
-    real_t lambda = m->lambda.at[k][k], gamma = m->gamma.at[k][k];
+    real_t lambda = m->lambda.value[k][k], gamma = m->gamma.value[k][k];
     if (!(lambda > REAL_C(0.0)) || !(gamma > REAL_C(0.0)))
         return ERR_RANGE;
     const struct fopdt *own = &plant->element[pairs->output[k]][pairs->input[k]];

@@ -69,7 +69,7 @@ static void take_gains(struct pairing *p)
             real_t part = p->floor * gain;
             if (p->drawing)
                 gain += real_sqrt(sd * sd + part * part) * random_normal(&p->random);
-            p->gains.at[i][j] = gain;
+            p->gains.value[i][j] = gain;
         }
     p->gains.rows = p->plant->outputs;
     p->gains.cols = p->plant->inputs;
@@ -90,7 +90,7 @@ static void take_allowed(struct pairing *p)
     p->square.cols = cols;
     for (size_t i = 0; i < rows; i++)
         for (size_t j = 0; j < cols; j++)
-            p->square.at[i][j] = p->gains.at[p->kept.output[i]][p->kept.input[j]];
+            p->square.value[i][j] = p->gains.value[p->kept.output[i]][p->kept.input[j]];
 }
 
 /* Leaves as many of the n channels as there are on the other side, those with the largest sums; of equals the first. */
@@ -123,7 +123,7 @@ static enum err choose_square(struct pairing *p)
         for (uint8_t k = 0; k < n; k++) {
             sum[k] = REAL_C(0.0);
             for (uint8_t l = 0; l < wanted; l++)
-                sum[k] += rows > cols ? p->lambda_all.at[k][l] : p->lambda_all.at[l][k];
+                sum[k] += rows > cols ? p->lambda_all.value[k][l] : p->lambda_all.value[l][k];
         }
         keep_largest(sum, rows > cols ? p->kept.output : p->kept.input, n, wanted);
         p->kept.n = wanted;
@@ -139,7 +139,7 @@ static void set_costs(struct pairing *p)
     p->assignment.rows = p->assignment.cols = p->kept.n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
-            real_t lambda = p->lambda_all.at[i][j];
+            real_t lambda = p->lambda_all.value[i][j];
             p->assignment.cost[i][j] = ASSIGNMENT_FORBIDDEN;
             unsigned apart = (unsigned)p->config.apart[p->kept.output[i]] >> p->kept.input[j];
             if ((apart & 1u) != 0u || lambda < p->config.smallest_lambda)
@@ -156,7 +156,7 @@ static enum err relative_gains_of_square(struct pairing *p)
     p->square.rows = p->square.cols = p->kept.n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            p->square.at[i][j] = p->gains.at[p->kept.output[i]][p->kept.input[j]];
+            p->square.value[i][j] = p->gains.value[p->kept.output[i]][p->kept.input[j]];
     enum err err = rga_compute(&p->square, &p->work.rga, &p->lambda_all);
     if (!err)
         set_costs(p);
@@ -288,7 +288,7 @@ static void keep_pairs(struct pairing *p)
     for (uint8_t k = 0; k < p->kept.n; k++) {
         p->pairs.output[k] = p->kept.output[k];
         p->pairs.input[k] = p->kept.input[p->parent.partner[k]];
-        p->lambda[k] = p->lambda_all.at[k][p->parent.partner[k]];
+        p->lambda[k] = p->lambda_all.value[k][p->parent.partner[k]];
     }
 }
 
@@ -342,8 +342,8 @@ static void judge_determinant(struct pairing *p)
     for (uint8_t i = 0; i < p->kept.n; i++)
         for (uint8_t j = 0; j < p->kept.n; j++) {
             real_t sd = p->plant->gain_sd[p->kept.output[i]][p->kept.input[j]];
-            real_t part = p->floor * p->square.at[i][j];
-            sds->at[i][j] = real_sqrt(sd * sd + part * part);
+            real_t part = p->floor * p->square.value[i][j];
+            sds->value[i][j] = real_sqrt(sd * sd + part * part);
         }
     if (rga_determinant_sds(&p->square, sds, &p->work.rga, &p->determinant))
         p->determinant = REAL_C(0.0);

@@ -81,7 +81,7 @@ void interact_gains(const struct interact_plant *plant, const struct pairs *pair
     for (size_t k = 0; k < gains->rows; k++)
         for (size_t l = 0; l < gains->cols; l++) {
             size_t i = pairs ? pairs->output[k] : k, j = pairs ? pairs->input[l] : l;
-            gains->at[k][l] = plant->element[i][j].gain;
+            gains->value[k][l] = plant->element[i][j].gain;
         }
 }
 
@@ -102,6 +102,6 @@ void interact_response(const struct interact_plant *plant, const struct pairs *p
     for (size_t k = 0; k < response->rows; k++)
         for (size_t l = 0; l < response->cols; l++) {
             size_t i = pairs ? pairs->output[k] : k, j = pairs ? pairs->input[l] : l;
-            response->at[k][l] = fopdt_response(&plant->element[i][j], omega);
+            response->value[k][l] = fopdt_response(&plant->element[i][j], omega);
         }
 }

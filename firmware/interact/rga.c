@@ -29,7 +29,7 @@ static bool sums_are_one(const struct matrix *lambda)
     for (size_t k = 0; k < n; k++) {
         real_t sum = REAL_C(0.0);
         for (size_t l = 0; l < m; l++)
-            sum += columns ? lambda->at[l][k] : lambda->at[k][l];
+            sum += columns ? lambda->value[l][k] : lambda->value[k][l];
         if (!(real_abs(sum - REAL_C(1.0)) <= SUM_ERROR_MAX))
             return false;
     }
@@ -45,7 +45,7 @@ static enum err invert_scaled(const struct matrix *gains, struct rga_work *work,
     work->scaled.cols = gains->cols;
     for (size_t i = 0; i < gains->rows; i++)
         for (size_t j = 0; j < gains->cols; j++)
-            work->scaled.at[i][j] = gains->at[i][j] * r[i] * c[j];
+            work->scaled.value[i][j] = gains->value[i][j] * r[i] * c[j];
     enum err err = matrix_pseudo_inverse(&work->scaled, &work->pseudo, &work->inverse);
     return err == ERR_NOT_FINITE ? ERR_SINGULAR : err;
 }
@@ -63,7 +63,7 @@ enum err rga_compute(const struct matrix *gains, struct rga_work *work, struct m
     lambda->cols = gains->cols;
     for (size_t i = 0; i < gains->rows; i++)
         for (size_t j = 0; j < gains->cols; j++)
-            lambda->at[i][j] = work->scaled.at[i][j] * work->inverse.at[j][i];
+            lambda->value[i][j] = work->scaled.value[i][j] * work->inverse.value[j][i];
     return sums_are_one(lambda) ? ERR_OK : ERR_SINGULAR;
 }
 
@@ -81,24 +81,24 @@ enum err rga_at(const struct interact_plant *plant, const struct pairs *pairs, r
     work->size.cols = g->cols;
     for (size_t i = 0; i < g->rows; i++)
         for (size_t j = 0; j < g->cols; j++)
-            work->size.at[i][j] = of_cplx(g->at[i][j]);
+            work->size.value[i][j] = of_cplx(g->value[i][j]);
     enum err err = matrix_check(&work->size);
     if (err)
         return err;
     free_scales(&work->size, r, c);
     for (size_t i = 0; i < g->rows; i++)
         for (size_t j = 0; j < g->cols; j++)
-            g->at[i][j] = cplx_scale(g->at[i][j], r[i] * c[j]);
+            g->value[i][j] = cplx_scale(g->value[i][j], r[i] * c[j]);
     err = cmatrix_pseudo_inverse(g, &work->pseudo, &work->inverse);
     if (err)
         return err;
     for (size_t i = 0; i < g->rows; i++)
         for (size_t j = 0; j < g->cols; j++) {
-            struct cplx lambda = cplx_mul(g->at[i][j], work->inverse.at[j][i]);
+            struct cplx lambda = cplx_mul(g->value[i][j], work->inverse.value[j][i]);
             if (magnitude)
-                magnitude->at[i][j] = cplx_abs(lambda);
+                magnitude->value[i][j] = cplx_abs(lambda);
             if (real_part)
-                real_part->at[i][j] = lambda.re;
+                real_part->value[i][j] = lambda.re;
         }
     if (magnitude) {
         magnitude->rows = g->rows;
@@ -117,7 +117,7 @@ real_t rga_number(const struct matrix *lambda, const struct pairs *pairs)
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++) {
             real_t one = k == l ? REAL_C(1.0) : REAL_C(0.0);
-            sum += real_abs(lambda->at[pairs->output[k]][pairs->input[l]] - one);
+            sum += real_abs(lambda->value[pairs->output[k]][pairs->input[l]] - one);
         }
     return sum;
 }
@@ -127,8 +127,8 @@ real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t 
     real_t most = REAL_C(-1.0);
     for (size_t i = 0; i < lambda->rows; i++)
         for (size_t j = 0; j < lambda->cols; j++)
-            if (real_abs(lambda->at[i][j]) > most) {
-                most = real_abs(lambda->at[i][j]);
+            if (real_abs(lambda->value[i][j]) > most) {
+                most = real_abs(lambda->value[i][j]);
                 *output = (uint8_t)i;
                 *input = (uint8_t)j;
             }
@@ -149,7 +149,7 @@ enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd
         return err;
     for (size_t i = 0; i < gains->rows; i++)
         for (size_t j = 0; j < gains->cols; j++) {
-            real_t part = work->inverse.at[j][i] * r[i] * c[j] * sd->at[i][j];
+            real_t part = work->inverse.value[j][i] * r[i] * c[j] * sd->value[i][j];
             variance += part * part;
         }
     *sds = variance > REAL_C(0.0) ? REAL_C(1.0) / real_sqrt(variance) : INFINITY;
@@ -168,15 +168,15 @@ enum err niederlinski_index(const struct matrix *gains, const struct pairs *pair
         for (size_t j = 0; j < n; j++) {
             if (pairs->output[i] >= gains->rows || pairs->input[j] >= gains->cols)
                 return ERR_RANGE;
-            k->at[i][j] = gains->at[pairs->output[i]][pairs->input[j]];
+            k->value[i][j] = gains->value[pairs->output[i]][pairs->input[j]];
         }
     /* Rows over their diagonal element: the determinant is the index. */
     for (size_t i = 0; i < n; i++) {
-        real_t diagonal = k->at[i][i];
+        real_t diagonal = k->value[i][i];
         if (real_abs(diagonal) <= REAL_C(0.0))
             return ERR_SINGULAR;
         for (size_t j = 0; j < n; j++)
-            k->at[i][j] = k->at[i][j] / diagonal;
+            k->value[i][j] = k->value[i][j] / diagonal;
     }
     enum err err = lu_factor(k, &work->pseudo.lu);
     if (err)

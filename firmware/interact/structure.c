@@ -39,8 +39,8 @@ static void find_effects(const struct interact_plant *plant, const struct struct
     interact_gains(plant, NULL, k);
     for (size_t i = 0; i < k->rows; i++)
         for (size_t j = 0; j < k->cols; j++)
-            if (real_abs(k->at[i][j]) <= c->significance * plant->gain_sd[i][j])
-                k->at[i][j] = REAL_C(0.0);
+            if (real_abs(k->value[i][j]) <= c->significance * plant->gain_sd[i][j])
+                k->value[i][j] = REAL_C(0.0);
     matrix_equilibrate(k, true, row, col);
     for (size_t i = 0; i < k->rows; i++) {
         real_t most = REAL_C(0.0);
@@ -48,7 +48,7 @@ static void find_effects(const struct interact_plant *plant, const struct struct
             if (real_abs(plant->element[i][j].gain) > most)
                 most = real_abs(plant->element[i][j].gain);
         for (size_t j = 0; j < k->cols; j++) {
-            real_t size = real_abs(k->at[i][j]);
+            real_t size = real_abs(k->value[i][j]);
             bool seen = size > REAL_C(0.0);
             bool little = size <= c->negligible * most && size * row[i] * col[j] <= c->negligible;
             if (seen && !little)
@@ -173,13 +173,13 @@ static void judge_block(const struct pairs *pairs, const struct structure_config
     }
     uint16_t group[INTERACT_MAX];
     for (size_t k = 0; k < own.n; k++) {
-        real_t lambda = work->lambda.at[k][k];
+        real_t lambda = work->lambda.value[k][k];
         if (distance(lambda) > distance(b->worst_lambda))
             b->worst_lambda = lambda;
         group[k] = with(0, k);
         for (size_t l = 0; l < own.n; l++)
-            if (l != k && (real_abs(work->lambda.at[k][l]) >= c->grouped ||
-                           real_abs(work->lambda.at[l][k]) >= c->grouped))
+            if (l != k && (real_abs(work->lambda.value[k][l]) >= c->grouped ||
+                           real_abs(work->lambda.value[l][k]) >= c->grouped))
                 group[k] = with(group[k], l);
     }
     for (size_t through = 0; through < own.n; through++)
@@ -188,7 +188,8 @@ static void judge_block(const struct pairs *pairs, const struct structure_config
                 group[k] = (uint16_t)(group[k] | group[through]);
     for (size_t k = 0; k < own.n; k++)
         for (size_t l = 0; l < own.n && group[k] != with(0, k); l++)
-            if (has(group[k], l) && !real_within(work->lambda.at[l][l], c->lambda_lo, c->lambda_hi))
+            if (has(group[k], l) &&
+                !real_within(work->lambda.value[l][l], c->lambda_lo, c->lambda_hi))
                 b->mimo = with(b->mimo, which[k]);
 }
 

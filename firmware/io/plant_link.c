@@ -115,11 +115,11 @@ static void refuse_plant(struct plant_link *link, enum plant_fault fault, float 
     link->refused = fault;
     link->state = IO_DOWN;
     link->generation++;
-    if (link->told && (uint32_t)now_ms - link->told_ms < TOLD_APART_MS) {
+    if (link->refusal_reported && (uint32_t)now_ms - link->told_ms < TOLD_APART_MS) {
         link->hello = 0; /* looked at again, and told when there is time for it */
         return;
     }
-    link->told = true;
+    link->refusal_reported = true;
     link->told_ms = (uint32_t)now_ms;
     tell_refused(link, fault, value);
 }

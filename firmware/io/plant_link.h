@@ -70,9 +70,9 @@ struct plant_link {
     enum plant_fault refused; /* why the plant with this `hello` is not taken */
     uint32_t told_ms,
         odd_ms; /* board time, low word: of the last refusal told; of the first odd sample in a row */
-    uint8_t asks;       /* for next_page */
-    bool told;          /* there was one */
-    bool odd, odd_told; /* the last sample was not of the shape announced; that has been said */
+    uint8_t asks;          /* for next_page */
+    bool refusal_reported; /* there was one */
+    bool odd, odd_told;    /* the last sample was not of the shape announced; that has been said */
     bool role_told;
     struct frame_decoder decoder;
     uint8_t rx[LINK_RX_BLOCK];

@@ -55,7 +55,7 @@ void state_law_job_of_model(struct state_law_job *job, const struct state_law_se
     job->phase = STATE_LAW_PHASE_DESIGN;
     job->seen.rows = job->seen.cols = (uint8_t)loops;
     for (unsigned k = 0; k < loops; k++) {
-        job->seen.at[k][k] = ONE;
+        job->seen.value[k][k] = ONE;
         state_law_job_add_input(job, false, true);
     }
     for (unsigned k = 0; k < loops; k++)
@@ -140,19 +140,19 @@ static enum err weigh(struct state_law_job *job)
     for (size_t k = 0; k < rows->rows; k++) {
         size[k] = ZERO;
         for (size_t j = 0; j < rows->cols; j++)
-            if (real_abs(rows->at[k][j]) > size[k])
-                size[k] = real_abs(rows->at[k][j]);
+            if (real_abs(rows->value[k][j]) > size[k])
+                size[k] = real_abs(rows->value[k][j]);
         if (!(size[k] > ZERO))
             return ERR_SINGULAR;
         for (size_t j = 0; j < rows->cols; j++)
-            rows->at[k][j] /= size[k];
+            rows->value[k][j] /= size[k];
     }
     enum err err = matrix_pseudo_inverse(rows, &job->work.at.pseudo_inverse, inverse);
     if (!err)
         err = matrix_multiply(&job->law.f, inverse, &job->weights);
     for (size_t i = 0; !err && i < job->weights.rows; i++)
         for (size_t k = 0; k < job->weights.cols; k++)
-            job->weights.at[i][k] /= size[k];
+            job->weights.value[i][k] /= size[k];
     return err ? err : matrix_multiply(&job->weights, seen, &job->from_inputs);
 }
 
@@ -162,8 +162,8 @@ static real_t left_of_f(const struct matrix *f, const struct matrix *from_inputs
     real_t most = ZERO, left = ZERO;
     for (size_t i = 0; i < f->rows; i++)
         for (size_t k = 0; k < f->cols; k++) {
-            real_t off = real_abs(f->at[i][k] - from_inputs->at[i][k]),
-                   size = real_abs(f->at[i][k]);
+            real_t off = real_abs(f->value[i][k] - from_inputs->value[i][k]),
+                   size = real_abs(f->value[i][k]);
             left = off > left ? off : left;
             most = size > most ? size : most;
         }
@@ -179,7 +179,8 @@ static void put_law(struct state_law_job *job)
         if (job->is_mv[k])
             continue;
         for (unsigned i = 0; i < job->loops; i++)
-            to->f[i][k] = (float)(of_stage ? job->weights.at[i][state] : job->law.tf.at[i][known]);
+            to->f[i][k] =
+                (float)(of_stage ? job->weights.value[i][state] : job->law.tf.value[i][known]);
         if (of_stage)
             state++;
         else
@@ -187,7 +188,7 @@ static void put_law(struct state_law_job *job)
     }
     for (unsigned i = 0; i < job->loops; i++)
         for (unsigned j = 0; j < job->loops; j++)
-            to->g[i][j] = (float)job->law.g.at[i][j];
+            to->g[i][j] = (float)job->law.g.value[i][j];
 }
 
 static void go_to_inputs(struct state_law_job *job)

@@ -19,26 +19,26 @@ _Static_assert(sizeof(float) == sizeof(uint32_t), "float is IEEE-754 binary32");
 
 /* A cursor over a payload. Lengths are checked before anything is read, so it needs no checks of its own. */
 struct cursor {
-    uint8_t *at;
+    uint8_t *position;
 };
 
 struct reader {
-    const uint8_t *at;
+    const uint8_t *position;
 };
 
 static void put_u8(struct cursor *c, uint8_t x)
 {
-    *c->at = x;
-    c->at++;
+    *c->position = x;
+    c->position++;
 }
 
 static void put_u32(struct cursor *c, uint32_t x)
 {
-    c->at[0] = (uint8_t)(x & 0xFFu);
-    c->at[1] = (uint8_t)(x >> 8 & 0xFFu);
-    c->at[2] = (uint8_t)(x >> 16 & 0xFFu);
-    c->at[3] = (uint8_t)(x >> 24);
-    c->at += 4;
+    c->position[0] = (uint8_t)(x & 0xFFu);
+    c->position[1] = (uint8_t)(x >> 8 & 0xFFu);
+    c->position[2] = (uint8_t)(x >> 16 & 0xFFu);
+    c->position[3] = (uint8_t)(x >> 24);
+    c->position += 4;
 }
 
 static void put_u64(struct cursor *c, uint64_t x)
@@ -59,23 +59,23 @@ static void put_text(struct cursor *c, const char *text, size_t size)
 {
     size_t i = 0;
     for (; i < size - 1 && text[i] != '\0'; i++) {
-        c->at[i] = (uint8_t)text[i];
+        c->position[i] = (uint8_t)text[i];
     }
-    memset(c->at + i, 0, size - i);
-    c->at += size;
+    memset(c->position + i, 0, size - i);
+    c->position += size;
 }
 
 static uint8_t get_u8(struct reader *r)
 {
-    uint8_t x = *r->at;
-    r->at++;
+    uint8_t x = *r->position;
+    r->position++;
     return x;
 }
 
 static uint32_t get_u32(struct reader *r)
 {
-    const uint8_t *at = r->at;
-    r->at += 4;
+    const uint8_t *at = r->position;
+    r->position += 4;
     return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
@@ -115,12 +115,12 @@ static struct cursor begin_message(struct frame *f, enum link_message type)
 {
     f->type = (uint8_t)type;
     f->n = 0;
-    return (struct cursor){.at = f->payload};
+    return (struct cursor){.position = f->payload};
 }
 
 static void end_message(struct frame *f, const struct cursor *c)
 {
-    f->n = (uint8_t)(c->at - f->payload);
+    f->n = (uint8_t)(c->position - f->payload);
 }
 
 static uint8_t at_most(uint8_t n, uint8_t limit)
@@ -221,7 +221,7 @@ enum err unpack_hello(const struct frame *f, struct link_hello *m)
     if (f->type != LINK_HELLO || f->n < HELLO_FIXED_SIZE) {
         return ERR_FRAME;
     }
-    struct reader r = {.at = f->payload};
+    struct reader r = {.position = f->payload};
     struct link_hello x = {.version = get_u8(&r)};
     x.role = get_u8(&r);
     if (x.role != LINK_ROLE_PLANT && x.role != LINK_ROLE_CONTROLLER) {
@@ -260,7 +260,7 @@ enum err unpack_page(const struct frame *f, struct link_page *m)
     if (!has_shape(f, LINK_PAGE, PAGE_SIZE)) {
         return ERR_FRAME;
     }
-    struct reader r = {.at = f->payload};
+    struct reader r = {.position = f->payload};
     struct link_page x = {.index = get_u8(&r)};
     uint8_t manipulated = get_u8(&r);
     x.manipulated = manipulated == 1;
@@ -287,7 +287,7 @@ enum err unpack_ready(const struct frame *f, struct link_ready *m)
     if (!has_shape(f, LINK_READY, READY_SIZE)) {
         return ERR_FRAME;
     }
-    struct reader r = {.at = f->payload};
+    struct reader r = {.position = f->payload};
     m->session = get_u32(&r);
     return ERR_OK;
 }
@@ -317,7 +317,7 @@ enum err unpack_sample(const struct frame *f, struct link_sample *m)
     if (f->type != LINK_SAMPLE || f->n < SAMPLE_HEAD_SIZE) {
         return ERR_FRAME;
     }
-    struct reader r = {.at = f->payload};
+    struct reader r = {.position = f->payload};
     uint32_t number = get_u32(&r);
     uint64_t time_ms = get_u64(&r);
     uint8_t n_measurements = get_u8(&r);
@@ -326,7 +326,8 @@ enum err unpack_sample(const struct frame *f, struct link_sample *m)
         return ERR_FRAME;
     }
     unsigned readings = (unsigned)n_measurements + n_readback;
-    if (f->n != SAMPLE_HEAD_SIZE + readings * VALUE_SIZE || !qualities_known(r.at, readings)) {
+    if (f->n != SAMPLE_HEAD_SIZE + readings * VALUE_SIZE ||
+        !qualities_known(r.position, readings)) {
         return ERR_FRAME;
     }
     m->number = number;
@@ -343,7 +344,7 @@ enum err unpack_command(const struct frame *f, struct link_command *m)
     if (f->type != LINK_COMMAND || f->n < COMMAND_HEAD_SIZE) {
         return ERR_FRAME;
     }
-    struct reader r = {.at = f->payload};
+    struct reader r = {.position = f->payload};
     struct link_command x = {.number = get_u32(&r)};
     x.time_ms = get_u64(&r);
     uint8_t flags = get_u8(&r);

@@ -44,7 +44,7 @@ static real_t row_norm(const struct matrix *a)
     for (size_t i = 0; i < a->rows; i++) {
         real_t sum = REAL_C(0.0);
         for (size_t j = 0; j < a->cols; j++)
-            sum += real_abs(a->at[i][j]);
+            sum += real_abs(a->value[i][j]);
         if (sum > most)
             most = sum;
     }
@@ -55,13 +55,13 @@ static void scale_matrix(struct matrix *a, real_t by)
 {
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            a->at[i][j] *= by;
+            a->value[i][j] *= by;
 }
 
 static void add_identity(struct matrix *a)
 {
     for (size_t i = 0; i < a->rows; i++)
-        a->at[i][i] += REAL_C(1.0);
+        a->value[i][i] += REAL_C(1.0);
 }
 
 /* sum <- (exp(A h) - 1)/A = h (1 + Z/2 (1 + Z/3 (1 + ...))), Z = A h, from its innermost bracket. */
@@ -110,14 +110,14 @@ enum err state_model_sample(const struct state_model *m, real_t period_s,
         err = matrix_multiply(&s->a, &w->sum, &w->next);
         for (size_t i = 0; i < w->sum.rows && !err; i++)
             for (size_t j = 0; j < w->sum.cols; j++)
-                w->sum.at[i][j] = REAL_C(2.0) * w->sum.at[i][j] + w->next.at[i][j];
+                w->sum.value[i][j] = REAL_C(2.0) * w->sum.value[i][j] + w->next.value[i][j];
         /* exp(2 Z) - 1 = 2 (exp(Z) - 1) + (exp(Z) - 1)^2 */
         w->power = s->a;
         if (!err)
             err = matrix_multiply(&w->power, &w->power, &s->a);
         for (size_t i = 0; i < s->a.rows && !err; i++)
             for (size_t j = 0; j < s->a.cols; j++)
-                s->a.at[i][j] += REAL_C(2.0) * w->power.at[i][j];
+                s->a.value[i][j] += REAL_C(2.0) * w->power.value[i][j];
     }
     if (err)
         return err;

@@ -29,15 +29,15 @@ static void reflect(struct cmatrix *a, size_t k)
     struct cplx v[MATRIX_MAX];
     real_t below = REAL_C(0.0);
     for (size_t i = k + 2; i < n; i++)
-        below += cplx_square(a->at[i][k]);
+        below += cplx_square(a->value[i][k]);
     if (below <= REAL_C(0.0))
         return;
-    struct cplx first = a->at[k + 1][k];
+    struct cplx first = a->value[k + 1][k];
     real_t own = cplx_abs(first), length = real_sqrt(below + own * own);
     struct cplx way =
         own > REAL_C(0.0) ? cplx_scale(first, REAL_C(1.0) / own) : cplx(REAL_C(1.0), REAL_C(0.0));
     for (size_t i = k + 1; i < n; i++)
-        v[i] = a->at[i][k];
+        v[i] = a->value[i][k];
     v[k + 1] = cplx_add(first, cplx_scale(way, length));
     real_t size = real_sqrt(below + cplx_square(v[k + 1]));
     for (size_t i = k + 1; i < n; i++)
@@ -45,26 +45,27 @@ static void reflect(struct cmatrix *a, size_t k)
     for (size_t j = k; j < n; j++) {
         struct cplx along = cplx(REAL_C(0.0), REAL_C(0.0));
         for (size_t i = k + 1; i < n; i++)
-            along = cplx_add(along, cplx_mul(cplx_conj(v[i]), a->at[i][j]));
+            along = cplx_add(along, cplx_mul(cplx_conj(v[i]), a->value[i][j]));
         for (size_t i = k + 1; i < n; i++)
-            a->at[i][j] = cplx_sub(a->at[i][j], cplx_scale(cplx_mul(along, v[i]), REAL_C(2.0)));
+            a->value[i][j] =
+                cplx_sub(a->value[i][j], cplx_scale(cplx_mul(along, v[i]), REAL_C(2.0)));
     }
     for (size_t i = 0; i < n; i++) {
         struct cplx along = cplx(REAL_C(0.0), REAL_C(0.0));
         for (size_t j = k + 1; j < n; j++)
-            along = cplx_add(along, cplx_mul(a->at[i][j], v[j]));
+            along = cplx_add(along, cplx_mul(a->value[i][j], v[j]));
         for (size_t j = k + 1; j < n; j++)
-            a->at[i][j] =
-                cplx_sub(a->at[i][j], cplx_scale(cplx_mul(along, cplx_conj(v[j])), REAL_C(2.0)));
+            a->value[i][j] =
+                cplx_sub(a->value[i][j], cplx_scale(cplx_mul(along, cplx_conj(v[j])), REAL_C(2.0)));
     }
 }
 
 /* The eigenvalue of the last two rows and columns of the block that is nearer to the last element. */
 static struct cplx wilkinson_shift(const struct cmatrix *a, size_t last)
 {
-    struct cplx p = a->at[last - 1][last - 1], q = a->at[last][last];
+    struct cplx p = a->value[last - 1][last - 1], q = a->value[last][last];
     struct cplx half = cplx_scale(cplx_sub(p, q), REAL_C(0.5));
-    struct cplx bc = cplx_mul(a->at[last - 1][last], a->at[last][last - 1]);
+    struct cplx bc = cplx_mul(a->value[last - 1][last], a->value[last][last - 1]);
     struct cplx root = principal_root(cplx_add(cplx_mul(half, half), bc));
     if (half.re * root.re + half.im * root.im < REAL_C(0.0))
         root = cplx(-root.re, -root.im);
@@ -80,9 +81,9 @@ static void qr_round(struct cmatrix *a, size_t first, size_t last, struct cplx s
     real_t cosine[MATRIX_MAX];
     struct cplx sine[MATRIX_MAX];
     for (size_t i = first; i <= last; i++)
-        a->at[i][i] = cplx_sub(a->at[i][i], shift);
+        a->value[i][i] = cplx_sub(a->value[i][i], shift);
     for (size_t k = first; k < last; k++) {
-        struct cplx x = a->at[k][k], y = a->at[k + 1][k];
+        struct cplx x = a->value[k][k], y = a->value[k + 1][k];
         real_t own = cplx_abs(x), size = real_sqrt(own * own + cplx_square(y));
         if (size <= REAL_C(0.0)) {
             cosine[k] = REAL_C(1.0);
@@ -94,21 +95,21 @@ static void qr_round(struct cmatrix *a, size_t first, size_t last, struct cplx s
         cosine[k] = own / size;
         sine[k] = cplx_scale(cplx_mul(way, cplx_conj(y)), REAL_C(1.0) / size);
         for (size_t j = k; j <= last; j++) {
-            struct cplx up = a->at[k][j], down = a->at[k + 1][j];
-            a->at[k][j] = cplx_add(cplx_scale(up, cosine[k]), cplx_mul(sine[k], down));
-            a->at[k + 1][j] =
+            struct cplx up = a->value[k][j], down = a->value[k + 1][j];
+            a->value[k][j] = cplx_add(cplx_scale(up, cosine[k]), cplx_mul(sine[k], down));
+            a->value[k + 1][j] =
                 cplx_sub(cplx_scale(down, cosine[k]), cplx_mul(cplx_conj(sine[k]), up));
         }
     }
     for (size_t k = first; k < last; k++)
         for (size_t i = first; i <= k + 1; i++) {
-            struct cplx left = a->at[i][k], right = a->at[i][k + 1];
-            a->at[i][k] =
+            struct cplx left = a->value[i][k], right = a->value[i][k + 1];
+            a->value[i][k] =
                 cplx_add(cplx_scale(left, cosine[k]), cplx_mul(right, cplx_conj(sine[k])));
-            a->at[i][k + 1] = cplx_sub(cplx_scale(right, cosine[k]), cplx_mul(left, sine[k]));
+            a->value[i][k + 1] = cplx_sub(cplx_scale(right, cosine[k]), cplx_mul(left, sine[k]));
         }
     for (size_t i = first; i <= last; i++)
-        a->at[i][i] = cplx_add(a->at[i][i], shift);
+        a->value[i][i] = cplx_add(a->value[i][i], shift);
 }
 
 /* Where the block that ends at `last` begins: above it the subdiagonal is nothing beside its neighbours. */
@@ -116,9 +117,9 @@ static size_t block_start(const struct cmatrix *a, size_t last, real_t whole)
 {
     size_t first = last;
     for (; first > 0; first--) {
-        real_t near = one_norm(a->at[first][first]) + one_norm(a->at[first - 1][first - 1]);
+        real_t near = one_norm(a->value[first][first]) + one_norm(a->value[first - 1][first - 1]);
         near = near > REAL_C(0.0) ? near : whole;
-        if (one_norm(a->at[first][first - 1]) <= REAL_EPSILON * near)
+        if (one_norm(a->value[first][first - 1]) <= REAL_EPSILON * near)
             break;
     }
     return first;
@@ -135,10 +136,10 @@ enum err ceigen_values(struct cmatrix *a, struct cplx *values)
     real_t whole = REAL_C(0.0);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            whole += one_norm(a->at[i][j]);
+            whole += one_norm(a->value[i][j]);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n && whole > REAL_C(0.0); j++)
-            a->at[i][j] = cplx_scale(a->at[i][j], REAL_C(1.0) / whole);
+            a->value[i][j] = cplx_scale(a->value[i][j], REAL_C(1.0) / whole);
     for (size_t k = 0; k + 2 < n; k++)
         reflect(a, k);
     size_t left = n;
@@ -155,11 +156,12 @@ enum err ceigen_values(struct cmatrix *a, struct cplx *values)
         stuck++;
         struct cplx shift = wilkinson_shift(a, last);
         if (stuck % STUCK_AFTER == 0)
-            shift = cplx_add(a->at[last][last], cplx(one_norm(a->at[last][last - 1]), REAL_C(0.0)));
+            shift = cplx_add(a->value[last][last],
+                             cplx(one_norm(a->value[last][last - 1]), REAL_C(0.0)));
         qr_round(a, first, last, shift);
     }
     for (size_t i = 0; i < n; i++)
-        values[i] = cplx_scale(a->at[i][i], whole);
+        values[i] = cplx_scale(a->value[i][i], whole);
     return ERR_OK;
 }
 

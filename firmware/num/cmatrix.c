@@ -10,8 +10,8 @@ enum err cmatrix_check(const struct cmatrix *a)
         return ERR_RANGE;
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            if (!(real_abs(a->at[i][j].re) <= ELEMENT_MAX) ||
-                !(real_abs(a->at[i][j].im) <= ELEMENT_MAX))
+            if (!(real_abs(a->value[i][j].re) <= ELEMENT_MAX) ||
+                !(real_abs(a->value[i][j].im) <= ELEMENT_MAX))
                 return ERR_NOT_FINITE;
     return ERR_OK;
 }
@@ -19,9 +19,9 @@ enum err cmatrix_check(const struct cmatrix *a)
 static void swap_rows(struct clu *lu, size_t k, size_t l)
 {
     for (size_t j = 0; j < lu->n; j++) {
-        struct cplx swap = lu->at[k][j];
-        lu->at[k][j] = lu->at[l][j];
-        lu->at[l][j] = swap;
+        struct cplx swap = lu->value[k][j];
+        lu->value[k][j] = lu->value[l][j];
+        lu->value[l][j] = swap;
     }
     uint8_t row = lu->row[k];
     lu->row[k] = lu->row[l];
@@ -50,9 +50,9 @@ enum err clu_factor(const struct cmatrix *a, struct clu *lu)
         lu->row[i] = (uint8_t)i;
         largest[i] = REAL_C(0.0);
         for (size_t j = 0; j < n; j++) {
-            lu->at[i][j] = a->at[i][j];
-            if (size_of(a->at[i][j]) > largest[i])
-                largest[i] = size_of(a->at[i][j]);
+            lu->value[i][j] = a->value[i][j];
+            if (size_of(a->value[i][j]) > largest[i])
+                largest[i] = size_of(a->value[i][j]);
         }
     }
     for (size_t k = 0; k < n; k++) {
@@ -61,8 +61,8 @@ enum err clu_factor(const struct cmatrix *a, struct clu *lu)
         for (size_t i = k; i < n; i++) {
             if (largest[i] <= REAL_C(0.0))
                 return ERR_SINGULAR;
-            if (size_of(lu->at[i][k]) / largest[i] > best) {
-                best = size_of(lu->at[i][k]) / largest[i];
+            if (size_of(lu->value[i][k]) / largest[i] > best) {
+                best = size_of(lu->value[i][k]) / largest[i];
                 pivot = i;
             }
         }
@@ -72,12 +72,12 @@ enum err clu_factor(const struct cmatrix *a, struct clu *lu)
             swap_rows(lu, k, pivot);
             largest[pivot] = largest[k];
         }
-        struct cplx inverse = cplx_div(cplx(REAL_C(1.0), REAL_C(0.0)), lu->at[k][k]);
+        struct cplx inverse = cplx_div(cplx(REAL_C(1.0), REAL_C(0.0)), lu->value[k][k]);
         for (size_t i = k + 1; i < n; i++) {
-            struct cplx factor = cplx_mul(lu->at[i][k], inverse);
-            lu->at[i][k] = factor;
+            struct cplx factor = cplx_mul(lu->value[i][k], inverse);
+            lu->value[i][k] = factor;
             for (size_t j = k + 1; j < n; j++)
-                lu->at[i][j] = cplx_sub(lu->at[i][j], cplx_mul(factor, lu->at[k][j]));
+                lu->value[i][j] = cplx_sub(lu->value[i][j], cplx_mul(factor, lu->value[k][j]));
         }
     }
     return ERR_OK;
@@ -90,12 +90,12 @@ void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x)
     for (size_t i = 0; i < n; i++) {
         y[i] = b[lu->row[i]];
         for (size_t j = 0; j < i; j++)
-            y[i] = cplx_sub(y[i], cplx_mul(lu->at[i][j], y[j]));
+            y[i] = cplx_sub(y[i], cplx_mul(lu->value[i][j], y[j]));
     }
     for (size_t i = n; i-- > 0;) {
         for (size_t j = i + 1; j < n; j++)
-            y[i] = cplx_sub(y[i], cplx_mul(lu->at[i][j], y[j]));
-        y[i] = cplx_div(y[i], lu->at[i][i]);
+            y[i] = cplx_sub(y[i], cplx_mul(lu->value[i][j], y[j]));
+        y[i] = cplx_div(y[i], lu->value[i][i]);
     }
     for (size_t i = 0; i < n; i++)
         x[i] = y[i];
@@ -106,9 +106,9 @@ void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_m
     *direction = cplx((real_t)lu->sign, REAL_C(0.0));
     *log_magnitude = REAL_C(0.0);
     for (size_t i = 0; i < lu->n; i++) {
-        real_t magnitude = cplx_abs(lu->at[i][i]);
+        real_t magnitude = cplx_abs(lu->value[i][i]);
         *log_magnitude += real_log(magnitude);
-        *direction = cplx_mul(*direction, cplx_scale(lu->at[i][i], REAL_C(1.0) / magnitude));
+        *direction = cplx_mul(*direction, cplx_scale(lu->value[i][i], REAL_C(1.0) / magnitude));
     }
     *direction = cplx_scale(*direction, REAL_C(1.0) / cplx_abs(*direction));
 }
@@ -116,7 +116,7 @@ void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_m
 /* Element (i, j) of a, or of its conjugate transpose. */
 static struct cplx conj_element(const struct cmatrix *a, bool transposed, size_t i, size_t j)
 {
-    return transposed ? cplx_conj(a->at[j][i]) : a->at[i][j];
+    return transposed ? cplx_conj(a->value[j][i]) : a->value[i][j];
 }
 
 /* Takes the parts along columns 0 .. k-1 of q out of column k, and adds them to r. */
@@ -125,10 +125,10 @@ static void orthogonalise_complex(struct cmatrix *q, struct cmatrix *r, size_t k
     for (size_t l = 0; l < k; l++) {
         struct cplx along = cplx(REAL_C(0.0), REAL_C(0.0));
         for (size_t i = 0; i < q->rows; i++)
-            along = cplx_add(along, cplx_mul(cplx_conj(q->at[i][l]), q->at[i][k]));
-        r->at[l][k] = cplx_add(r->at[l][k], along);
+            along = cplx_add(along, cplx_mul(cplx_conj(q->value[i][l]), q->value[i][k]));
+        r->value[l][k] = cplx_add(r->value[l][k], along);
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = cplx_sub(q->at[i][k], cplx_mul(along, q->at[i][l]));
+            q->value[i][k] = cplx_sub(q->value[i][k], cplx_mul(along, q->value[i][l]));
     }
 }
 
@@ -136,7 +136,7 @@ static real_t complex_column_norm(const struct cmatrix *q, size_t k)
 {
     real_t sum = REAL_C(0.0);
     for (size_t i = 0; i < q->rows; i++)
-        sum += cplx_square(q->at[i][k]);
+        sum += cplx_square(q->value[i][k]);
     return real_sqrt(sum);
 }
 
@@ -152,18 +152,18 @@ enum err cmatrix_pseudo_inverse(const struct cmatrix *a, struct cpseudo_inverse_
     q->cols = wide ? a->rows : a->cols;
     for (size_t k = 0; k < q->cols; k++) {
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = conj_element(a, wide, i, k);
+            q->value[i][k] = conj_element(a, wide, i, k);
         for (size_t l = 0; l < k; l++)
-            r->at[l][k] = cplx(REAL_C(0.0), REAL_C(0.0));
+            r->value[l][k] = cplx(REAL_C(0.0), REAL_C(0.0));
         real_t before = complex_column_norm(q, k);
         orthogonalise_complex(q, r, k);
         orthogonalise_complex(q, r, k);
         real_t norm = complex_column_norm(q, k);
         if (norm <= (real_t)q->rows * REAL_EPSILON * before)
             return ERR_SINGULAR;
-        r->at[k][k] = cplx(norm, REAL_C(0.0));
+        r->value[k][k] = cplx(norm, REAL_C(0.0));
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = cplx_scale(q->at[i][k], REAL_C(1.0) / norm);
+            q->value[i][k] = cplx_scale(q->value[i][k], REAL_C(1.0) / norm);
     }
     /* R x = row i of Q, conjugated; x is column i of the inverse, or its conjugate row i of the wide one. */
     inverse->rows = a->cols;
@@ -171,14 +171,14 @@ enum err cmatrix_pseudo_inverse(const struct cmatrix *a, struct cpseudo_inverse_
     for (size_t i = 0; i < q->rows; i++) {
         struct cplx x[MATRIX_MAX];
         for (size_t k = q->cols; k-- > 0;) {
-            x[k] = cplx_conj(q->at[i][k]);
+            x[k] = cplx_conj(q->value[i][k]);
             for (size_t l = k + 1; l < q->cols; l++)
-                x[k] = cplx_sub(x[k], cplx_mul(r->at[k][l], x[l]));
-            x[k] = cplx_scale(x[k], REAL_C(1.0) / r->at[k][k].re);
+                x[k] = cplx_sub(x[k], cplx_mul(r->value[k][l], x[l]));
+            x[k] = cplx_scale(x[k], REAL_C(1.0) / r->value[k][k].re);
             if (wide)
-                inverse->at[i][k] = cplx_conj(x[k]);
+                inverse->value[i][k] = cplx_conj(x[k]);
             else
-                inverse->at[k][i] = x[k];
+                inverse->value[k][i] = x[k];
         }
     }
     return ERR_OK;

@@ -12,14 +12,14 @@ struct cplx {
 
 struct cmatrix {
     uint8_t rows, cols; /* 1 to MATRIX_MAX */
-    struct cplx at[MATRIX_MAX][MATRIX_MAX];
+    struct cplx value[MATRIX_MAX][MATRIX_MAX];
 };
 
 struct clu {
     uint8_t n;
     int16_t sign;
     uint8_t row[MATRIX_MAX];
-    struct cplx at[MATRIX_MAX][MATRIX_MAX];
+    struct cplx value[MATRIX_MAX][MATRIX_MAX];
 };
 
 static inline struct cplx cplx(real_t re, real_t im)

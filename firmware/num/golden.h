@@ -7,9 +7,9 @@
 #include "num/real.h"
 
 struct golden {
-    real_t lo, hi;     /* the least is between */
-    real_t x[2], f[2]; /* the two points within, and the values there */
-    uint8_t at, taken; /* which is being tried; values taken so far */
+    real_t lo, hi;        /* the least is between */
+    real_t x[2], f[2];    /* the two points within, and the values there */
+    uint8_t trial, taken; /* which is being tried; values taken so far */
 };
 
 /* From lo to hi, lo not above hi. */
@@ -23,27 +23,27 @@ static inline real_t golden_next(struct golden *g)
 {
     const real_t part = REAL_C(0.6180339887);
     if (g->taken < 2) {
-        g->at = g->taken;
+        g->trial = g->taken;
     } else if (g->f[0] < g->f[1]) {
         g->hi = g->x[1];
         g->x[1] = g->x[0];
         g->f[1] = g->f[0];
-        g->at = 0;
+        g->trial = 0;
     } else {
         g->lo = g->x[0];
         g->x[0] = g->x[1];
         g->f[0] = g->f[1];
-        g->at = 1;
+        g->trial = 1;
     }
     real_t reach = part * (g->hi - g->lo);
-    g->x[g->at] = g->at == 0 ? g->hi - reach : g->lo + reach;
-    return g->x[g->at];
+    g->x[g->trial] = g->trial == 0 ? g->hi - reach : g->lo + reach;
+    return g->x[g->trial];
 }
 
 /* The value there. */
 static inline void golden_take(struct golden *g, real_t f)
 {
-    g->f[g->at] = f;
+    g->f[g->trial] = f;
     g->taken++;
 }
 

@@ -12,7 +12,7 @@ enum err matrix_check(const struct matrix *a)
         return ERR_RANGE;
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            if (!(real_abs(a->at[i][j]) <= ELEMENT_MAX))
+            if (!(real_abs(a->value[i][j]) <= ELEMENT_MAX))
                 return ERR_NOT_FINITE;
     return ERR_OK;
 }
@@ -27,8 +27,8 @@ enum err matrix_multiply(const struct matrix *a, const struct matrix *b, struct 
         for (size_t j = 0; j < b->cols; j++) {
             real_t sum = REAL_C(0.0);
             for (size_t k = 0; k < a->cols; k++)
-                sum += a->at[i][k] * b->at[k][j];
-            c->at[i][j] = sum;
+                sum += a->value[i][k] * b->value[k][j];
+            c->value[i][j] = sum;
         }
     return ERR_OK;
 }
@@ -39,7 +39,7 @@ void matrix_transpose(const struct matrix *a, struct matrix *t)
     t->cols = a->rows;
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            t->at[j][i] = a->at[i][j];
+            t->value[j][i] = a->value[i][j];
 }
 
 /* Largest power of two not above x; 1 for 0. x at most 1e19, and below 1e-19 the answer stays there. */
@@ -67,14 +67,14 @@ void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c
         for (size_t i = 0; i < a->rows; i++) {
             real_t sum = REAL_C(0.0);
             for (size_t j = 0; j < a->cols; j++)
-                sum += (a->at[i][j] * c[j]) * (a->at[i][j] * c[j]);
+                sum += (a->value[i][j] * c[j]) * (a->value[i][j] * c[j]);
             if (sum > REAL_C(0.0))
                 r[i] = REAL_C(1.0) / real_sqrt(sum);
         }
         for (size_t j = 0; j < a->cols; j++) {
             real_t sum = REAL_C(0.0);
             for (size_t i = 0; i < a->rows; i++)
-                sum += (a->at[i][j] * r[i]) * (a->at[i][j] * r[i]);
+                sum += (a->value[i][j] * r[i]) * (a->value[i][j] * r[i]);
             if (sum > REAL_C(0.0))
                 c[j] = REAL_C(1.0) / real_sqrt(sum);
         }
@@ -100,9 +100,9 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
         lu->row[i] = (uint8_t)i;
         largest[i] = REAL_C(0.0);
         for (size_t j = 0; j < n; j++) {
-            lu->at[i][j] = a->at[i][j];
-            if (real_abs(a->at[i][j]) > largest[i])
-                largest[i] = real_abs(a->at[i][j]);
+            lu->value[i][j] = a->value[i][j];
+            if (real_abs(a->value[i][j]) > largest[i])
+                largest[i] = real_abs(a->value[i][j]);
         }
     }
     for (size_t k = 0; k < n; k++) {
@@ -111,8 +111,8 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
         for (size_t i = k; i < n; i++) {
             if (largest[i] <= REAL_C(0.0))
                 return ERR_SINGULAR;
-            if (real_abs(lu->at[i][k]) / largest[i] > best) {
-                best = real_abs(lu->at[i][k]) / largest[i];
+            if (real_abs(lu->value[i][k]) / largest[i] > best) {
+                best = real_abs(lu->value[i][k]) / largest[i];
                 pivot = i;
             }
         }
@@ -120,9 +120,9 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
             return ERR_SINGULAR;
         if (pivot != k) {
             for (size_t j = 0; j < n; j++) {
-                real_t swap = lu->at[k][j];
-                lu->at[k][j] = lu->at[pivot][j];
-                lu->at[pivot][j] = swap;
+                real_t swap = lu->value[k][j];
+                lu->value[k][j] = lu->value[pivot][j];
+                lu->value[pivot][j] = swap;
             }
             uint8_t row = lu->row[k];
             lu->row[k] = lu->row[pivot];
@@ -131,10 +131,10 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
             lu->sign = (int16_t)-lu->sign;
         }
         for (size_t i = k + 1; i < n; i++) {
-            real_t factor = lu->at[i][k] / lu->at[k][k];
-            lu->at[i][k] = factor;
+            real_t factor = lu->value[i][k] / lu->value[k][k];
+            lu->value[i][k] = factor;
             for (size_t j = k + 1; j < n; j++)
-                lu->at[i][j] -= factor * lu->at[k][j];
+                lu->value[i][j] -= factor * lu->value[k][j];
         }
     }
     return ERR_OK;
@@ -147,12 +147,12 @@ void lu_solve(const struct lu *lu, const real_t *b, real_t *x)
     for (size_t i = 0; i < n; i++) {
         y[i] = b[lu->row[i]];
         for (size_t j = 0; j < i; j++)
-            y[i] -= lu->at[i][j] * y[j];
+            y[i] -= lu->value[i][j] * y[j];
     }
     for (size_t i = n; i-- > 0;) {
         for (size_t j = i + 1; j < n; j++)
-            y[i] -= lu->at[i][j] * y[j];
-        y[i] = y[i] / lu->at[i][i];
+            y[i] -= lu->value[i][j] * y[j];
+        y[i] = y[i] / lu->value[i][i];
     }
     for (size_t i = 0; i < n; i++)
         x[i] = y[i];
@@ -167,7 +167,7 @@ void lu_inverse(const struct lu *lu, struct matrix *inverse)
             column[i] = i == j ? REAL_C(1.0) : REAL_C(0.0);
         lu_solve(lu, column, column);
         for (size_t i = 0; i < lu->n; i++)
-            inverse->at[i][j] = column[i];
+            inverse->value[i][j] = column[i];
     }
 }
 
@@ -176,16 +176,16 @@ void lu_determinant(const struct lu *lu, int *sign, real_t *log_magnitude)
     *sign = lu->sign;
     *log_magnitude = REAL_C(0.0);
     for (size_t i = 0; i < lu->n; i++) {
-        if (lu->at[i][i] < REAL_C(0.0))
+        if (lu->value[i][i] < REAL_C(0.0))
             *sign = -*sign;
-        *log_magnitude += real_log(real_abs(lu->at[i][i]));
+        *log_magnitude += real_log(real_abs(lu->value[i][i]));
     }
 }
 
 /* Element (i, j) of a, or of its transpose. */
 static real_t element(const struct matrix *a, bool transposed, size_t i, size_t j)
 {
-    return transposed ? a->at[j][i] : a->at[i][j];
+    return transposed ? a->value[j][i] : a->value[i][j];
 }
 
 /* Takes the parts along columns 0 .. k-1 of q out of column k, and adds them to r. */
@@ -194,10 +194,10 @@ static void orthogonalise(struct matrix *q, real_t (*r)[MATRIX_MAX], size_t k)
     for (size_t l = 0; l < k; l++) {
         real_t along = REAL_C(0.0);
         for (size_t i = 0; i < q->rows; i++)
-            along += q->at[i][l] * q->at[i][k];
+            along += q->value[i][l] * q->value[i][k];
         r[l][k] += along;
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] -= along * q->at[i][l];
+            q->value[i][k] -= along * q->value[i][l];
     }
 }
 
@@ -205,7 +205,7 @@ static real_t column_norm(const struct matrix *q, size_t k)
 {
     real_t sum = REAL_C(0.0);
     for (size_t i = 0; i < q->rows; i++)
-        sum += q->at[i][k] * q->at[i][k];
+        sum += q->value[i][k] * q->value[i][k];
     return real_sqrt(sum);
 }
 
@@ -214,12 +214,12 @@ static enum err pseudo_inverse_by_qr(const struct matrix *a, struct pseudo_inver
 {
     bool wide = a->rows < a->cols;
     struct matrix *q = &work->q;
-    real_t(*r)[MATRIX_MAX] = work->lu.at;
+    real_t(*r)[MATRIX_MAX] = work->lu.value;
     q->rows = wide ? a->cols : a->rows;
     q->cols = wide ? a->rows : a->cols;
     for (size_t k = 0; k < q->cols; k++) {
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = element(a, wide, i, k);
+            q->value[i][k] = element(a, wide, i, k);
         for (size_t l = 0; l < k; l++)
             r[l][k] = REAL_C(0.0);
         real_t before = column_norm(q, k);
@@ -229,21 +229,21 @@ static enum err pseudo_inverse_by_qr(const struct matrix *a, struct pseudo_inver
         if (r[k][k] <= (real_t)q->rows * REAL_EPSILON * before)
             return ERR_SINGULAR;
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = q->at[i][k] / r[k][k];
+            q->value[i][k] = q->value[i][k] / r[k][k];
     }
     inverse->rows = a->cols;
     inverse->cols = a->rows;
     for (size_t i = 0; i < q->rows; i++) {
         real_t x[MATRIX_MAX];
         for (size_t k = q->cols; k-- > 0;) {
-            x[k] = q->at[i][k];
+            x[k] = q->value[i][k];
             for (size_t l = k + 1; l < q->cols; l++)
                 x[k] -= r[k][l] * x[l];
             x[k] = x[k] / r[k][k];
             if (wide)
-                inverse->at[i][k] = x[k];
+                inverse->value[i][k] = x[k];
             else
-                inverse->at[k][i] = x[k];
+                inverse->value[k][i] = x[k];
         }
     }
     return ERR_OK;

@@ -1,7 +1,7 @@
 /* Dense matrices of real_t, up to 16 x 16: LU decomposition, inverse, determinant, pseudo-inverse of full rank.
  *
  * Rules
- *  1. A matrix carries its size; element (row i, column j) is at[i][j], both from 0. What lies outside the size is
+ *  1. A matrix carries its size; element (row i, column j) is value[i][j], both from 0. What lies outside the size is
  *     neither read nor written.
  *  2. A matrix is 1 KiB (float), too much for the stack of a board: work and results belong to the caller.
  *  3. Results may not overlap operands unless the function says so. On error results are undefined, operands whole.
@@ -21,15 +21,15 @@
 
 struct matrix {
     uint8_t rows, cols; /* 1 to MATRIX_MAX */
-    real_t at[MATRIX_MAX][MATRIX_MAX];
+    real_t value[MATRIX_MAX][MATRIX_MAX];
 };
 
-/* P A = L U: at holds U and, below its diagonal, L; row[k] is the row of A that became row k. */
+/* P A = L U: value holds U and, below its diagonal, L; row[k] is the row of A that became row k. */
 struct lu {
     uint8_t n;
     int16_t sign; /* of the permutation */
     uint8_t row[MATRIX_MAX];
-    real_t at[MATRIX_MAX][MATRIX_MAX];
+    real_t value[MATRIX_MAX][MATRIX_MAX];
 };
 
 /* ERR_RANGE: size; ERR_NOT_FINITE: an element is NaN or infinite, or its magnitude exceeds 1e15. */

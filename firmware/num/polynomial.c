@@ -11,7 +11,7 @@ void polynomial_set(struct polynomial *p, const real_t *coefficient, unsigned n)
 {
     p->n = (uint8_t)(n < POLYNOMIAL_MOST ? n : POLYNOMIAL_MOST);
     for (unsigned k = 0; k < p->n; k++)
-        p->at[k] = coefficient[k];
+        p->value[k] = coefficient[k];
 }
 
 enum err polynomial_check(const struct polynomial *p)
@@ -19,7 +19,7 @@ enum err polynomial_check(const struct polynomial *p)
     if (p->n > POLYNOMIAL_MOST)
         return ERR_RANGE;
     for (unsigned k = 0; k < p->n; k++)
-        if (!(real_abs(p->at[k]) <= LARGEST))
+        if (!(real_abs(p->value[k]) <= LARGEST))
             return ERR_NOT_FINITE;
     return ERR_OK;
 }
@@ -33,17 +33,17 @@ enum err polynomial_add_product(struct polynomial *sum, real_t scale, const stru
     if (n > POLYNOMIAL_MOST)
         return ERR_FULL;
     for (; sum->n < n; sum->n++)
-        sum->at[sum->n] = REAL_C(0.0);
+        sum->value[sum->n] = REAL_C(0.0);
     for (unsigned i = 0; i < a->n; i++)
         for (unsigned j = 0; j < b->n; j++)
-            sum->at[i + j] += scale * a->at[i] * b->at[j];
+            sum->value[i + j] += scale * a->value[i] * b->value[j];
     return ERR_OK;
 }
 
 unsigned polynomial_delay(const struct polynomial *p)
 {
     unsigned k = 0;
-    while (k < p->n && p->at[k] == REAL_C(0.0))
+    while (k < p->n && p->value[k] == REAL_C(0.0))
         k++;
     return k;
 }
@@ -54,12 +54,12 @@ void polynomial_advance(struct polynomial *p, unsigned k)
         k = p->n;
     p->n = (uint8_t)(p->n - k);
     for (unsigned i = 0; i < p->n; i++)
-        p->at[i] = p->at[i + k];
+        p->value[i] = p->value[i + k];
 }
 
 void polynomial_trim(struct polynomial *p)
 {
-    while (p->n && p->at[p->n - 1u] == REAL_C(0.0))
+    while (p->n && p->value[p->n - 1u] == REAL_C(0.0))
         p->n--;
 }
 
@@ -67,7 +67,7 @@ real_t polynomial_value(const struct polynomial *p, real_t x)
 {
     real_t value = REAL_C(0.0);
     for (unsigned k = p->n; k-- > 0;)
-        value = value * x + p->at[k];
+        value = value * x + p->value[k];
     return value;
 }
 
@@ -75,7 +75,7 @@ real_t polynomial_size(const struct polynomial *p)
 {
     real_t size = REAL_C(0.0);
     for (unsigned k = 0; k < p->n; k++)
-        size += real_abs(p->at[k]);
+        size += real_abs(p->value[k]);
     return size;
 }
 
@@ -85,16 +85,17 @@ bool polynomial_zeros_within(const struct polynomial *p, real_t radius)
 {
     struct polynomial c = {0};
     unsigned n = p->n ? p->n - 1u : 0u;
-    real_t times = REAL_C(1.0) / p->at[0];
+    real_t times = REAL_C(1.0) / p->value[0];
     for (unsigned k = 0; k <= n; k++, times /= radius)
-        c.at[k] = p->at[k] * times;
+        c.value[k] = p->value[k] * times;
     for (; n > 0; n--) {
         struct polynomial before = c;
-        real_t last = c.at[n];
+        real_t last = c.value[n];
         if (!(real_abs(last) < REAL_C(1.0)))
             return false;
         for (unsigned k = 0; k < n; k++)
-            c.at[k] = (before.at[k] - last * before.at[n - k]) / (REAL_C(1.0) - last * last);
+            c.value[k] =
+                (before.value[k] - last * before.value[n - k]) / (REAL_C(1.0) - last * last);
     }
     return true;
 }
@@ -106,7 +107,7 @@ enum err polynomial_matrix_check(const struct polynomial_matrix *m)
         return ERR_RANGE;
     for (unsigned i = 0; i < m->rows; i++)
         for (unsigned j = 0; j < m->cols; j++) {
-            enum err err = polynomial_check(&m->at[i][j]);
+            enum err err = polynomial_check(&m->value[i][j]);
             if (err)
                 return err;
         }
@@ -122,10 +123,10 @@ enum err polynomial_matrix_multiply(const struct polynomial_matrix *a,
     c->cols = b->cols;
     for (unsigned i = 0; i < c->rows; i++)
         for (unsigned j = 0; j < c->cols; j++) {
-            c->at[i][j].n = 0;
+            c->value[i][j].n = 0;
             for (unsigned k = 0; k < a->cols; k++) {
-                enum err err =
-                    polynomial_add_product(&c->at[i][j], REAL_C(1.0), &a->at[i][k], &b->at[k][j]);
+                enum err err = polynomial_add_product(&c->value[i][j], REAL_C(1.0), &a->value[i][k],
+                                                      &b->value[k][j]);
                 if (err)
                     return err;
             }
@@ -147,18 +148,18 @@ static enum err add_term(struct polynomial *sum, struct polynomial *size, real_t
     if (n > POLYNOMIAL_MOST)
         return ERR_FULL;
     for (; size->n < n; size->n++)
-        size->at[size->n] = REAL_C(0.0);
+        size->value[size->n] = REAL_C(0.0);
     for (unsigned i = 0; i < a_size->n; i++)
         for (unsigned j = 0; j < b->n; j++)
-            size->at[i + j] += real_abs(a_size->at[i] * b->at[j]);
+            size->value[i + j] += real_abs(a_size->value[i] * b->value[j]);
     return ERR_OK;
 }
 
 static void clean(struct polynomial *p, const struct polynomial *size)
 {
     for (unsigned k = 0; k < p->n; k++)
-        if (real_abs(p->at[k]) <= LOST * size->at[k])
-            p->at[k] = REAL_C(0.0);
+        if (real_abs(p->value[k]) <= LOST * size->value[k])
+            p->value[k] = REAL_C(0.0);
     polynomial_trim(p);
 }
 
@@ -180,12 +181,13 @@ static enum err find_two(const struct polynomial_matrix *m, unsigned r, unsigned
     for (unsigned k = 0; k < 6; k++) {
         if (pair[k][1] >= m->cols)
             continue;
-        const struct polynomial *a = &m->at[r][pair[k][0]], *b = &m->at[r][pair[k][1]];
+        const struct polynomial *a = &m->value[r][pair[k][0]], *b = &m->value[r][pair[k][1]];
         w->two[k].n = w->two_size[k].n = 0;
         enum err err =
-            add_term(&w->two[k], &w->two_size[k], REAL_C(1.0), a, a, &m->at[s][pair[k][1]]);
+            add_term(&w->two[k], &w->two_size[k], REAL_C(1.0), a, a, &m->value[s][pair[k][1]]);
         if (!err)
-            err = add_term(&w->two[k], &w->two_size[k], REAL_C(-1.0), b, b, &m->at[s][pair[k][0]]);
+            err =
+                add_term(&w->two[k], &w->two_size[k], REAL_C(-1.0), b, b, &m->value[s][pair[k][0]]);
         if (err)
             return err;
     }
@@ -201,7 +203,7 @@ static enum err find_three(const struct polynomial_matrix *m, unsigned r, const 
     for (unsigned k = 0; k < 3; k++) {
         unsigned two = pair_of(c[k == 0 ? 1 : 0], c[k == 2 ? 1 : 2]);
         enum err err = add_term(minor, size, k == 1 ? REAL_C(-1.0) : REAL_C(1.0), &w->two[two],
-                                &w->two_size[two], &m->at[r][c[k]]);
+                                &w->two_size[two], &m->value[r][c[k]]);
         if (err)
             return err;
     }
@@ -226,7 +228,7 @@ enum err polynomial_determinant(const struct polynomial_matrix *m, struct polyno
     if (err)
         return err;
     if (m->rows == 1) {
-        *det = m->at[0][0];
+        *det = m->value[0][0];
         polynomial_trim(det);
         return ERR_OK;
     }
@@ -246,7 +248,7 @@ enum err polynomial_determinant(const struct polynomial_matrix *m, struct polyno
             err = find_three(m, 2, other, work, &work->three, &work->three_size);
             if (!err)
                 err = add_term(det, &work->part_size, k % 2 ? REAL_C(1.0) : REAL_C(-1.0),
-                               &work->three, &work->three_size, &m->at[3][k]);
+                               &work->three, &work->three_size, &m->value[3][k]);
         }
     }
     if (err)
@@ -263,7 +265,7 @@ static enum err find_minor(const struct polynomial_matrix *m, unsigned i, unsign
     others_than(i, m->rows, row);
     others_than(j, m->cols, col);
     if (m->rows == 2) {
-        *minor = m->at[row[0]][col[0]];
+        *minor = m->value[row[0]][col[0]];
         polynomial_trim(minor);
         return ERR_OK;
     }
@@ -294,17 +296,17 @@ enum err polynomial_adjugate(const struct polynomial_matrix *m, struct polynomia
     adj->rows = adj->cols = m->rows;
     if (m->rows == 1) {
         const real_t one = REAL_C(1.0);
-        polynomial_set(&adj->at[0][0], &one, 1);
+        polynomial_set(&adj->value[0][0], &one, 1);
         return ERR_OK;
     }
     for (unsigned i = 0; i < m->rows; i++)
         for (unsigned j = 0; j < m->rows; j++) {
-            struct polynomial *p = &adj->at[j][i];
+            struct polynomial *p = &adj->value[j][i];
             err = find_minor(m, i, j, work, p);
             if (err)
                 return err;
             for (unsigned k = 0; k < p->n && (i + j) % 2; k++)
-                p->at[k] = -p->at[k];
+                p->value[k] = -p->value[k];
         }
     return ERR_OK;
 }

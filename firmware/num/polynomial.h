@@ -1,6 +1,6 @@
 /* Polynomials of degree up to 31 and matrices of them up to 4 x 4.
  *
- * at[k] is the coefficient of x^k; n coefficients count, n = 0 is the zero polynomial. Of a plant in discrete time x is z^-1,
+ * value[k] is the coefficient of x^k; n coefficients count, n = 0 is the zero polynomial. Of a plant in discrete time x is z^-1,
  * and leading zeros are a dead time. Results may not overlap operands. ERR_FULL: a product has more than POLYNOMIAL_MOST
  * coefficients; ERR_RANGE: a size. A matrix of them is 2.1 KiB (float): it belongs to the caller. */
 #ifndef REFLUX_NUM_POLYNOMIAL_H
@@ -19,12 +19,12 @@
 
 struct polynomial {
     uint8_t n; /* coefficients, 0 to POLYNOMIAL_MOST */
-    real_t at[POLYNOMIAL_MOST];
+    real_t value[POLYNOMIAL_MOST];
 };
 
 struct polynomial_matrix {
     uint8_t rows, cols; /* 1 to POLYNOMIAL_MATRIX_MOST */
-    struct polynomial at[POLYNOMIAL_MATRIX_MOST][POLYNOMIAL_MATRIX_MOST];
+    struct polynomial value[POLYNOMIAL_MATRIX_MOST][POLYNOMIAL_MATRIX_MOST];
 };
 
 /* n coefficients; more than POLYNOMIAL_MOST are left away. */
@@ -74,8 +74,8 @@ MUST_CHECK enum err polynomial_adjugate(const struct polynomial_matrix *m,
 struct polynomial_roots {
     uint8_t n;      /* as many as the degree, those at 0 last */
     uint8_t sweeps; /* it took */
-    struct cplx at[POLYNOMIAL_MOST];
-    /* Within so much of at[k] there is one, whatever the coefficients' and the evaluation's rounding: degree |p/p'| (Henrici,
+    struct cplx value[POLYNOMIAL_MOST];
+    /* Within so much of value[k] there is one, whatever the coefficients' and the evaluation's rounding: degree |p/p'| (Henrici,
      * Applied and Computational Complex Analysis 1, theorem 6.4g), p with the bound of its rounding. Huge where p' is 0. */
     real_t radius[POLYNOMIAL_MOST];
 };

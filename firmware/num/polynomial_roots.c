@@ -70,7 +70,7 @@ static void begin_roots(const real_t *c, unsigned n, struct polynomial_roots *ro
                                                      (real_t)from / (real_t)n) +
                             REAL_C(0.7),
                         &sine, &cosine);
-            roots->at[k] = cplx(radius * cosine, radius * sine);
+            roots->value[k] = cplx(radius * cosine, radius * sine);
         }
         from = to;
     }
@@ -88,12 +88,12 @@ static struct cplx keep_root_in_range(struct cplx z)
 static bool move_root(const real_t *c, unsigned n, struct polynomial_roots *roots, unsigned k)
 {
     struct local at;
-    struct cplx repulsion = cplx(REAL_C(0.0), REAL_C(0.0)), z = roots->at[k];
+    struct cplx repulsion = cplx(REAL_C(0.0), REAL_C(0.0)), z = roots->value[k];
     look_near(c, n, z, &at);
     if (at.value <= at.rounding)
         return true;
     for (unsigned j = 0; j < n; j++) {
-        struct cplx apart = cplx_sub(z, roots->at[j]);
+        struct cplx apart = cplx_sub(z, roots->value[j]);
         if (j != k && cplx_square(apart) > REAL_C(1e-30))
             repulsion = cplx_add(repulsion, cplx_div(cplx(REAL_C(1.0), REAL_C(0.0)), apart));
     }
@@ -103,7 +103,7 @@ static bool move_root(const real_t *c, unsigned n, struct polynomial_roots *root
     if (!(size <= long_step))
         step =
             size < HUGE_RADIUS ? cplx_scale(step, long_step / size) : cplx(long_step, REAL_C(0.0));
-    roots->at[k] = keep_root_in_range(cplx_sub(z, step));
+    roots->value[k] = keep_root_in_range(cplx_sub(z, step));
     return cplx_square(step) <= REAL_EPSILON * REAL_EPSILON * cplx_square(z);
 }
 
@@ -111,7 +111,7 @@ static void find_radii(const real_t *c, unsigned n, struct polynomial_roots *roo
 {
     for (unsigned k = 0; k < n; k++) {
         struct local at;
-        look_near(c, n, roots->at[k], &at);
+        look_near(c, n, roots->value[k], &at);
         real_t top = (real_t)n * (at.value + at.rounding);
         roots->radius[k] =
             at.slope > REAL_C(1e-18) && top < HUGE_RADIUS * at.slope ? top / at.slope : HUGE_RADIUS;
@@ -132,7 +132,7 @@ enum err polynomial_find_roots(const struct polynomial *p, struct polynomial_roo
     polynomial_advance(&q, at_zero);
     roots->n = (uint8_t)(n + at_zero);
     for (unsigned k = n; k < roots->n; k++) {
-        roots->at[k] = cplx(REAL_C(0.0), REAL_C(0.0));
+        roots->value[k] = cplx(REAL_C(0.0), REAL_C(0.0));
         roots->radius[k] = REAL_C(0.0);
     }
     if (!n)
@@ -140,18 +140,18 @@ enum err polynomial_find_roots(const struct polynomial *p, struct polynomial_roo
     /* To magnitudes about 1, by a power of two in effect: a zero does not depend on it. */
     real_t scale = REAL_C(1.0) / polynomial_size(&q);
     for (unsigned k = 0; k <= n; k++)
-        q.at[k] *= scale;
-    if (q.at[0] == REAL_C(0.0) || q.at[n] == REAL_C(0.0))
+        q.value[k] *= scale;
+    if (q.value[0] == REAL_C(0.0) || q.value[n] == REAL_C(0.0))
         return ERR_NOT_FINITE;
-    begin_roots(q.at, n, roots);
+    begin_roots(q.value, n, roots);
     bool moving = true;
     while (moving && roots->sweeps < POLYNOMIAL_SWEEPS) {
         moving = false;
         roots->sweeps++;
         for (unsigned k = 0; k < n; k++)
-            if (!move_root(q.at, n, roots, k))
+            if (!move_root(q.value, n, roots, k))
                 moving = true;
     }
-    find_radii(q.at, n, roots);
+    find_radii(q.value, n, roots);
     return moving ? ERR_TIMEOUT : ERR_OK;
 }

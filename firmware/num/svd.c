@@ -15,25 +15,25 @@ static real_t dot(const struct matrix *a, size_t k, size_t l)
 {
     real_t sum = REAL_C(0.0);
     for (size_t i = 0; i < a->rows; i++)
-        sum += a->at[i][k] * a->at[i][l];
+        sum += a->value[i][k] * a->value[i][l];
     return sum;
 }
 
 static void swap_columns(struct matrix *a, size_t k, size_t l)
 {
     for (size_t i = 0; i < a->rows; i++) {
-        real_t swap = a->at[i][k];
-        a->at[i][k] = a->at[i][l];
-        a->at[i][l] = swap;
+        real_t swap = a->value[i][k];
+        a->value[i][k] = a->value[i][l];
+        a->value[i][l] = swap;
     }
 }
 
 static void rotate(struct matrix *a, size_t k, size_t l, real_t c, real_t s)
 {
     for (size_t i = 0; i < a->rows; i++) {
-        real_t x = a->at[i][k], y = a->at[i][l];
-        a->at[i][k] = c * x - s * y;
-        a->at[i][l] = s * x + c * y;
+        real_t x = a->value[i][k], y = a->value[i][l];
+        a->value[i][k] = c * x - s * y;
+        a->value[i][l] = s * x + c * y;
     }
 }
 
@@ -49,8 +49,8 @@ enum err svd_begin(struct svd *svd, const struct matrix *a)
     real_t largest = REAL_C(0.0);
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            if (real_abs(a->at[i][j]) > largest)
-                largest = real_abs(a->at[i][j]);
+            if (real_abs(a->value[i][j]) > largest)
+                largest = real_abs(a->value[i][j]);
     svd->scale = REAL_C(1.0);
     for (int k = 0; k < 100 && largest > svd->scale; k++)
         svd->scale = svd->scale * REAL_C(2.0);
@@ -62,9 +62,9 @@ enum err svd_begin(struct svd *svd, const struct matrix *a)
     svd->v.rows = svd->v.cols = (uint8_t)cols;
     for (size_t i = 0; i < rows; i++)
         for (size_t j = 0; j < cols; j++)
-            svd->u.at[i][j] = (svd->wide ? a->at[j][i] : a->at[i][j]) / svd->scale;
+            svd->u.value[i][j] = (svd->wide ? a->value[j][i] : a->value[i][j]) / svd->scale;
     for (size_t j = 0; j < cols; j++)
-        svd->v.at[j][j] = REAL_C(1.0);
+        svd->v.value[j][j] = REAL_C(1.0);
     return ERR_OK;
 }
 
@@ -114,23 +114,23 @@ static void complete_column(struct matrix *u, size_t k)
     for (size_t i = 0; i < u->rows; i++) {
         real_t sum = REAL_C(0.0);
         for (size_t l = 0; l < k; l++)
-            sum += u->at[i][l] * u->at[i][l];
+            sum += u->value[i][l] * u->value[i][l];
         if (sum < least) {
             least = sum;
             best = i;
         }
     }
     for (size_t i = 0; i < u->rows; i++)
-        u->at[i][k] = i == best ? REAL_C(1.0) : REAL_C(0.0);
+        u->value[i][k] = i == best ? REAL_C(1.0) : REAL_C(0.0);
     for (int pass = 0; pass < 2; pass++)
         for (size_t l = 0; l < k; l++) {
             real_t along = dot(u, l, k);
             for (size_t i = 0; i < u->rows; i++)
-                u->at[i][k] -= along * u->at[i][l];
+                u->value[i][k] -= along * u->value[i][l];
         }
     real_t norm = real_sqrt(dot(u, k, k));
     for (size_t i = 0; i < u->rows; i++)
-        u->at[i][k] = u->at[i][k] / norm;
+        u->value[i][k] = u->value[i][k] / norm;
 }
 
 static void swap_sides(struct svd *svd)
@@ -138,9 +138,9 @@ static void swap_sides(struct svd *svd)
     size_t n = svd->u.rows > svd->v.rows ? svd->u.rows : svd->v.rows;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
-            real_t swap = svd->u.at[i][j];
-            svd->u.at[i][j] = svd->v.at[i][j];
-            svd->v.at[i][j] = swap;
+            real_t swap = svd->u.value[i][j];
+            svd->u.value[i][j] = svd->v.value[i][j];
+            svd->v.value[i][j] = swap;
         }
     uint8_t rows = svd->u.rows;
     svd->u.rows = svd->u.cols = svd->v.rows;
@@ -159,7 +159,7 @@ static void make_unit_columns(struct svd *svd)
             continue;
         }
         for (size_t i = 0; i < rows; i++)
-            svd->u.at[i][k] = svd->u.at[i][k] / svd->s[k];
+            svd->u.value[i][k] = svd->u.value[i][k] / svd->s[k];
     }
     for (size_t k = 0; k < cols; k++)
         svd->s[k] = svd->s[k] <= SHORTEST ? REAL_C(0.0) : svd->s[k] * svd->scale;
@@ -224,8 +224,8 @@ enum err svd_pseudo_inverse(const struct svd *svd, unsigned rank, struct matrix 
         for (size_t j = 0; j < svd->rows; j++) {
             real_t sum = REAL_C(0.0);
             for (size_t k = 0; k < rank; k++)
-                sum += svd->v.at[i][k] / svd->s[k] * svd->u.at[j][k];
-            inverse->at[i][j] = sum;
+                sum += svd->v.value[i][k] / svd->s[k] * svd->u.value[j][k];
+            inverse->value[i][j] = sum;
         }
     return ERR_OK;
 }

@@ -48,9 +48,9 @@ static void refuse_proposal(struct operate *door, uint8_t at, const struct confi
 {
     const struct proposal_slot *slot = slot_of_tick(door);
     if (at >= PROPOSAL_MAX)
-        at = value_refused(&service_plan(door->service)->config, &slot->is, fault);
-    bool one = at < slot->is.n && at < PROPOSAL_MAX;
-    operate_keep_refusal(door, slot->block, one ? slot->is.value[at].value : 0.0f, fault);
+        at = value_refused(&service_plan(door->service)->config, &slot->content, fault);
+    bool one = at < slot->content.n && at < PROPOSAL_MAX;
+    operate_keep_refusal(door, slot->block, one ? slot->content.value[at].value : 0.0f, fault);
     set_state(door, PROPOSAL_FREE);
 }
 
@@ -63,12 +63,12 @@ static enum err stage_proposal(struct operate *door, struct way_back *back,
     enum err err;
     operate_watch_tables(door->service);
     struct config *config = service_stage(door->service);
-    if (slot->is.n > PROPOSAL_MAX)
+    if (slot->content.n > PROPOSAL_MAX)
         err = proposed_refuse_whole(fault, ERR_FULL, slot->block,
                                     "has more values than there is room for");
     else
-        err = proposed_write_all(config, slot->block, slot->is.value, slot->is.n, back, &refused,
-                                 fault);
+        err = proposed_write_all(config, slot->block, slot->content.value, slot->content.n, back,
+                                 &refused, fault);
     if (err)
         refuse_proposal(door, refused, fault);
     return err;
@@ -81,7 +81,7 @@ static enum err adopt(struct operate *door, struct config_fault *fault)
     struct way_back back;
     enum err err = stage_proposal(door, &back, fault);
     if (!err)
-        err = proposed_adopt(door, slot->is.value, &back, fault);
+        err = proposed_adopt(door, slot->content.value, &back, fault);
     if (!err)
         set_state(door, PROPOSAL_FREE);
     return err;
@@ -154,7 +154,7 @@ static bool poll_proposal(struct operate *door)
         return true;
     if (state_of(door) == PROPOSAL_OFFERED || !operate_may_change_settings(door))
         return false;
-    if (slot_of_tick(door)->is.manner != PROPOSAL_AT_ONCE)
+    if (slot_of_tick(door)->content.manner != PROPOSAL_AT_ONCE)
         offer(door);
     else if (adopt(door, &fault) != ERR_OK && state_of(door) != PROPOSAL_FREE && fault.group)
         refuse_proposal(door, PROPOSAL_MAX, &fault);
@@ -176,8 +176,8 @@ bool operate_proposal(const struct session *session, struct proposal_reading *r)
     *r = (struct proposal_reading){.state = (enum proposal_state)state_of(door)};
     if (r->state != PROPOSAL_FREE) {
         r->block = slot->block;
-        r->values = slot->is.n;
-        r->at_once = slot->is.manner == PROPOSAL_AT_ONCE;
+        r->values = slot->content.n;
+        r->at_once = slot->content.manner == PROPOSAL_AT_ONCE;
     }
     r->back = door->proposals.back.n ? &door->proposals.back : NULL;
     r->refused = door->proposals.refused.known ? &door->proposals.refused : NULL;
@@ -187,10 +187,10 @@ bool operate_proposal(const struct session *session, struct proposal_reading *r)
 bool operate_proposed(const struct session *session, unsigned k, struct parameter *p, float *value)
 {
     const struct proposal_slot *slot = slot_of_tick(session->door);
-    if (state_of(session->door) == PROPOSAL_FREE || k >= slot->is.n || k >= PROPOSAL_MAX)
+    if (state_of(session->door) == PROPOSAL_FREE || k >= slot->content.n || k >= PROPOSAL_MAX)
         return false;
-    *value = slot->is.value[k].value;
-    return operate_find_proposed(operate_settings(session), slot->is.value[k].id, p) == ERR_OK;
+    *value = slot->content.value[k].value;
+    return operate_find_proposed(operate_settings(session), slot->content.value[k].id, p) == ERR_OK;
 }
 
 static enum err refuse_change(struct session *session, struct answer *answer)
@@ -222,7 +222,7 @@ enum err operate_proposal_accept(struct session *session, struct answer *answer)
         return operate_refuse(answer, ERR_STATE, "proposal", NONE_WAITS);
     if (!operate_may_change_settings(door))
         return refuse_change(session, answer);
-    uint8_t n = slot_of_tick(door)->is.n; /* the tick may have the place again afterwards */
+    uint8_t n = slot_of_tick(door)->content.n; /* the tick may have the place again afterwards */
     err = adopt(door, &fault);
     if (err)
         return answer_fault(answer, err, &fault);

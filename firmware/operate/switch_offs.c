@@ -30,11 +30,11 @@ static uint8_t values_for(const struct operate *door, const struct config *confi
     const struct switch_off_slot *slot = switch_off_slot_of(door, n);
     bool same_kind = config_block_kind(config, n) == slot->kind;
     uint8_t count = 0;
-    for (uint8_t k = 0; k < slot->is.n && k < SWITCH_OFF_MAX; k++) {
-        uint32_t id = slot->is.value[k].id;
+    for (uint8_t k = 0; k < slot->content.n && k < SWITCH_OFF_MAX; k++) {
+        uint32_t id = slot->content.value[k].id;
         bool own = id >> 16 && (id & PROPOSED_SELF) == n;
         if (same_kind || !own)
-            v[count++] = slot->is.value[k];
+            v[count++] = slot->content.value[k];
     }
     return count;
 }
@@ -86,7 +86,7 @@ static bool poll_one(struct operate *door, uint8_t n)
     const struct service *s = door->service;
     enum switch_off_state state = switch_off_state_of(door, n);
     bool over = state == SWITCH_OFF_GIVEN &&
-                !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->is.element);
+                !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->content.element);
     if (state == SWITCH_OFF_APPLIED || over) {
         set_switch_off(door, n, SWITCH_OFF_FREE);
         return true;

@@ -38,7 +38,7 @@ bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t lo
     struct block_fault fault;
     uint8_t kind = first_of_stage(STAGE_COMPENSATE);
     for (uint8_t i = 0; i < loops; i++) {
-        setup.there = (uint8_t)(setup.there | (1u << i));
+        setup.present = (uint8_t)(setup.present | (1u << i));
         setup.member[i] = (struct block_member){i, true, 0.0f, 1.0f};
     }
     return kind != PLAN_NONE && block_kinds[kind]->check(&setup, &fault) == ERR_OK;
@@ -69,7 +69,7 @@ enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
     struct matrix_settings matrix;
     struct block_fault reason;
     plan_setup_matrix(plan, &setup, &matrix);
-    if (!setup.there)
+    if (!setup.present)
         return ERR_OK;
     plan->block[SLOT_MATRIX].kind = plan_find_kind(plan, SLOT_MATRIX);
     if (plan->block[SLOT_MATRIX].kind == PLAN_NONE)
@@ -134,7 +134,7 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
             fault->bytes = (at + grains) * ARENA_GRAIN;
             return err;
         }
-        place->at = (uint16_t)at;
+        place->grain = (uint16_t)at;
         place->grains = (uint16_t)grains;
         at += grains;
     }

@@ -10,7 +10,7 @@ _Static_assert(CONFIG_POOL_BYTES % 4 == 0 && CONFIG_POOL_BYTES <= UINT16_MAX, "p
 
 void *record_place(struct config *config, uint8_t n)
 {
-    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].at;
+    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].offset;
 }
 
 enum err record_to_write(struct config *config, uint8_t n)
@@ -47,7 +47,7 @@ static void resize(struct config *config, uint8_t n, uint16_t bytes)
     b->bytes = bytes;
     config->table[n] = CONFIG_NO_TABLE;
     for (unsigned k = n; k < CONFIG_BLOCKS; k++) {
-        config->block[k].at = pool_bytes(config, k) ? (uint16_t)at : 0;
+        config->block[k].offset = pool_bytes(config, k) ? (uint16_t)at : 0;
         at += pool_bytes(config, k);
     }
 }

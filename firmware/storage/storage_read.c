@@ -32,9 +32,9 @@ static bool blank(const struct storage *st, const uint8_t *grain)
  * a mark that was to go. */
 static void look_at(struct storage *st, const uint8_t *grain)
 {
-    bool mark = st->at == 0 && checked_grain(grain, MARK_MAGIC);
-    if (!all_are(grain, st->erased) && st->used[st->slot] < st->at + STORAGE_GRAIN)
-        st->used[st->slot] = st->at + STORAGE_GRAIN;
+    bool mark = st->read_address == 0 && checked_grain(grain, MARK_MAGIC);
+    if (!all_are(grain, st->erased) && st->used[st->slot] < st->read_address + STORAGE_GRAIN)
+        st->used[st->slot] = st->read_address + STORAGE_GRAIN;
     if (mark && grain[8] == FORMAT) {
         st->prepared[st->slot] = true;
         st->erases[st->slot] = get32(grain + 4);
@@ -52,7 +52,7 @@ void storage_tell(struct storage *st, enum event_code code, const char *subject,
 
 void storage_begin_check(struct storage *st)
 {
-    st->at = st->candidate.address;
+    st->read_address = st->candidate.address;
     st->crc = 0;
     st->state = CHECKING;
 }
@@ -61,7 +61,7 @@ void storage_begin_scan(struct storage *st)
 {
     st->candidate = (struct storage_set){0};
     st->slot = 0;
-    st->at = 0;
+    st->read_address = 0;
     st->again = false;
     st->state = SCANNING;
 }
@@ -115,12 +115,12 @@ static bool look_for_close(const struct storage *st, const uint8_t *grain, uint3
 /* Heads, renewals and confirmations: each may lead to the newest set. */
 static void look_for_set(struct storage *st, const uint8_t *grain)
 {
-    uint32_t address = slot_address(st, st->slot) + st->at, sequence = get32(grain + 4);
+    uint32_t address = slot_address(st, st->slot) + st->read_address, sequence = get32(grain + 4);
     uint8_t close[STORAGE_GRAIN];
     struct storage_set set;
     if (look_for_close(st, grain, address, &set) && set.closed == CLOSED_AGAIN)
         consider(st, &set);
-    if (!checked_grain(grain, HEAD_MAGIC) || st->at == 0)
+    if (!checked_grain(grain, HEAD_MAGIC) || st->read_address == 0)
         return;
     if (grain[10] > FORMAT) {
         st->newer[st->slot] = grain[10];
@@ -133,7 +133,7 @@ static void look_for_set(struct storage *st, const uint8_t *grain)
                                    .length = get16(grain + 8),
                                    .closed = CLOSED_BY_TAIL};
         set.tail = address + set_size(set.length) - STORAGE_GRAIN;
-        uint32_t end = st->at + set_size(set.length) + STORAGE_GRAIN;
+        uint32_t end = st->read_address + set_size(set.length) + STORAGE_GRAIN;
         if (end > st->used[st->slot])
             st->used[st->slot] = end < st->slot_size ? end : st->slot_size;
         consider(st, &set);
@@ -219,18 +219,19 @@ static void found(struct storage *st)
 void storage_scan(struct storage *st)
 {
     uint8_t grain[STORAGE_GRAIN];
-    for (unsigned n = 0; n < STORAGE_TURN && st->at < st->slot_size; n++) {
-        if (storage_read(slot_address(st, st->slot) + st->at, grain, sizeof grain) != ERR_OK) {
+    for (unsigned n = 0; n < STORAGE_TURN && st->read_address < st->slot_size; n++) {
+        if (storage_read(slot_address(st, st->slot) + st->read_address, grain, sizeof grain) !=
+            ERR_OK) {
             st->state = NO_STORAGE;
             return;
         }
         look_at(st, grain);
         look_for_set(st, grain);
-        st->at += STORAGE_GRAIN;
+        st->read_address += STORAGE_GRAIN;
     }
-    if (st->at < st->slot_size)
+    if (st->read_address < st->slot_size)
         return;
-    st->at = 0;
+    st->read_address = 0;
     st->slot++;
     if (st->slot < 2)
         return;
@@ -284,9 +285,9 @@ enum storage_verdict storage_check(struct storage *st)
     uint32_t end = set->address + set_size(set->length) - STORAGE_GRAIN;
     uint8_t grain[STORAGE_GRAIN];
     for (unsigned n = 0; n < STORAGE_TURN; n++) {
-        bool last = st->at == end;
-        if (storage_read(last ? set->tail : st->at, grain, sizeof grain) != ERR_OK ||
-            (st->at == set->address && !is_its_head(set, grain))) {
+        bool last = st->read_address == end;
+        if (storage_read(last ? set->tail : st->read_address, grain, sizeof grain) != ERR_OK ||
+            (st->read_address == set->address && !is_its_head(set, grain))) {
             return check_is_over(st, false);
         }
         if (last) {
@@ -294,7 +295,7 @@ enum storage_verdict storage_check(struct storage *st)
             return check_is_over(st, closes(set, grain, st->crc));
         }
         st->crc = crc32_update(st->crc, grain, sizeof grain);
-        st->at += STORAGE_GRAIN;
+        st->read_address += STORAGE_GRAIN;
     }
     return STORAGE_GOES_ON;
 }

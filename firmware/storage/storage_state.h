@@ -55,8 +55,8 @@ struct storage {
     uint32_t origin; /* first sequence seen: which of two is later is told from there */
     uint32_t sequence, sure_sequence; /* latest one seen of all, and of those confirmed */
     uint32_t
-        older;   /* of the newest set as it was found, where there is something newer not whole */
-    uint32_t at; /* where the present work stands: offset in the slot, or address */
+        older; /* of the newest set as it was found, where there is something newer not whole */
+    uint32_t read_address;    /* where the present work stands: offset in the slot, or address */
     uint32_t crc, newest_crc; /* that one of head and records of the newest set */
 
     enum err result; /* of the last save */

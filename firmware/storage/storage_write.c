@@ -62,7 +62,7 @@ static void begin_erase(struct storage *st)
     st->slot = st->newest.sequence ? (uint8_t)!slot_in_use(st) : 0;
     st->prepared[st->slot] = false;
     st->used[st->slot] = st->slot_size;
-    st->at = 0;
+    st->read_address = 0;
     st->state = UNMARKING;
 }
 
@@ -104,12 +104,12 @@ static void erase(struct storage *st)
 {
     if (!still_may_erase(st))
         return;
-    if (hal_nvm_erase(st->slot * st->slot_sectors + st->at) != ERR_OK) {
+    if (hal_nvm_erase(st->slot * st->slot_sectors + st->read_address) != ERR_OK) {
         not_taken(st);
         return;
     }
-    st->at++;
-    if (st->at < st->slot_sectors)
+    st->read_address++;
+    if (st->read_address < st->slot_sectors)
         return;
     st->newer[st->slot] = 0;
     st->sure[st->slot] = false;

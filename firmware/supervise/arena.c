@@ -25,7 +25,7 @@ static uint32_t history_from(uint32_t behind_blocks, const uint16_t *ticks, uint
 static uint32_t behind_blocks(const struct supervisor *s)
 {
     const struct block_state *last = &s->block[PLAN_BLOCKS - 1];
-    return (uint32_t)last->at + last->grains;
+    return (uint32_t)last->grain + last->grains;
 }
 
 static void find_history(const struct supervisor *s, const struct plan *plan, uint8_t j,
@@ -35,7 +35,7 @@ static void find_history(const struct supervisor *s, const struct plan *plan, ui
         return; /* most MVs have none */
     const struct block_place *last = &plan->block[PLAN_BLOCKS - 1];
     p->from = history_from(behind_blocks(s), s->history, j);
-    p->to = history_from((uint32_t)last->at + last->grains, plan->history, j);
+    p->to = history_from((uint32_t)last->grain + last->grains, plan->history, j);
     p->grains = arena_history_grains(plan->history[j]);
     uint16_t least = s->history[j] < plan->history[j] ? s->history[j] : plan->history[j];
     p->kept = least ? applied_history_bytes(least) : 0;
@@ -52,8 +52,8 @@ static void find_place(const struct supervisor *s, const struct plan *plan,
     if (which >= PLACED_KINDS) {
         const struct block_state *before = &s->block[which - PLACED_KINDS];
         const struct block_place *now = &plan->block[which - PLACED_KINDS];
-        p->from = before->at;
-        p->to = now->at;
+        p->from = before->grain;
+        p->to = now->grain;
         p->grains = now->grains;
         if (before->kind == now->kind && before->grains == now->grains)
             p->kept = now->grains * ARENA_GRAIN;
@@ -115,7 +115,7 @@ void arena_place(struct supervisor *s, const struct plan *plan)
         struct block_state *state = &s->block[b];
         if (state->kind != now->kind)
             *state = (struct block_state){.kind = now->kind};
-        state->at = now->at;
+        state->grain = now->grain;
         state->grains = now->grains;
     }
     memcpy(s->history, plan->history, sizeof s->history);

@@ -37,7 +37,7 @@ static bool is_at_most(num_t a, num_t b) /* false where one is no number */
 
 uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
 {
-    return t->what == EXCITE_SETPOINT ? t->at : s->plan->owner[t->at];
+    return t->what == EXCITE_SETPOINT ? t->index : s->plan->owner[t->index];
 }
 
 /* The MV at the end of the loops from i on. */
@@ -51,7 +51,7 @@ static uint8_t mv_below(const struct plan *plan, uint8_t i)
 
 uint8_t excited_mv(const struct supervisor *s, const struct excited *t)
 {
-    return t->what == EXCITE_SETPOINT ? mv_below(s->plan, t->at) : t->at;
+    return t->what == EXCITE_SETPOINT ? mv_below(s->plan, t->index) : t->index;
 }
 
 static uint32_t modes_now(const struct supervisor *s)
@@ -66,8 +66,8 @@ static uint32_t modes_now(const struct supervisor *s)
 static num_t base_of(const struct supervisor *s, const struct excited *t)
 {
     if (t->what == EXCITE_SETPOINT)
-        return loop_own_setpoint(&s->loop[t->at]);
-    return num_sub(s->mv[t->at].commanded, s->mv[t->at].excitation);
+        return loop_own_setpoint(&s->loop[t->index]);
+    return num_sub(s->mv[t->index].commanded, s->mv[t->index].excitation);
 }
 
 /* Its own limits, and those that hold for what it is added to. */
@@ -86,7 +86,7 @@ static void excitation_limits(const struct supervisor *s, const struct excited *
         *hi = num_min(*hi, span_to_fraction(most, m->lo, m->hi));
         return;
     }
-    const struct mv_config *o = &c->mv[t->at];
+    const struct mv_config *o = &c->mv[t->index];
     *lo = num_max(*lo, span_to_fraction(o->min, o->lo, o->hi));
     *hi = num_min(*hi, span_to_fraction(o->max, o->lo, o->hi));
     if (i == PLAN_NONE || !loop_drives(s, i))
@@ -134,7 +134,7 @@ static enum excite_reason disturbance(const struct supervisor *s, const struct e
         i = s->plan->loop[i].inner;
     }
     if (t->what == EXCITE_SETPOINT &&
-        (s->loop[t->at].mode == LOOP_MANUAL || s->loop[t->at].downstream_inactive))
+        (s->loop[t->index].mode == LOOP_MANUAL || s->loop[t->index].downstream_inactive))
         return EXCITE_MODE;
     return s->mv[j].interlocked || interlock_begins(s, j) ? EXCITE_INTERLOCK : EXCITE_FINE;
 }
@@ -169,7 +169,7 @@ static bool has_turns(const struct supervisor *s, uint8_t n)
 static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
                      enum excite_reason reason)
 {
-    s->excitation.told[n] = (struct excite_told){(uint8_t)state, (uint8_t)reason};
+    s->excitation.answer[n] = (struct excite_answer){(uint8_t)state, (uint8_t)reason};
 }
 
 /* The own controller of a loop that is served has followed at the setpoint with the signal: it would answer to the change, if
@@ -192,9 +192,9 @@ void excitation_end(struct supervisor *s, enum excite_reason reason)
     for (uint8_t k = 0; k < e->targets; k++) {
         const struct excited *t = &e->target[k];
         if (t->what == EXCITE_SETPOINT) {
-            end_on_setpoint(s, t->at);
+            end_on_setpoint(s, t->index);
         } else {
-            s->mv[t->at].excitation = num_zero();
+            s->mv[t->index].excitation = num_zero();
         }
     }
     uint8_t n = (uint8_t)(e->holder - 1u);
@@ -224,7 +224,7 @@ void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason re
 void excitation_end_by_hand(struct supervisor *s, uint8_t j)
 {
     for (uint8_t k = 0; k < s->excitation.targets; k++)
-        if (s->excitation.target[k].what != EXCITE_SETPOINT && s->excitation.target[k].at == j) {
+        if (s->excitation.target[k].what != EXCITE_SETPOINT && s->excitation.target[k].index == j) {
             excitation_end(s, EXCITE_HAND);
             return;
         }
@@ -240,23 +240,23 @@ static bool resolve_target(const struct supervisor *s, uint8_t n, const struct b
         return false;
     uint8_t i = input ? (uint8_t)PLAN_NONE : r->member[a->which];
     if (a->what == EXCITE_SETPOINT)
-        t->at = i;
+        t->index = i;
     else if (!input)
-        t->at = s->plan->loop[i].mv;
+        t->index = s->plan->loop[i].mv;
     else
-        t->at = r->input[a->which] & INPUT_IS_MV ? r->input[a->which] & (uint8_t)~INPUT_IS_MV
-                                                 : (uint8_t)PLAN_NONE;
+        t->index = r->input[a->which] & INPUT_IS_MV ? r->input[a->which] & (uint8_t)~INPUT_IS_MV
+                                                    : (uint8_t)PLAN_NONE;
     t->what = input ? EXCITE_MV : a->what;
     t->amplitude = a->amplitude;
     t->lo = a->lo;
     t->hi = a->hi;
-    return t->at != PLAN_NONE;
+    return t->index != PLAN_NONE;
 }
 
 static bool is_twice(const struct excited *t, uint8_t n)
 {
     for (uint8_t k = 0; k < n; k++)
-        if (t[k].what == t[n].what && t[k].at == t[n].at)
+        if (t[k].what == t[n].what && t[k].index == t[n].index)
             return true;
     return false;
 }
@@ -301,7 +301,7 @@ static bool same_targets(const struct excitation_state *e, const struct excited 
                          uint8_t targets)
 {
     for (uint8_t k = 0; k < targets && targets == e->targets; k++)
-        if (target[k].what != e->target[k].what || target[k].at != e->target[k].at)
+        if (target[k].what != e->target[k].what || target[k].index != e->target[k].index)
             return false;
     return targets == e->targets;
 }
@@ -317,9 +317,9 @@ static bool take_values(struct supervisor *s, const struct block_io *io)
         if (!is_at_most(num_abs(a->value), t->amplitude))
             return false;
         if (t->what == EXCITE_SETPOINT)
-            s->loop[t->at].served.excite = a->value;
+            s->loop[t->index].served.excite = a->value;
         else
-            s->mv[t->at].excitation = a->value;
+            s->mv[t->index].excitation = a->value;
         t++;
     }
     return true;
@@ -346,7 +346,7 @@ static enum excite_reason begin_excitation(struct supervisor *s, uint8_t n,
 void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
                      struct block_excitation *ask)
 {
-    const struct excite_told *told = &s->excitation.told[slot - SLOT_RECORDS];
+    const struct excite_answer *told = &s->excitation.answer[slot - SLOT_RECORDS];
     memset(ask, 0, BLOCK_EXCITES_MAX * sizeof *ask);
     io->requests.excite = ask;
     io->requests.excite_state = told->state;
@@ -366,7 +366,7 @@ void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *
         tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
         return;
     }
-    if (e->told[n].state == EXCITE_ENDED)
+    if (e->answer[n].state == EXCITE_ENDED)
         return; /* until it has let one step pass without asking */
     bool holds = is_holder(s, slot);
     enum excite_reason reason = EXCITE_FINE;
@@ -406,7 +406,7 @@ void excitation_add_asked(struct supervisor *s, uint8_t i)
     const struct excitation_state *e = &s->excitation;
     for (uint8_t k = 0; k < e->targets; k++) {
         const struct excited *t = &e->target[k];
-        if (t->what != EXCITE_SETPOINT || t->at != i)
+        if (t->what != EXCITE_SETPOINT || t->index != i)
             continue;
         num_t sum = num_add(l->setpoint, l->served.excite);
         if (!is_within_limits(s, t, sum, sum)) {
@@ -428,7 +428,7 @@ static enum excite_reason command_disturbance(const struct supervisor *s)
         const struct excited *t = &e->target[k];
         if (t->what == EXCITE_SETPOINT)
             continue;
-        num_t commanded = s->mv[t->at].commanded;
+        num_t commanded = s->mv[t->index].commanded;
         if (!is_within_limits(s, t, commanded, commanded))
             return EXCITE_LIMIT;
     }
@@ -443,6 +443,6 @@ void excitation_check_commands(struct supervisor *s)
         return;
     for (uint8_t k = 0; k < e->targets; k++)
         if (e->target[k].what != EXCITE_SETPOINT)
-            s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
+            s->mv[e->target[k].index].commanded = base_of(s, &e->target[k]);
     excitation_end(s, reason);
 }

@@ -30,7 +30,7 @@ static struct passed *passed_by(const struct supervisor *s, uint8_t slot)
 {
     uint8_t members = served_record(s, slot)->members;
     const struct block_state *b = &s->block[slot];
-    struct passed *end = (struct passed *)s->arena + b->at + b->grains;
+    struct passed *end = (struct passed *)s->arena + b->grain + b->grains;
     return end - members;
 }
 

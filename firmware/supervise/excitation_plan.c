@@ -64,5 +64,5 @@ void excitation_meet_plan(struct supervisor *s, const struct plan *next)
     for (uint8_t n = 0; s->plan && n < CONFIG_BLOCKS; n++)
         if (!same_bytes(s->plan->config.block[n].kind, next->config.block[n].kind,
                         CHANNEL_NAME_SIZE))
-            e->told[n] = (struct excite_told){EXCITE_OFF, EXCITE_FINE};
+            e->answer[n] = (struct excite_answer){EXCITE_OFF, EXCITE_FINE};
 }

@@ -4,9 +4,9 @@ struct block_proposal *proposal_room(struct supervisor *s)
 {
     if (atomic_load(&s->proposal.state) != PROPOSAL_FREE)
         return NULL;
-    s->proposal.is.n = 0;
-    s->proposal.is.manner = PROPOSAL_WHEN_ACCEPTED;
-    return &s->proposal.is;
+    s->proposal.content.n = 0;
+    s->proposal.content.manner = PROPOSAL_WHEN_ACCEPTED;
+    return &s->proposal.content;
 }
 
 void proposal_withdraw(struct supervisor *s, uint8_t slot)

@@ -21,8 +21,8 @@ struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
     struct switch_off_slot *w = &s->switch_off[slot - SLOT_RECORDS];
     if (atomic_load(&w->state) != SWITCH_OFF_FREE)
         return NULL;
-    w->is.n = 0;
-    return &w->is;
+    w->content.n = 0;
+    return &w->content;
 }
 
 /* "ff1", "block3.term2" */
@@ -48,7 +48,7 @@ void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block
     if (!is || !is->n || !is_element(is->element))
         return;
     for (uint8_t k = 0; k < is->n && k < SWITCH_OFF_MAX; k++)
-        w->is.value[k].id = proposed_by(n, is->value[k].id);
+        w->content.value[k].id = proposed_by(n, is->value[k].id);
     if (!element_is_silenced(s, is->element)) {
         uint8_t *byte = &s->silenced[is->element / ELEMENT_TERMS];
         *byte = (uint8_t)(*byte | 1u << is->element % ELEMENT_TERMS);
@@ -65,7 +65,7 @@ void switch_offs_lift(struct supervisor *s)
         struct switch_off_slot *w = &s->switch_off[n];
         if (atomic_load(&w->state) != SWITCH_OFF_LIFTED)
             continue;
-        forget(s, w->is.element);
+        forget(s, w->content.element);
         atomic_store(&w->state, SWITCH_OFF_FREE);
     }
 }

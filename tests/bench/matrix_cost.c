@@ -43,8 +43,8 @@ int main(int n, char **v)
         a.rows = MATRIX_MAX - 1;
     for (unsigned i = 0; i < MATRIX_MAX; i++)
         for (unsigned j = 0; j < MATRIX_MAX; j++) {
-            a.at[i][j] = random_normal(&source);
-            b.at[i][j] = random_normal(&source);
+            a.value[i][j] = random_normal(&source);
+            b.value[i][j] = random_normal(&source);
         }
     if (a.rows == a.cols && lu_factor(&a, &lu))
         return 1;

@@ -71,7 +71,7 @@ static inline void bench_pilot(void)
     setup.named = &record;
     setup.interval_s = INTERVAL_S;
     setup.members = LOOPS;
-    setup.there = 3;
+    setup.present = 3;
     setup.inputs = IN_ALL;
     settings.column = 2;
     for (unsigned k = 0; k < IN_FRACTION; k++)

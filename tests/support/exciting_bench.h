@@ -18,7 +18,7 @@ static inline void put_block(unsigned n, const char *kind, const char *loops, co
 
 static inline void put_size(unsigned n, float size)
 {
-    memcpy(bench.config.pool + bench.config.block[n].at, &size, sizeof size);
+    memcpy(bench.config.pool + bench.config.block[n].offset, &size, sizeof size);
 }
 
 static inline void blocks(void)

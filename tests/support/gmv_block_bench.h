@@ -52,7 +52,7 @@ static inline bool gmv_block_begin(struct gmv_block_bench *b, float interval_s, 
     b->setup = (struct block_setup){.settings = &b->settings,
                                     .interval_s = interval_s,
                                     .members = (uint8_t)loops,
-                                    .there = (uint8_t)((1u << loops) - 1u),
+                                    .present = (uint8_t)((1u << loops) - 1u),
                                     .inputs = (uint8_t)(loops + disturbances)};
     for (unsigned i = 0; i < loops + disturbances; i++)
         b->setup.input[i] = (struct block_signal){.lo = 0, .hi = 1};

@@ -81,7 +81,7 @@ static inline void bench_wire(struct infer_bench *b, unsigned members, unsigned 
     b->setup.settings = &b->settings;
     b->setup.interval_s = interval_s;
     b->setup.members = (uint8_t)members;
-    b->setup.there = (uint8_t)((1u << members) - 1u);
+    b->setup.present = (uint8_t)((1u << members) - 1u);
     b->setup.inputs = (uint8_t)(seconds + members);
     for (unsigned k = 0; k < members; k++) {
         b->setup.member[k] =
@@ -246,7 +246,7 @@ static inline void bench_begin(struct infer_bench *b)
 {
     bench_configure(b, false);
     bench_follow(b);
-    b->io.members.acting = b->setup.there;
+    b->io.members.acting = b->setup.present;
 }
 
 static inline void bench_cycle(struct infer_bench *b)

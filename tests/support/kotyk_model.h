@@ -30,10 +30,10 @@ static inline struct difference_model kotyk_column(void)
 static inline void kotyk_compensator(struct matrix *g)
 {
     g->rows = g->cols = 2;
-    g->at[0][0] = REAL_C(1.0);
-    g->at[0][1] = REAL_C(0.33);
-    g->at[1][0] = REAL_C(0.64);
-    g->at[1][1] = REAL_C(1.2112);
+    g->value[0][0] = REAL_C(1.0);
+    g->value[0][1] = REAL_C(0.33);
+    g->value[1][0] = REAL_C(0.64);
+    g->value[1][1] = REAL_C(1.2112);
 }
 
 #endif

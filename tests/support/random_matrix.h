@@ -36,7 +36,7 @@ static inline unsigned random_matrix(uint64_t seed, struct matrix *a)
                 double sum = 0.0;
                 for (unsigned k = 0; k < rank; k++)
                     sum += b[i][k] * c[k][j];
-                a->at[i][j] = (real_t)sum;
+                a->value[i][j] = (real_t)sum;
             }
         return kind;
     }
@@ -45,7 +45,7 @@ static inline unsigned random_matrix(uint64_t seed, struct matrix *a)
         column = 1.0;
         for (unsigned j = 0; j < a->cols; j++, column *= 0.5) {
             double x = random_fraction(&r);
-            a->at[i][j] = (real_t)(kind == 1 ? x * column : (kind == 3 ? x * row : x));
+            a->value[i][j] = (real_t)(kind == 1 ? x * column : (kind == 3 ? x * row : x));
         }
     }
     return kind;

@@ -1,6 +1,6 @@
 """The layers of docs/architecture.md are those of CMake; no file includes what its place does not allow, no modules include
 each other in a circle, and a static function has its name for itself. A struct of state has one owner, and no files include or
-call each other in a circle but those of data/known_circles.txt."""
+call each other in a circle. Conditionals on the configuration are few, and stand outside of functions and structs."""
 
 import re
 import tomllib
@@ -16,13 +16,18 @@ PAGE = ROOT / "docs" / "architecture.md"
 FIRMWARE = ROOT / "firmware"
 DATA = Path(__file__).parent / "data"
 OWNERS = DATA / "owners.toml"
-KNOWN_CIRCLES = DATA / "known_circles.txt"
 
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 STRUCT = re.compile(r"^struct (\w+) \{\n(.*?)^\};", re.MULTILINE | re.DOTALL)
 FUNCTION = re.compile(r"^([A-Za-z_][^;{}#=]*)\n\{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
 NAME = re.compile(r"\b(\w+)\(")
+CONDITIONAL = re.compile(r"\s*#\s*(if|ifdef|ifndef)\b\s*(\w*)")
+LITERAL = re.compile(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'')
+CONDITIONALS_MAX = 60
+ANY_STRUCT = re.compile(r"struct (\w*)\s*\{\n(.*?)\n\s*\}", re.DOTALL)
+# Names that say nothing of a value.
+POOR_FIELD = re.compile(r"[\s*,](of|is|at|there|far|now|then|told)(?:\[[^\]]*\])*(?:\s*:\s*\d+)?\s*[,;]")
 STATIC = re.compile(r"^(?:[A-Z_]+ )*static (?:[^=;(){}]*[\s*])?(\w+)\(", re.MULTILINE)
 
 
@@ -129,9 +134,18 @@ def circles_of_files(texts: dict[str, str], of: dict[str, str]) -> list[list[str
     return circles(uses)
 
 
-def known_circles(text: str) -> list[list[str]]:
-    """A circle in each line, its modules in order."""
-    return sorted(line.split() for line in text.splitlines() if line and not line.startswith("#"))
+def conditionals(path: str, text: str) -> list[str]:
+    """Where each conditional begins; without include guards and without defaults (#ifndef X, #define X). `inside`: between braces."""
+    found, depth, lines = [], 0, text.split("\n")
+    for k, line in enumerate(lines):
+        if match := CONDITIONAL.match(line):
+            default = match[1] == "ifndef" and k + 1 < len(lines) and re.match(rf"\s*#\s*define\s+{match[2]}\b", lines[k + 1])
+            if not default:
+                found.append(f"{path}: {line.strip()}" + (": inside" if depth else ""))
+        elif not line.lstrip().startswith("#"):
+            code = LITERAL.sub("", line)
+            depth += code.count("{") - code.count("}")
+    return found
 
 
 def owners(text: str) -> dict[str, str]:
@@ -218,10 +232,20 @@ class Lint(unittest.TestCase):
     def test_no_modules_include_each_other_in_a_circle(self) -> None:
         self.assertEqual(circles(includes(self.texts, {})), [])
 
-    def test_no_files_include_or_call_each_other_in_a_circle_but_those_known(self) -> None:
-        found, known = circles_of_files(self.texts, {}), known_circles(KNOWN_CIRCLES.read_text(encoding="utf-8"))
-        self.assertEqual([c for c in found if c not in known], [], "new circles")
-        self.assertEqual([c for c in known if c not in found], [], f"no circles any more: take them out of {KNOWN_CIRCLES.name}")
+    def test_no_files_include_or_call_each_other_in_a_circle(self) -> None:
+        self.assertEqual(circles_of_files(self.texts, {}), [])
+
+    def test_no_conditional_stands_within_a_function_or_a_struct(self) -> None:
+        self.assertEqual([line for path, text in self.texts.items() for line in conditionals(path, text) if line.endswith("inside")], [])
+
+    def test_few_conditionals_stand_in_sources(self) -> None:
+        found = [line for path, text in self.texts.items() if path.endswith(".c") for line in conditionals(path, text)]
+        self.assertLessEqual(len(found), CONDITIONALS_MAX, "\n".join(
+            ["leave the source out by CMake (tools/cmake/layers.cmake), or put the conditional into a header:", *found]))
+
+    def test_fields_have_nouns_for_names(self) -> None:
+        self.assertEqual([f"{path}: struct {name}: {field}" for path, text in self.texts.items()
+                          for name, body in ANY_STRUCT.findall(text) for field in POOR_FIELD.findall(body)], [])
 
     def test_only_its_owner_touches_the_fields_of_a_struct(self) -> None:
         self.assertEqual(broken_ownership(self.texts, self.owners, readers(OWNERS.read_text(encoding="utf-8"))), [])
@@ -257,6 +281,16 @@ class Found(FolderTest):
     def test_includes_without_a_folder_or_upwards(self) -> None:
         texts = self.texts(a__x_c='#include "a/y.h"\n#include "y.h"\n#  include "../b/z.h"\n// \n/* #include "w.h" */\n')
         self.assertEqual(odd_includes(texts), ["a/x.c: y.h", "a/x.c: ../b/z.h"])
+
+    def test_conditionals_in_their_places(self) -> None:
+        text = ("#ifndef X\n#define X 1\n#endif\n#if X\nint f(void)\n{\n#ifdef Y\n    return 1;\n#endif\n    return '{';\n}\n#endif\n"
+                "#if X\n#endif\n")
+        self.assertEqual(conditionals("a/x.c", text), ["a/x.c: #if X", "a/x.c: #ifdef Y: inside", "a/x.c: #if X"])
+
+    def test_fields_that_say_nothing(self) -> None:
+        found = [field for _, body in ANY_STRUCT.findall("struct x {\n    int at, n;\n    int shift : 3, is : 1;\n    char *of[4];\n    int data;\n};\n")
+                 for field in POOR_FIELD.findall(body)]
+        self.assertEqual(found, ["at", "is", "of"])
 
     def test_a_circle_through_a_source(self) -> None:
         texts = self.texts(a__x_h='#include "a/y.h"\n', a__x_c='#include "a/x.h"\n', a__y_h="", a__z_h="",

@@ -108,7 +108,7 @@ static void wood_berry_is_what_the_books_say(void)
     take_plant(PLANT_WOOD_BERRY, 0.005, 60);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
     TEST_ASSERT_TRUE(a.has_lambda);
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, 2.009, (double)a.lambda.at[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 2.009, (double)a.lambda.value[0][0]);
     TEST_ASSERT_DOUBLE_WITHIN(0.002, 2.009, (double)a.pair_lambda[0]);
     TEST_ASSERT_DOUBLE_WITHIN(0.001, 1.0 / 2.009, (double)a.niederlinski);
     TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, a.loops.tuning[0].action); /* reflux raises xD */
@@ -418,7 +418,7 @@ static void a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better(void
             TEST_ASSERT_EQUAL(better, used);
         }
         TEST_ASSERT_EQUAL(used, a.loops.decoupler == &a.d);
-        TEST_ASSERT_EQUAL(used, real_abs(a.d.at[0][1]) > 0);
+        TEST_ASSERT_EQUAL(used, real_abs(a.d.value[0][1]) > 0);
         double setpoints = figure(false), loads = figure(true);
         if (isfinite(setpoints)) {
             TEST_ASSERT_DOUBLE_WITHIN(1e-4 * setpoints, setpoints, (double)f[!used].setpoints);

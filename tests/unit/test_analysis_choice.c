@@ -150,12 +150,12 @@ static void chosen(bool designed, double with)
     a.design_error = designed ? ERR_OK : ERR_TIMEOUT;
     a.figures[0] = (struct analysis_figures){.setpoints = 2, .loads = (real_t)with};
     a.figures[1] = (struct analysis_figures){.setpoints = 4, .loads = 5};
-    a.d.at[0][0] = 1;
+    a.d.value[0][0] = 1;
     a.factor = a.factor_least = a.log_modulus_db = a.horizon_s = 1;
     a.predicted[1].iae = a.tried[1].iae = 1;
     d->loops = a.loops;
     d->loops.tuning[1].gain = 7;
-    d->d.at[0][1] = REAL_C(-0.5);
+    d->d.value[0][1] = REAL_C(-0.5);
     d->factor = 2;
     d->factor_least = 3;
     d->log_modulus_db = 4;
@@ -172,7 +172,7 @@ static void is_decoupled(bool is)
     TEST_ASSERT_EQUAL_INT(ERR_OK, a.design_error);
     TEST_ASSERT_EQUAL_INT(is ? DECOUPLER_USED : DECOUPLER_NO_BETTER, a.decoupler);
     NEAR(is ? 7 : 1, a.loops.tuning[1].gain);
-    NEAR(is ? -0.5 : 0.0, a.d.at[0][1]);
+    NEAR(is ? -0.5 : 0.0, a.d.value[0][1]);
     NEAR(is ? 2 : 1, a.factor);
     NEAR(is ? 3 : 1, a.factor_least);
     NEAR(is ? 4 : 1, a.log_modulus_db);
@@ -213,7 +213,7 @@ static void the_one_with_a_decoupler_is_remembered_while_the_other_is_made(void)
         a.horizon_s = 5;
         a.predicted[1].iae = 6;
         a.tried[1].iae = 8;
-        a.d.at[0][1] = REAL_C(-0.5);
+        a.d.value[0][1] = REAL_C(-0.5);
         a.loops.tuning[1].gain = 7;
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
         TEST_ASSERT_EQUAL_INT(ANALYSIS_SETTINGS, a.stage);
@@ -222,8 +222,8 @@ static void the_one_with_a_decoupler_is_remembered_while_the_other_is_made(void)
         TEST_ASSERT_EQUAL(designed, a.compares);
         TEST_ASSERT_FALSE(a.designed);
         TEST_ASSERT_EQUAL_INT(ERR_OK, a.design_error);
-        NEAR(0.0, a.d.at[0][1]); /* none */
-        NEAR(1.0, a.d.at[1][1]);
+        NEAR(0.0, a.d.value[0][1]); /* none */
+        NEAR(1.0, a.d.value[1][1]);
         TEST_ASSERT_EQUAL_UINT8(2, a.d.cols);
         const struct analysis_design *d = &a.decoupled;
         NEAR(designed ? 2 : 0, d->factor);
@@ -233,7 +233,7 @@ static void the_one_with_a_decoupler_is_remembered_while_the_other_is_made(void)
         NEAR(designed ? 6 : 0, d->predicted[1].iae);
         NEAR(designed ? 8 : 0, d->tried[1].iae);
         NEAR(designed ? 7 : 0, d->loops.tuning[1].gain);
-        NEAR(designed ? -0.5 : 0, d->d.at[0][1]);
+        NEAR(designed ? -0.5 : 0, d->d.value[0][1]);
     }
 }
 

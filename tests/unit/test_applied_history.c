@@ -120,7 +120,7 @@ static void put_block(unsigned n, const char *kind, const char *loops, const cha
     strcpy(b->loops, loops);
     strcpy(b->inputs, inputs);
     const struct look_settings settings = {0.6f, steps, 0};
-    memcpy(bench.config.pool + b->at, &settings, sizeof settings);
+    memcpy(bench.config.pool + b->offset, &settings, sizeof settings);
 }
 
 static struct look *state_of(unsigned n)

@@ -10,7 +10,7 @@ static void pool_is_packed(const struct config *c)
 {
     uint32_t at = 0;
     for (unsigned n = 0; n < CONFIG_BLOCKS; n++) {
-        TEST_ASSERT_EQUAL(c->block[n].bytes ? at : 0, c->block[n].at);
+        TEST_ASSERT_EQUAL(c->block[n].bytes ? at : 0, c->block[n].offset);
         at += c->block[n].bytes;
     }
     for (; at < CONFIG_POOL_BYTES; at++)

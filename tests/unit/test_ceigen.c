@@ -38,7 +38,7 @@ static double complex_matrix(uint64_t seed)
             bool hermitian = seed % 4 == 0;
             double x = hermitian ? 0.5 * (re[i][j] + re[j][i]) : re[i][j];
             double y = hermitian ? 0.5 * (im[i][j] - im[j][i]) : im[i][j];
-            a.at[i][j] = cplx((real_t)x, (real_t)y);
+            a.value[i][j] = cplx((real_t)x, (real_t)y);
             norm += x * x + y * y;
         }
     return sqrt(norm);
@@ -83,7 +83,7 @@ static void begin_square(uint8_t n)
     a.rows = a.cols = n;
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j < n; j++)
-            a.at[i][j] = cplx(0, 0);
+            a.value[i][j] = cplx(0, 0);
 }
 
 static void eigenvalues_of_zero_are_zero(void)
@@ -100,7 +100,7 @@ static void a_cycle_of_units_does_not_go_round_for_ever(void)
     for (uint8_t n = 2; n <= 16; n++) {
         begin_square(n);
         for (unsigned i = 0; i < n; i++)
-            a.at[(i + 1) % n][i] = cplx(1, 0);
+            a.value[(i + 1) % n][i] = cplx(1, 0);
         TEST_ASSERT_EQUAL_INT(ERR_OK, ceigen_values(&a, values));
         for (unsigned i = 0; i < n; i++)
             TEST_ASSERT_DOUBLE_WITHIN(16 * n * n * EPS, 1.0,
@@ -112,9 +112,9 @@ static void eigenvalues_of_a_jordan_block_are_near_the_one_it_has(void)
 {
     begin_square(3);
     for (unsigned i = 0; i < 3; i++) {
-        a.at[i][i] = cplx(2, 1);
+        a.value[i][i] = cplx(2, 1);
         if (i < 2)
-            a.at[i + 1][i] = cplx(1, 0);
+            a.value[i + 1][i] = cplx(1, 0);
     }
     TEST_ASSERT_EQUAL_INT(ERR_OK, ceigen_values(&a, values));
     for (unsigned i = 0; i < 3; i++) /* the cube root of the error */
@@ -127,8 +127,8 @@ static void sizes_far_from_1_neither_overflow_nor_vanish(void)
     static const double sizes[] = {1e-14, 1e14};
     for (unsigned k = 0; k < 2; k++) {
         begin_square(2);
-        a.at[0][1] = cplx((real_t)sizes[k], 0);
-        a.at[1][0] = cplx((real_t)(4 * sizes[k]), 0);
+        a.value[0][1] = cplx((real_t)sizes[k], 0);
+        a.value[1][0] = cplx((real_t)(4 * sizes[k]), 0);
         TEST_ASSERT_EQUAL_INT(ERR_OK, ceigen_values(&a, values));
         for (unsigned i = 0; i < 2; i++)
             TEST_ASSERT_DOUBLE_WITHIN(32 * EPS * 4 * sizes[k], 2 * sizes[k],
@@ -142,7 +142,7 @@ static void what_is_not_square_or_no_number_is_refused(void)
     a.cols = 2;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ceigen_values(&a, values));
     begin_square(3);
-    a.at[2][1] = cplx((real_t)NAN, 0);
+    a.value[2][1] = cplx((real_t)NAN, 0);
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, ceigen_values(&a, values));
 }
 

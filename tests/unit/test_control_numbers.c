@@ -175,7 +175,7 @@ static enum err decoupler_checks(const float (*m)[DECOUPLER_MAX], uint8_t mask, 
                                  uint8_t *worst)
 {
     const struct matrix_settings settings = {m};
-    struct block_setup setup = {.settings = &settings, .members = DECOUPLER_MAX, .there = mask};
+    struct block_setup setup = {.settings = &settings, .members = DECOUPLER_MAX, .present = mask};
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
         setup.member[i] = (struct block_member){.loop = i, .out_reach = reach ? reach[i] : 1.0f};
     return decoupler_check(&setup, worst);

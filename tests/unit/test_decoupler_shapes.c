@@ -29,7 +29,7 @@ void setUp(void)
     gains.rows = gains.cols = 2;
     for (unsigned i = 0; i < 2; i++)
         for (unsigned j = 0; j < 2; j++)
-            gains.at[i][j] = (real_t)kotyk[i][j];
+            gains.value[i][j] = (real_t)kotyk[i][j];
     for (unsigned i = 0; i < N; i++)
         for (unsigned j = 0; j < N; j++)
             factor[i][j] = (real_t)1;
@@ -43,7 +43,7 @@ static double draw(struct random_source *r)
         gains.rows = gains.cols = (uint8_t)(1 + random_below(r, N));
         for (unsigned i = 0; i < gains.rows; i++)
             for (unsigned j = 0; j < gains.rows; j++)
-                gains.at[i][j] = (real_t)random_fraction(r);
+                gains.value[i][j] = (real_t)random_fraction(r);
         TEST_ASSERT_EQUAL(ERR_OK, svd_decompose(&work.svd, &gains));
         if ((double)svd_condition(&work.svd) <= 200)
             return (double)svd_condition(&work.svd);
@@ -54,7 +54,7 @@ static double terms(unsigned i, unsigned j)
 {
     double sum = 0;
     for (unsigned k = 0; k < gains.rows; k++)
-        sum += fabs((double)gains.at[i][k] * (double)shape.d.at[k][j]);
+        sum += fabs((double)gains.value[i][k] * (double)shape.d.value[k][j]);
     return sum;
 }
 
@@ -73,9 +73,9 @@ static void all_of_it_leaves_nothing(void)
             for (unsigned j = 0; j < gains.rows; j++) {
                 if (i != j)
                     TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * kappa * terms(i, j), 0,
-                                              (double)shape.seen.at[i][j]);
+                                              (double)shape.seen.value[i][j]);
                 else
-                    TEST_ASSERT_TRUE((double)shape.d.at[i][i] == 1);
+                    TEST_ASSERT_TRUE((double)shape.d.value[i][i] == 1);
             }
         TEST_ASSERT_EQUAL(ERR_OK,
                           decoupler_by_directions(&gains, (real_t)1e4, &work, &other, &limited));
@@ -84,10 +84,10 @@ static void all_of_it_leaves_nothing(void)
             /* Rounding of a column: that of its largest element, over the one it was divided by. */
             double most = 1;
             for (unsigned i = 0; i < gains.rows; i++)
-                most = fmax(most, fabs((double)shape.d.at[i][j]));
+                most = fmax(most, fabs((double)shape.d.value[i][j]));
             for (unsigned i = 0; i < gains.rows; i++)
-                TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * kappa * most * most, (double)shape.d.at[i][j],
-                                          (double)other.d.at[i][j]);
+                TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * kappa * most * most,
+                                          (double)shape.d.value[i][j], (double)other.d.value[i][j]);
         }
     }
     TEST_ASSERT_TRUE(made >= 90);
@@ -98,8 +98,9 @@ static void a_part_of_it_leaves_the_rest_between_none_and_all(void)
     factor[0][1] = (real_t)0.5;
     factor[1][0] = (real_t)0;
     TEST_ASSERT_EQUAL(ERR_OK, decoupler_partial(&gains, factor, &work, &shape));
-    TEST_ASSERT_TRUE((double)shape.d.at[1][0] == 0);
-    TEST_ASSERT_DOUBLE_WITHIN(32 * EPS, -0.5 * kotyk[0][1] / kotyk[0][0], (double)shape.d.at[0][1]);
+    TEST_ASSERT_TRUE((double)shape.d.value[1][0] == 0);
+    TEST_ASSERT_DOUBLE_WITHIN(32 * EPS, -0.5 * kotyk[0][1] / kotyk[0][0],
+                              (double)shape.d.value[0][1]);
     TEST_ASSERT_DOUBLE_WITHIN(32 * EPS, 0.5 * fabs(kotyk[0][1]) / kotyk[0][0],
                               (double)shape.left[0]);
     TEST_ASSERT_DOUBLE_WITHIN(32 * EPS, kotyk[0][0], (double)shape.gain[0]);
@@ -109,13 +110,13 @@ static void one_way_of_two_loops_is_one_element(void)
 {
     static const uint8_t top_first[2] = {0, 1}, bottom_first[2] = {1, 0};
     TEST_ASSERT_EQUAL(ERR_OK, decoupler_one_way(&gains, top_first, &work, &shape));
-    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, -kotyk[0][1] / kotyk[0][0], (double)shape.d.at[0][1]);
-    TEST_ASSERT_TRUE((double)shape.d.at[1][0] == 0);
+    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, -kotyk[0][1] / kotyk[0][0], (double)shape.d.value[0][1]);
+    TEST_ASSERT_TRUE((double)shape.d.value[1][0] == 0);
     TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, 0, (double)shape.left[0]);
     TEST_ASSERT_TRUE((double)shape.left[1] > 0.5);
     TEST_ASSERT_EQUAL(ERR_OK, decoupler_one_way(&gains, bottom_first, &work, &shape));
-    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, -kotyk[1][0] / kotyk[1][1], (double)shape.d.at[1][0]);
-    TEST_ASSERT_TRUE((double)shape.d.at[0][1] == 0);
+    TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, -kotyk[1][0] / kotyk[1][1], (double)shape.d.value[1][0]);
+    TEST_ASSERT_TRUE((double)shape.d.value[0][1] == 0);
     TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, 0, (double)shape.left[1]);
 }
 
@@ -143,8 +144,8 @@ static void one_way_no_loop_is_disturbed_by_one_of_a_later_rank(void)
             for (unsigned j = i + 1; j < gains.rows; j++) {
                 /* Gaussian elimination: backward stable, so in the terms themselves. */
                 TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * 8 * terms(rank[i], rank[j]), 0,
-                                          (double)shape.seen.at[rank[i]][rank[j]]);
-                TEST_ASSERT_TRUE((double)shape.d.at[rank[j]][rank[i]] == 0);
+                                          (double)shape.seen.value[rank[i]][rank[j]]);
+                TEST_ASSERT_TRUE((double)shape.d.value[rank[j]][rank[i]] == 0);
             }
     }
     TEST_ASSERT_TRUE(made >= 90);
@@ -156,15 +157,15 @@ static void a_weak_direction_gets_no_more_than_its_bound(void)
     static const double k[2][2] = {{1, 0.9}, {0.9, 1}};
     for (unsigned i = 0; i < 2; i++)
         for (unsigned j = 0; j < 2; j++)
-            gains.at[i][j] = (real_t)k[i][j];
+            gains.value[i][j] = (real_t)k[i][j];
     TEST_ASSERT_EQUAL(ERR_OK, decoupler_by_directions(&gains, (real_t)5, &work, &shape, &limited));
     TEST_ASSERT_EQUAL_UINT8(1, limited);
     /* W = V = [1 1; 1 -1]/sqrt 2: D before division is (1/1.9 + g)/2 and (1/1.9 - g)/2 with g = 5/1.9. */
     double g = 5 / 1.9, ratio = (1 / 1.9 - g) / (1 / 1.9 + g);
-    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, ratio, (double)shape.d.at[0][1]);
-    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, ratio, (double)shape.d.at[1][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, ratio, (double)shape.d.value[0][1]);
+    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, ratio, (double)shape.d.value[1][0]);
     TEST_ASSERT_EQUAL(ERR_OK, decoupler_by_directions(&gains, (real_t)1, &work, &shape, &limited));
-    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, 0, (double)shape.d.at[0][1]); /* all alike: none */
+    TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, 0, (double)shape.d.value[0][1]); /* all alike: none */
 }
 
 static void what_cannot_be_right_is_refused(void)
@@ -179,17 +180,17 @@ static void what_cannot_be_right_is_refused(void)
     factor[0][1] = (real_t)1;
     TEST_ASSERT_EQUAL(ERR_RANGE,
                       decoupler_by_directions(&gains, (real_t)0.9, &work, &shape, &limited));
-    gains.at[0][0] = (real_t)0;
+    gains.value[0][0] = (real_t)0;
     TEST_ASSERT_EQUAL(ERR_SINGULAR, decoupler_one_way(&gains, rank, &work, &shape));
-    gains.at[1][0] = (real_t)0;
+    gains.value[1][0] = (real_t)0;
     TEST_ASSERT_EQUAL(ERR_SINGULAR, decoupler_partial(&gains, factor, &work, &shape));
-    gains.at[0][1] = (real_t)INFINITY;
+    gains.value[0][1] = (real_t)INFINITY;
     TEST_ASSERT_EQUAL(ERR_NOT_FINITE, decoupler_partial(&gains, factor, &work, &shape));
     setUp();
     gains.rows = 1;
     TEST_ASSERT_EQUAL(ERR_RANGE, decoupler_partial(&gains, factor, &work, &shape));
     gains.rows = gains.cols = 9;
-    memset(gains.at, 0, sizeof gains.at);
+    memset(gains.value, 0, sizeof gains.value);
     TEST_ASSERT_EQUAL(ERR_RANGE, decoupler_partial(&gains, factor, &work, &shape));
     gains.rows = gains.cols = 2;
     TEST_ASSERT_EQUAL(ERR_SINGULAR,

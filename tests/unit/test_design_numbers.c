@@ -121,7 +121,7 @@ static enum err says_decoupler(const char *what, const struct static_decoupler_c
     kept_line("%s left %.4g gains %.5g %.5g sd %.4g %.4g elements %.5g %.5g", what,
               (double)decoupler.left_sd, (double)decoupler.gain[0], (double)decoupler.gain[1],
               (double)decoupler.gain_sd[0], (double)decoupler.gain_sd[1],
-              (double)decoupler.d.at[0][1], (double)decoupler.d.at[1][0]);
+              (double)decoupler.d.value[0][1], (double)decoupler.d.value[1][0]);
     return ERR_OK;
 }
 

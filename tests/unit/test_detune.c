@@ -390,7 +390,7 @@ static void independent_parts_with_decouplers_get_the_settings_they_would_get_al
         for (unsigned k = 0; k < whole.pairs.n; k++)
             for (unsigned l = 0; l < whole.pairs.n; l++)
                 if (which[k] == p && which[l] == p)
-                    d.at[k][l] = result.d.at[nth[k]][nth[l]];
+                    d.value[k][l] = result.d.value[nth[k]][nth[l]];
     }
     TEST_ASSERT_EQUAL_INT(ERR_OK, design_whole(0.5, &d));
     for (uint8_t k = 0; k < whole.pairs.n; k++)
@@ -452,11 +452,11 @@ static void a_decoupler_makes_the_gains_diagonal(void)
                 double sum = 0.0, gain = (double)result.gain[i];
                 for (unsigned k = 0; k < known.pairs.n; k++)
                     sum += known.gain[known.pairs.output[i]][known.pairs.input[k]] *
-                           (double)result.d.at[k][j];
+                           (double)result.d.value[k][j];
                 TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * known.condition * fabs(gain),
                                           i == j ? gain : 0.0, sum);
                 if (i == j)
-                    TEST_ASSERT_TRUE(result.d.at[i][i] >= 1 && result.d.at[i][i] <= 1);
+                    TEST_ASSERT_TRUE(result.d.value[i][i] >= 1 && result.d.value[i][i] <= 1);
             }
         for (unsigned k = 0; k < known.pairs.n; k++)
             TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs((double)result.gain[k]),
@@ -497,8 +497,8 @@ static void the_errors_left_by_a_decoupler_are_those_of_drawn_gains(void)
                 k[i][j] = known.gain[i][j] * (1.0 + 0.02 * (double)random_normal(&r));
         for (unsigned i = 0; i < 2; i++)
             for (unsigned j = 0; j < 2; j++) {
-                double left = k[i][0] * (double)result.d.at[0][j] +
-                              k[i][1] * (double)result.d.at[1][j] -
+                double left = k[i][0] * (double)result.d.value[0][j] +
+                              k[i][1] * (double)result.d.value[1][j] -
                               (i == j ? (double)result.gain[i] : 0.0);
                 squares[i][j] += left * left / draws;
             }

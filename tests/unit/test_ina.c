@@ -45,7 +45,7 @@ static void draw_compensator(uint8_t n)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(n, &g));
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j < n; j++)
-            g.at[i][j] += (real_t)(0.25 * random_fraction(&r));
+            g.value[i][j] += (real_t)(0.25 * random_fraction(&r));
 }
 
 static double size_of_polynomials(double complex response, unsigned i, unsigned j, double omega)
@@ -68,7 +68,7 @@ static void responses_of_a_sampled_plant_are_those_of_numpy(void)
         TEST_ASSERT_EQUAL_INT(ERR_OK, difference_response(&model, (real_t)v[2], &f));
         for (unsigned k = 0; k < 4; k++) {
             double complex want = v[4 + 2 * k] + v[5 + 2 * k] * I;
-            double error = cabs(of(f.at[k / 2][k % 2]) - want);
+            double error = cabs(of(f.value[k / 2][k % 2]) - want);
             worst = fmax(worst, error / size_of_polynomials(want, k / 2, k % 2, v[2]));
         }
         seen++;
@@ -114,7 +114,7 @@ static void inverse_arrays_are_those_of_numpy(void)
         double error = 0.0, largest = 0.0;
         for (unsigned k = 0; k < n * n; k++) {
             double complex exact = want[2 * k] + want[2 * k + 1] * I;
-            error = fmax(error, cabs(of(inverse.at[k / n][k % n]) - exact));
+            error = fmax(error, cabs(of(inverse.value[k / n][k % n]) - exact));
             largest = fmax(largest, cabs(exact));
         }
         worst = fmax(worst, error / (largest * v[3] * (16.0 * n + 4.0 * v[2] * longest)));
@@ -192,8 +192,8 @@ static void two_row_operations_make_their_compensator(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_operate(&g, &first));
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_operate(&g, &second));
     for (unsigned k = 0; k < 4; k++)
-        TEST_ASSERT_DOUBLE_WITHIN(2 * EPS, (double)want.at[k / 2][k % 2],
-                                  (double)g.at[k / 2][k % 2]);
+        TEST_ASSERT_DOUBLE_WITHIN(2 * EPS, (double)want.value[k / 2][k % 2],
+                                  (double)g.value[k / 2][k % 2]);
 }
 
 /* Rows of the inverse array after an operation on G, against those of before with the operation done to them. */
@@ -211,10 +211,10 @@ static void operate_on_both(struct ina_operation operation, double complex e[4][
             double complex sum = 0.0;
             double size = 0.0;
             for (unsigned k = 0; k < 4; k++) {
-                sum += e[i][k] * of(before.at[k][j]);
-                size += cabs(of(before.at[k][j]));
+                sum += e[i][k] * of(before.value[k][j]);
+                size += cabs(of(before.value[k][j]));
             }
-            TEST_ASSERT_DOUBLE_WITHIN(4096 * EPS * size, 0.0, cabs(sum - of(inverse.at[i][j])));
+            TEST_ASSERT_DOUBLE_WITHIN(4096 * EPS * size, 0.0, cabs(sum - of(inverse.value[i][j])));
         }
 }
 
@@ -249,8 +249,8 @@ static void operations_that_make_no_sense_are_refused_and_leave_the_compensator(
     for (unsigned k = 0; k < sizeof refused / sizeof refused[0]; k++) {
         TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
         TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_operate(&g, &refused[k]));
-        TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[0][0]);
-        TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)g.at[0][1]);
+        TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.value[0][0]);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)g.value[0][1]);
     }
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_identity(0, &g));
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_identity(INA_MOST + 1, &g));
@@ -259,10 +259,10 @@ static void operations_that_make_no_sense_are_refused_and_leave_the_compensator(
 static void radii_are_sums_off_the_diagonal(void)
 {
     h.rows = h.cols = 2;
-    h.at[0][0] = cplx(0, 2);
-    h.at[0][1] = cplx(3, 4);
-    h.at[1][0] = cplx(0, -1);
-    h.at[1][1] = cplx(0, 0);
+    h.value[0][0] = cplx(0, 2);
+    h.value[0][1] = cplx(3, 4);
+    h.value[1][0] = cplx(0, -1);
+    h.value[1][1] = cplx(0, 0);
     real_t radius[2], ratio[2];
     TEST_ASSERT_TRUE(isinf((double)ina_dominance(&h, INA_BY_ROWS, radius, ratio)));
     TEST_ASSERT_EQUAL_DOUBLE(5.0, (double)radius[0]);
@@ -278,20 +278,20 @@ static void a_plant_that_has_no_inverse_or_is_not_square_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
     f.rows = f.cols = 2;
     for (unsigned k = 0; k < 4; k++)
-        f.at[k / 2][k % 2] = cplx(1, 1);
+        f.value[k / 2][k % 2] = cplx(1, 1);
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, ina_inverse(&f, &g, &work, &inverse));
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, ina_align(&f, &align, &g));
     f.cols = 3;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_inverse(&f, &g, &work, &inverse));
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_align(&f, &align, &g));
     f.cols = 2;
-    f.at[1][1].im = (real_t)INFINITY;
+    f.value[1][1].im = (real_t)INFINITY;
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, ina_direct(&f, &g, &h));
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(3, &g));
-    f.at[1][1].im = 0;
+    f.value[1][1].im = 0;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_direct(&f, &g, &h));
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
-    g.at[1][0] = (real_t)NAN;
+    g.value[1][0] = (real_t)NAN;
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, ina_direct(&f, &g, &h));
 }
 
@@ -302,7 +302,7 @@ static void at_rest_align_is_the_inverse(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_direct(&f, &g, &h));
     for (unsigned k = 0; k < 4; k++)
         TEST_ASSERT_DOUBLE_WITHIN(64 * EPS, k == 0 || k == 3 ? 1.0 : 0.0,
-                                  cabs(of(h.at[k / 2][k % 2])));
+                                  cabs(of(h.value[k / 2][k % 2])));
 }
 
 /* Squared distance of column j of F G from the nearest exp(i a) e_j, in double. */
@@ -313,7 +313,7 @@ static double misfit(const double *column, unsigned j)
     for (unsigned i = 0; i < f.rows; i++) {
         double complex sum = 0.0;
         for (unsigned k = 0; k < f.rows; k++)
-            sum += of(f.at[i][k]) * column[k];
+            sum += of(f.value[i][k]) * column[k];
         square += creal(sum * conj(sum));
         own = i == j ? sum : own;
     }
@@ -330,7 +330,7 @@ static void no_other_column_is_better_aligned(void)
         for (unsigned j = 0; j < 4; j++) {
             double column[4], other[4];
             for (unsigned k = 0; k < 4; k++)
-                column[k] = (double)g.at[k][j];
+                column[k] = (double)g.value[k][j];
             double least = misfit(column, j);
             for (unsigned draw = 0; draw < 2000; draw++) {
                 double by = pow(10.0, -(double)(draw % 6));
@@ -346,29 +346,29 @@ static void no_other_column_is_better_aligned(void)
 static void normalising_makes_the_diagonal_1_where_it_is_not_next_to_nothing(void)
 {
     kotyk_compensator(&g);
-    g.at[0][1] = -2;
-    g.at[1][1] = -4;
+    g.value[0][1] = -2;
+    g.value[1][1] = -4;
     TEST_ASSERT_TRUE(ina_normalise(&g));
-    TEST_ASSERT_EQUAL_DOUBLE(0.5, (double)g.at[0][1]);
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[1][1]);
-    g.at[0][0] = REAL_C(-0.001);
-    g.at[1][0] = -4;
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, (double)g.value[0][1]);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.value[1][1]);
+    g.value[0][0] = REAL_C(-0.001);
+    g.value[1][0] = -4;
     TEST_ASSERT_FALSE(ina_normalise(&g));
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[1][0]);
-    g.at[0][0] = g.at[1][0] = 0;
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.value[1][0]);
+    g.value[0][0] = g.value[1][0] = 0;
     TEST_ASSERT_FALSE(ina_normalise(&g));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)g.at[1][0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)g.value[1][0]);
 }
 
 static void columns_of_small_elements_are_normalised_as_large_ones(void)
 {
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
-    g.at[0][0] = g.at[1][1] = REAL_C(0.0009765625);
-    g.at[0][1] = REAL_C(0.00048828125);
+    g.value[0][0] = g.value[1][1] = REAL_C(0.0009765625);
+    g.value[0][1] = REAL_C(0.00048828125);
     TEST_ASSERT_TRUE(ina_normalise(&g));
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[0][0]);
-    TEST_ASSERT_EQUAL_DOUBLE(0.5, (double)g.at[0][1]);
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[1][1]);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.value[0][0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, (double)g.value[0][1]);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.value[1][1]);
 }
 
 int main(void)

@@ -31,7 +31,7 @@ static void add_point(unsigned point)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(f.rows, &one));
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_inverse(&f, &one, &work, &inverse));
     for (unsigned m = 0; m < n * n; m++)
-        table[point * n * n + m] = inverse.at[m / n][m % n];
+        table[point * n * n + m] = inverse.value[m / n][m % n];
 }
 
 static void tabulate_kotyk(void)
@@ -78,9 +78,9 @@ static double worst_with(const struct matrix *with, enum ina_by by)
         for (unsigned m = 0; m < n * n; m++) {
             struct cplx sum = cplx(0, 0);
             for (unsigned a = 0; a < n; a++)
-                sum =
-                    cplx_add(sum, cplx_scale(table[point * n * n + a * n + m % n], k.at[m / n][a]));
-            inverse.at[m / n][m % n] = sum;
+                sum = cplx_add(sum,
+                               cplx_scale(table[point * n * n + a * n + m % n], k.value[m / n][a]));
+            inverse.value[m / n][m % n] = sum;
         }
         worst = fmax(worst, (double)ina_dominance(&inverse, by, NULL, NULL));
     }
@@ -138,7 +138,7 @@ static void what_a_constant_matrix_decouples_it_decouples(void)
             struct fopdt own = {1, (real_t)(5 * i), (real_t)(20 + 10 * i)};
             struct cplx z = fopdt_response(&own, (real_t)(1e-3 * (k + 1)));
             for (unsigned j = 0; j < 3; j++)
-                f.at[i][j] = cplx_scale(z, (real_t)mix[i][j]);
+                f.value[i][j] = cplx_scale(z, (real_t)mix[i][j]);
         }
         add_point(k);
     }
@@ -147,7 +147,7 @@ static void what_a_constant_matrix_decouples_it_decouples(void)
     TEST_ASSERT_TRUE(search.before > REAL_C(0.5));
     TEST_ASSERT_TRUE(search.after < REAL_C(1e-4));
     for (unsigned i = 0; i < 3; i++)
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, (double)search.g.at[i][i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, (double)search.g.value[i][i]);
 }
 
 static void four_loops_get_better_from_where_they_are(void)
@@ -174,9 +174,9 @@ static void by_columns_the_largest_element_is_1_and_the_diagonal_positive(void)
     run_search();
     double largest = 0.0;
     for (unsigned k = 0; k < 4; k++)
-        largest = fmax(largest, fabs((double)search.g.at[k / 2][k % 2]));
+        largest = fmax(largest, fabs((double)search.g.value[k / 2][k % 2]));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, largest);
-    TEST_ASSERT_TRUE(search.g.at[0][0] > 0 && search.g.at[1][1] > 0);
+    TEST_ASSERT_TRUE(search.g.value[0][0] > 0 && search.g.value[1][1] > 0);
     TEST_ASSERT_TRUE((double)search.after < 0.238);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, (double)search.after, worst_with(&search.g, INA_BY_COLUMNS));
     for (unsigned i = 0; i < 2; i++)
@@ -191,7 +191,7 @@ static void the_same_seed_finds_the_same_to_the_last_bit(void)
     struct matrix first = search.g;
     run_search();
     for (unsigned i = 0; i < 2; i++)
-        TEST_ASSERT_EQUAL_MEMORY(first.at[i], search.g.at[i], 2 * sizeof(real_t));
+        TEST_ASSERT_EQUAL_MEMORY(first.value[i], search.g.value[i], 2 * sizeof(real_t));
 }
 
 static void a_single_start_is_the_given_compensator(void)
@@ -207,13 +207,13 @@ static void a_single_start_is_the_given_compensator(void)
 static void a_single_loop_has_nothing_beside_it(void)
 {
     f.rows = f.cols = 1;
-    f.at[0][0] = cplx(2, -1);
+    f.value[0][0] = cplx(2, -1);
     for (unsigned k = 0; k < POINTS; k++)
         add_point(k);
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(1, &g));
     run_search();
     TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)search.after);
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)search.g.at[0][0]);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)search.g.value[0][0]);
 }
 
 static void of_several_starts_the_best_counts(void)
@@ -271,7 +271,7 @@ static void what_cannot_be_searched_is_refused(void)
     config.lambda_hi = REAL_C(0.5);
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_search_begin(&search, table, POINTS, &g, &config));
     ina_search_config_default(&config);
-    g.at[1][1] = 0;
+    g.value[1][1] = 0;
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, ina_search_begin(&search, table, POINTS, &g, &config));
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
     table[7].im = (real_t)NAN;

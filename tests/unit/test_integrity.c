@@ -74,9 +74,9 @@ static double index_of(uint16_t subset)
             member[n++] = k;
     double own = 1.0;
     for (unsigned i = 0; i < n; i++) {
-        own *= (double)gains.at[pairs.output[member[i]]][pairs.input[member[i]]];
+        own *= (double)gains.value[pairs.output[member[i]]][pairs.input[member[i]]];
         for (unsigned j = 0; j < n; j++)
-            a[i][j] = (double)gains.at[pairs.output[member[i]]][pairs.input[member[j]]];
+            a[i][j] = (double)gains.value[pairs.output[member[i]]][pairs.input[member[j]]];
     }
     return determinant(a, n) / own;
 }
@@ -92,7 +92,8 @@ static void a_negative_subset_is_found_where_there_is_one(void)
             pairs.input[k] = (uint8_t)((k + seed) % n);
         for (unsigned i = 0; i < n; i++)
             for (unsigned j = 0; j < n; j++)
-                gains.at[i][j] = (real_t)(random_fraction(&r) * (pairs.input[i] == j ? 2.0 : 1.0));
+                gains.value[i][j] =
+                    (real_t)(random_fraction(&r) * (pairs.input[i] == j ? 2.0 : 1.0));
         double least = INFINITY, least_of_two = INFINITY;
         for (uint16_t subset = 1; subset < 1u << n; subset++) {
             double index = index_of(subset);
@@ -121,18 +122,18 @@ static void of_sixteen_loops_every_subset_is_seen_in_pieces(void)
     diagonal(16);
     for (unsigned i = 0; i < 16; i++)
         for (unsigned j = 0; j < 16; j++)
-            gains.at[i][j] = i == j ? 1 : REAL_C(0.05);
+            gains.value[i][j] = i == j ? 1 : REAL_C(0.05);
     search();
     TEST_ASSERT_EQUAL_HEX16(0, w.negative);
     TEST_ASSERT_TRUE(pieces > 20 && pieces < 300);
     /* A ring of all sixteen, whose gains multiply to more than 1: no smaller subset shows it, and it is the last. */
     for (unsigned i = 0; i < 16; i++)
         for (unsigned j = 0; j < 16; j++)
-            gains.at[i][j] = i == j ? 1 : j == (i + 1) % 16 ? REAL_C(1.02) : 0;
+            gains.value[i][j] = i == j ? 1 : j == (i + 1) % 16 ? REAL_C(1.02) : 0;
     search();
     TEST_ASSERT_EQUAL_HEX16(0xFFFF, w.negative);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0 - pow(1.02, 16), (double)w.index);
-    gains.at[15][0] = REAL_C(0.7);
+    gains.value[15][0] = REAL_C(0.7);
     search();
     TEST_ASSERT_EQUAL_HEX16(0, w.negative);
 }
@@ -141,7 +142,7 @@ static void what_is_no_pairing_is_refused(void)
 {
     diagonal(2);
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, integrity_begin(&w, &gains, &pairs));
-    gains.at[0][0] = gains.at[1][1] = 1;
+    gains.value[0][0] = gains.value[1][1] = 1;
     pairs.input[1] = 2;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, integrity_begin(&w, &gains, &pairs));
     pairs.n = 0;
@@ -157,14 +158,14 @@ static void a_determinant_is_as_sure_as_draws_of_the_gains_say(void)
     diagonal(3);
     for (unsigned i = 0; i < 3; i++)
         for (unsigned j = 0; j < 3; j++) {
-            gains.at[i][j] = (real_t)k[i][j];
-            sd.at[i][j] = (real_t)(0.01 * fabs(k[i][j]));
+            gains.value[i][j] = (real_t)k[i][j];
+            sd.value[i][j] = (real_t)(0.01 * fabs(k[i][j]));
         }
-    sd.at[0][2] = REAL_C(1e-4); /* of a gain that is 0 */
+    sd.value[0][2] = REAL_C(1e-4); /* of a gain that is 0 */
     for (unsigned n = 0; n < 20000; n++) {
         for (unsigned i = 0; i < 3; i++)
             for (unsigned j = 0; j < 3; j++)
-                a[i][j] = k[i][j] + (double)sd.at[i][j] * (double)random_normal(&r);
+                a[i][j] = k[i][j] + (double)sd.value[i][j] * (double)random_normal(&r);
         double det = determinant(a, 3);
         sum += det;
         squares += det * det;
@@ -173,11 +174,11 @@ static void a_determinant_is_as_sure_as_draws_of_the_gains_say(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, &work, &sds));
     TEST_ASSERT_DOUBLE_WITHIN(0.03, 1.0, (double)sds * deviation / fabs(mean));
 
-    memset(&sd.at, 0, sizeof sd.at);
+    memset(&sd.value, 0, sizeof sd.value);
     TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, &work, &sds));
     TEST_ASSERT_TRUE(isinf(sds));
     for (unsigned j = 0; j < 3; j++)
-        gains.at[2][j] = 2 * gains.at[0][j];
+        gains.value[2][j] = 2 * gains.value[0][j];
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_determinant_sds(&gains, &sd, &work, &sds));
     gains.cols = sd.cols = 2;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_determinant_sds(&gains, &sd, &work, &sds));

@@ -51,7 +51,7 @@ static void relative_gains_of_every_plant_are_those_of_numpy(void)
         double kappa = known.least_condition > 0.0 ? known.least_condition : known.condition;
         for (unsigned i = 0; i < k.rows; i++)
             for (unsigned j = 0; j < k.cols; j++)
-                worst = fmax(worst, fabs((double)lambda.at[i][j] - known.lambda[i][j]) /
+                worst = fmax(worst, fabs((double)lambda.value[i][j] - known.lambda[i][j]) /
                                         (kappa * (1.0 + fabs(known.lambda[i][j]))));
     }
     printf("relative gains: worst %.2f eps kappa (1 + |lambda|)\n", worst / EPS);
@@ -66,7 +66,7 @@ static void plain_relative_gains(const struct matrix *a, double out[16][16])
     bool used[16] = {false};
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j < n; j++) {
-            w[i][j] = (double)a->at[i][j];
+            w[i][j] = (double)a->value[i][j];
             w[i][n + j] = i == j;
         }
     for (unsigned step = 0; step < n; step++) {
@@ -92,7 +92,7 @@ static void plain_relative_gains(const struct matrix *a, double out[16][16])
     }
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j < n; j++)
-            out[i][j] = (double)a->at[i][j] * w[row_of[j]][n + i];
+            out[i][j] = (double)a->value[i][j] * w[row_of[j]][n + i];
 }
 
 static void relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_elimination(void)
@@ -105,12 +105,12 @@ static void relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_el
         k.rows = k.cols = (uint8_t)(2 + random_below(&r, 15));
         for (unsigned i = 0; i < k.rows; i++)
             for (unsigned j = 0; j < k.cols; j++)
-                k.at[i][j] = (real_t)random_fraction(&r);
+                k.value[i][j] = (real_t)random_fraction(&r);
         memset(&known, 0, sizeof known);
         known.plant.outputs = known.plant.inputs = k.rows;
         for (unsigned i = 0; i < k.rows; i++)
             for (unsigned j = 0; j < k.cols; j++)
-                known.plant.element[i][j].gain = k.at[i][j];
+                known.plant.element[i][j].gain = k.value[i][j];
         analyse(0);
         double kappa = (double)gains.condition_scaled;
         if (kappa > 0.01 / EPS)
@@ -119,7 +119,7 @@ static void relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_el
         TEST_ASSERT_EQUAL_INT(ERR_OK, rga_compute(&k, &work, &lambda));
         for (unsigned i = 0; i < k.rows; i++)
             for (unsigned j = 0; j < k.cols; j++)
-                worst = fmax(worst, fabs((double)lambda.at[i][j] - want[i][j]) /
+                worst = fmax(worst, fabs((double)lambda.value[i][j] - want[i][j]) /
                                         (kappa * (1.0 + fabs(want[i][j]))));
         seen++;
     }
@@ -143,9 +143,9 @@ static void published_relative_gains_are_found(void)
         interact_gains(&known.plant, NULL, &k);
         TEST_ASSERT_EQUAL_INT(ERR_OK, rga_compute(&k, &work, &lambda));
         TEST_ASSERT_DOUBLE_WITHIN(published[n].within, published[n].lambda,
-                                  (double)lambda.at[0][0]);
+                                  (double)lambda.value[0][0]);
         TEST_ASSERT_DOUBLE_WITHIN(published[n].within, published[n].lambda,
-                                  (double)lambda.at[1][1]);
+                                  (double)lambda.value[1][1]);
     }
 }
 
@@ -164,10 +164,10 @@ static void dynamic_relative_gains_of_every_plant_are_those_of_numpy(void)
                 for (unsigned j = 0; j < lambda.cols; j++) {
                     double modulus = known.dynamic_modulus[n][i][j];
                     double scale = known.condition * (1.0 + modulus);
-                    worst = fmax(worst, fabs((double)lambda.at[i][j] - modulus) / scale);
-                    worst =
-                        fmax(worst, fabs((double)real_part.at[i][j] - known.dynamic_real[n][i][j]) /
-                                        scale);
+                    worst = fmax(worst, fabs((double)lambda.value[i][j] - modulus) / scale);
+                    worst = fmax(worst,
+                                 fabs((double)real_part.value[i][j] - known.dynamic_real[n][i][j]) /
+                                     scale);
                 }
         }
     }
@@ -182,7 +182,8 @@ static void dynamic_relative_gains_begin_with_the_static_ones(void)
                           rga_at(&known.plant, &known.pairs, 0, &work_at, NULL, &real_part));
     for (unsigned i = 0; i < 4; i++)
         for (unsigned j = 0; j < 4; j++)
-            TEST_ASSERT_DOUBLE_WITHIN(2000 * EPS, known.lambda[i][j], (double)real_part.at[i][j]);
+            TEST_ASSERT_DOUBLE_WITHIN(2000 * EPS, known.lambda[i][j],
+                                      (double)real_part.value[i][j]);
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_at(&known.plant, NULL, -1, &work_at, NULL, &real_part));
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE,
                           rga_at(&known.plant, NULL, (real_t)NAN, &work_at, NULL, &real_part));
@@ -310,7 +311,7 @@ static void relative_gains_of_a_singular_plant_are_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_compute(&k, &work, &lambda));
     k = (struct matrix){2, 2, {{1, 2}, {2, 4}}};
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_compute(&k, &work, &lambda));
-    k.at[0][0] = (real_t)NAN;
+    k.value[0][0] = (real_t)NAN;
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, rga_compute(&k, &work, &lambda));
 }
 
@@ -321,13 +322,13 @@ static void relative_gains_do_not_depend_on_units(void)
     static const double row[4] = {1e6, 3.7, 2e-5, 100}, col[4] = {1e-4, 5e5, 7, 0.3};
     for (unsigned i = 0; i < 4; i++)
         for (unsigned j = 0; j < 4; j++)
-            k.at[i][j] = (real_t)(known.gain[i][j] * row[i] * col[j]);
+            k.value[i][j] = (real_t)(known.gain[i][j] * row[i] * col[j]);
     TEST_ASSERT_EQUAL_INT(ERR_OK, rga_compute(&k, &work, &lambda));
     for (unsigned i = 0; i < 4; i++)
         for (unsigned j = 0; j < 4; j++)
             TEST_ASSERT_DOUBLE_WITHIN(16 * EPS * known.least_condition *
                                           (1 + fabs(known.lambda[i][j])),
-                                      known.lambda[i][j], (double)lambda.at[i][j]);
+                                      known.lambda[i][j], (double)lambda.value[i][j]);
 }
 
 /* Rank 2 plants of 4 x 5 with noise drawn on every gain: taken for rank 2 unless the noise is among the largest of

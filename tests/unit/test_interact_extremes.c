@@ -102,7 +102,7 @@ static void analyse(void)
     if (rga_at(&plant, NULL, REAL_C(1e-3), &at_work, &modulus, NULL) == ERR_OK)
         for (unsigned i = 0; i < plant.outputs; i++)
             for (unsigned j = 0; j < plant.inputs; j++)
-                a_finite(modulus.at[i][j]);
+                a_finite(modulus.value[i][j]);
 }
 
 static bool pair(uint64_t seed)
@@ -157,7 +157,7 @@ static void look_for_structure(void)
     }
     if (measure_compute(&plant, &pairing.pairs, 1, &measure_work, &measure) == ERR_OK)
         for (unsigned k = 0; k < pairing.pairs.n; k++)
-            a_finite(measure.gamma.at[k][k]);
+            a_finite(measure.gamma.value[k][k]);
 }
 
 /* parts: they are said to be of so many, which these plants seldom are. */

@@ -151,7 +151,7 @@ static void says_bounds(void)
     c.lambda_lo = REAL_C(0.95);
     for (unsigned k = 0; k < pairing.pairs.n && found.blocks == 1; k++)
         for (unsigned l = 0; l < pairing.pairs.n; l++) {
-            real_t lambda = real_abs(work.lambda.at[k][l]);
+            real_t lambda = real_abs(work.lambda.value[k][l]);
             if (k == l || !(lambda > REAL_C(0.01)) || !(lambda < REAL_C(1.0)))
                 continue;
             c.grouped = lambda;
@@ -171,8 +171,8 @@ static void says_dynamic(void)
         enum err err = rga_at(&plant, NULL, omega, &at, &size, &part);
         kept_line("dynamic %d", err);
         for (unsigned i = 0; !err && i < size.rows; i++) {
-            says("size", size.at[i], size.cols);
-            says("part", part.at[i], part.cols);
+            says("size", size.value[i], size.cols);
+            says("part", part.value[i], part.cols);
         }
     }
 }
@@ -208,7 +208,7 @@ static void says_measures(void)
     sd.rows = sd.cols = pairing.pairs.n;
     for (unsigned k = 0; k < pairing.pairs.n; k++)
         for (unsigned l = 0; l < pairing.pairs.n; l++)
-            sd.at[k][l] = plant.gain_sd[pairing.pairs.output[k]][pairing.pairs.input[l]];
+            sd.value[k][l] = plant.gain_sd[pairing.pairs.output[k]][pairing.pairs.input[l]];
     struct pairs own = {.n = pairing.pairs.n};
     for (uint8_t k = 0; k < own.n; k++)
         own.output[k] = own.input[k] = k;
@@ -228,8 +228,8 @@ static void says_measures(void)
     for (uint8_t k = 0; !err && k < own.n; k++) {
         struct fopdt e = {REAL_C(0.0), REAL_C(0.0), REAL_C(0.0)};
         err = measure_equivalent(&m, &plant, &pairing.pairs, k, &e);
-        kept_line("phi %.6g gamma %.6g equivalent %d %.6g %.6g %.6g", (double)m.phi.at[k][k],
-                  (double)m.gamma.at[k][k], err, (double)e.gain, (double)e.dead_time_s,
+        kept_line("phi %.6g gamma %.6g equivalent %d %.6g %.6g %.6g", (double)m.phi.value[k][k],
+                  (double)m.gamma.value[k][k], err, (double)e.gain, (double)e.dead_time_s,
                   (double)e.time_constant_s);
         err = ERR_OK;
     }

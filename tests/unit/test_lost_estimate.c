@@ -69,7 +69,7 @@ enum { GUESS = 4 };
 static void put_return(float setpoint, float within)
 {
     struct echo_settings settings = {.back = {{setpoint, within}}};
-    memcpy(bench.config.pool + bench.config.block[0].at, &settings, sizeof settings);
+    memcpy(bench.config.pool + bench.config.block[0].offset, &settings, sizeof settings);
 }
 
 /* `outer` acts on guess, an estimate from T5, and drives the setpoint of `bottom`. */

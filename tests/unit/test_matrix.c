@@ -37,7 +37,7 @@ static double largest(const struct matrix *m)
     double most = 0.0;
     for (unsigned i = 0; i < m->rows; i++)
         for (unsigned j = 0; j < m->cols; j++)
-            most = fmax(most, fabs((double)m->at[i][j]));
+            most = fmax(most, fabs((double)m->value[i][j]));
     return most;
 }
 
@@ -48,7 +48,7 @@ static double difference(const struct matrix *m, const struct matrix *n)
     TEST_ASSERT_EQUAL_UINT8(m->cols, n->cols);
     for (unsigned i = 0; i < m->rows; i++)
         for (unsigned j = 0; j < m->cols; j++)
-            most = fmax(most, fabs((double)m->at[i][j] - (double)n->at[i][j]));
+            most = fmax(most, fabs((double)m->value[i][j] - (double)n->value[i][j]));
     return most;
 }
 
@@ -60,7 +60,7 @@ static double unorthogonal(const struct matrix *m)
         for (unsigned l = 0; l < m->cols; l++) {
             double sum = k == l ? -1.0 : 0.0;
             for (unsigned i = 0; i < m->rows; i++)
-                sum += (double)m->at[i][k] * (double)m->at[i][l];
+                sum += (double)m->value[i][k] * (double)m->value[i][l];
             most = fmax(most, fabs(sum));
         }
     return most;
@@ -110,9 +110,9 @@ static void singular_values_of_random_matrices_are_those_of_numpy(void)
         TEST_ASSERT_EQUAL_UINT8(a.cols, svd.v.rows);
         for (unsigned i = 0; i < a.rows; i++)
             for (unsigned j = 0; j < a.cols; j++) {
-                double sum = -(double)a.at[i][j];
+                double sum = -(double)a.value[i][j];
                 for (unsigned k = 0; k < r.count; k++)
-                    sum += (double)svd.u.at[i][k] * (double)svd.s[k] * (double)svd.v.at[j][k];
+                    sum += (double)svd.u.value[i][k] * (double)svd.s[k] * (double)svd.v.value[j][k];
                 worst_a = fmax(worst_a, fabs(sum) / scale);
             }
         rows++;
@@ -141,14 +141,14 @@ static void ranks_of_products_of_whole_numbers_are_found(void)
             for (unsigned i = 0; i < a.rows; i++) {
                 double sum = 0.0;
                 for (unsigned j = 0; j < a.cols; j++)
-                    sum += (double)a.at[i][j] * (double)svd.v.at[j][k];
+                    sum += (double)a.value[i][j] * (double)svd.v.value[j][k];
                 TEST_ASSERT_DOUBLE_WITHIN(40 * EPS * r.s[0], 0.0, sum);
             }
         for (unsigned k = r.rank; k < a.rows; k++) /* and of its transpose */
             for (unsigned j = 0; j < a.cols; j++) {
                 double sum = 0.0;
                 for (unsigned i = 0; i < a.rows; i++)
-                    sum += (double)a.at[i][j] * (double)svd.u.at[i][k];
+                    sum += (double)a.value[i][j] * (double)svd.u.value[i][k];
                 TEST_ASSERT_DOUBLE_WITHIN(40 * EPS * r.s[0], 0.0, sum);
             }
         seen++;
@@ -165,13 +165,13 @@ static double penrose(double kappa)
     double asymmetry = 0.0;
     for (unsigned i = 0; i < y.rows; i++)
         for (unsigned j = 0; j < y.rows; j++)
-            asymmetry = fmax(asymmetry, fabs((double)y.at[i][j] - (double)y.at[j][i]));
+            asymmetry = fmax(asymmetry, fabs((double)y.value[i][j] - (double)y.value[j][i]));
     TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_multiply(&y, &a, &z));
     worst = difference(&z, &a) / largest(&a);
     TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_multiply(&x, &a, &y));
     for (unsigned i = 0; i < y.rows; i++)
         for (unsigned j = 0; j < y.rows; j++)
-            asymmetry = fmax(asymmetry, fabs((double)y.at[i][j] - (double)y.at[j][i]));
+            asymmetry = fmax(asymmetry, fabs((double)y.value[i][j] - (double)y.value[j][i]));
     TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_multiply(&y, &x, &z));
     worst = fmax(worst, difference(&z, &x) / largest(&x));
     (void)scale;
@@ -244,7 +244,7 @@ static void equilibrated_rows_and_columns_have_about_length_one(void)
         for (unsigned i = 0; i < a.rows; i++) {
             double sum = 0.0;
             for (unsigned j = 0; j < a.cols; j++)
-                sum += pow((double)a.at[i][j] * (double)r[i] * (double)c[j], 2);
+                sum += pow((double)a.value[i][j] * (double)r[i] * (double)c[j], 2);
             TEST_ASSERT_DOUBLE_WITHIN(0.1 / along, 1.0 / along, sqrt(sum));
         }
         matrix_equilibrate(&a, false, r, c);
@@ -269,15 +269,16 @@ static void complex_inverses_satisfy_penrose(void)
         unsigned n = ca.rows < ca.cols ? ca.rows : ca.cols;
         for (unsigned i = 0; i < ca.rows; i++)
             for (unsigned j = 0; j < ca.cols; j++) /* a strong diagonal: kappa stays below 20 */
-                ca.at[i][j] = cplx((real_t)(random_fraction(&r) + (i == j ? 12.0 : 0.0)),
-                                   (real_t)random_fraction(&r));
+                ca.value[i][j] = cplx((real_t)(random_fraction(&r) + (i == j ? 12.0 : 0.0)),
+                                      (real_t)random_fraction(&r));
         TEST_ASSERT_EQUAL_INT(ERR_OK, cmatrix_pseudo_inverse(&ca, &cwork, &cx));
         for (unsigned i = 0; i < n; i++) /* the short way round the product is I */
             for (unsigned j = 0; j < n; j++) {
                 struct cplx sum = cplx(i == j ? -1 : 0, 0);
                 for (unsigned k = 0; k < (ca.rows < ca.cols ? ca.cols : ca.rows); k++)
-                    sum = cplx_add(sum, ca.rows < ca.cols ? cplx_mul(ca.at[i][k], cx.at[k][j])
-                                                          : cplx_mul(cx.at[i][k], ca.at[k][j]));
+                    sum =
+                        cplx_add(sum, ca.rows < ca.cols ? cplx_mul(ca.value[i][k], cx.value[k][j])
+                                                        : cplx_mul(cx.value[i][k], ca.value[k][j]));
                 worst = fmax(worst, (double)cplx_abs(sum));
             }
         for (unsigned i = 0; i < (ca.rows < ca.cols ? ca.cols : ca.rows);
@@ -285,10 +286,12 @@ static void complex_inverses_satisfy_penrose(void)
             for (unsigned j = 0; j < i; j++) {
                 struct cplx one = cplx(0, 0), other = cplx(0, 0);
                 for (unsigned k = 0; k < n; k++) {
-                    one = cplx_add(one, ca.rows < ca.cols ? cplx_mul(cx.at[i][k], ca.at[k][j])
-                                                          : cplx_mul(ca.at[i][k], cx.at[k][j]));
-                    other = cplx_add(other, ca.rows < ca.cols ? cplx_mul(cx.at[j][k], ca.at[k][i])
-                                                              : cplx_mul(ca.at[j][k], cx.at[k][i]));
+                    one =
+                        cplx_add(one, ca.rows < ca.cols ? cplx_mul(cx.value[i][k], ca.value[k][j])
+                                                        : cplx_mul(ca.value[i][k], cx.value[k][j]));
+                    other = cplx_add(other, ca.rows < ca.cols
+                                                ? cplx_mul(cx.value[j][k], ca.value[k][i])
+                                                : cplx_mul(ca.value[j][k], cx.value[k][i]));
                 }
                 worst = fmax(worst, (double)cplx_abs(cplx_sub(one, cplx_conj(other))));
             }
@@ -307,12 +310,12 @@ static void complex_elimination_solves_and_its_determinant_is_that_of_the_real_f
         struct cplx b[MATRIX_MAX], solution[MATRIX_MAX];
         for (unsigned i = 0; i < n; i++) {
             for (unsigned j = 0; j < n; j++) {
-                ca.at[i][j] = cplx((real_t)random_fraction(&r), (real_t)random_fraction(&r));
+                ca.value[i][j] = cplx((real_t)random_fraction(&r), (real_t)random_fraction(&r));
                 if (i == j)
-                    ca.at[i][j].re += (real_t)(n);
-                a.at[i][j] = a.at[n + i][n + j] = ca.at[i][j].re;
-                a.at[n + i][j] = ca.at[i][j].im;
-                a.at[i][n + j] = -ca.at[i][j].im;
+                    ca.value[i][j].re += (real_t)(n);
+                a.value[i][j] = a.value[n + i][n + j] = ca.value[i][j].re;
+                a.value[n + i][j] = ca.value[i][j].im;
+                a.value[i][n + j] = -ca.value[i][j].im;
             }
             b[i] = cplx((real_t)random_fraction(&r), (real_t)random_fraction(&r));
         }
@@ -331,7 +334,7 @@ static void complex_elimination_solves_and_its_determinant_is_that_of_the_real_f
         for (unsigned i = 0; i < n; i++) {
             struct cplx sum = b[i];
             for (unsigned j = 0; j < n; j++)
-                sum = cplx_sub(sum, cplx_mul(ca.at[i][j], solution[j]));
+                sum = cplx_sub(sum, cplx_mul(ca.value[i][j], solution[j]));
             TEST_ASSERT_DOUBLE_WITHIN(40 * EPS, 0.0, (double)cplx_abs(sum));
         }
     }
@@ -342,9 +345,9 @@ static void the_determinant_of_a_complex_permutation_has_its_angle(void)
     /* rows swapped once: det = -(2i)(3)(e^{i}) */
     memset(&ca, 0, sizeof ca);
     ca.rows = ca.cols = 3;
-    ca.at[0][1] = cplx(0, 2);
-    ca.at[1][0] = cplx(3, 0);
-    ca.at[2][2] = cplx((real_t)cos(1.0), (real_t)sin(1.0));
+    ca.value[0][1] = cplx(0, 2);
+    ca.value[1][0] = cplx(3, 0);
+    ca.value[2][2] = cplx((real_t)cos(1.0), (real_t)sin(1.0));
     struct cplx direction;
     real_t log_magnitude;
     TEST_ASSERT_EQUAL_INT(ERR_OK, clu_factor(&ca, &clu));
@@ -419,8 +422,8 @@ static void the_largest_matrices_stay_in_their_bounds(void)
         a.cols = ca.cols = sizes[k][1];
         for (unsigned i = 0; i < a.rows; i++)
             for (unsigned j = 0; j < a.cols; j++) {
-                a.at[i][j] = (real_t)(random_fraction(&r) + (i == j ? 9.0 : 0.0));
-                ca.at[i][j] = cplx(a.at[i][j], (real_t)random_fraction(&r));
+                a.value[i][j] = (real_t)(random_fraction(&r) + (i == j ? 9.0 : 0.0));
+                ca.value[i][j] = cplx(a.value[i][j], (real_t)random_fraction(&r));
             }
         unsigned n = a.rows < a.cols ? a.rows : a.cols;
         TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_pseudo_inverse(&a, &work, &x));
@@ -431,10 +434,10 @@ static void the_largest_matrices_stay_in_their_bounds(void)
                 struct cplx csum = cplx(0, 0);
                 for (unsigned l = 0; l < (a.rows > a.cols ? a.rows : a.cols); l++) {
                     bool tall = a.rows >= a.cols;
-                    sum += (double)(tall ? x.at[i][l] : a.at[i][l]) *
-                           (double)(tall ? a.at[l][j] : x.at[l][j]);
-                    csum = cplx_add(csum, cplx_mul(tall ? cx.at[i][l] : ca.at[i][l],
-                                                   tall ? ca.at[l][j] : cx.at[l][j]));
+                    sum += (double)(tall ? x.value[i][l] : a.value[i][l]) *
+                           (double)(tall ? a.value[l][j] : x.value[l][j]);
+                    csum = cplx_add(csum, cplx_mul(tall ? cx.value[i][l] : ca.value[i][l],
+                                                   tall ? ca.value[l][j] : cx.value[l][j]));
                 }
                 TEST_ASSERT_DOUBLE_WITHIN(100 * EPS, i == j, sum);
                 TEST_ASSERT_DOUBLE_WITHIN(100 * EPS, i == j, (double)csum.re);
@@ -476,12 +479,13 @@ static void extreme_scales_lose_no_accuracy(void)
         a = (struct matrix){2, 2, {{2, 1}, {1, 2}}}; /* 3 and 1 */
         for (unsigned i = 0; i < 2; i++)
             for (unsigned j = 0; j < 2; j++)
-                a.at[i][j] = (real_t)((double)a.at[i][j] * scales[k]);
+                a.value[i][j] = (real_t)((double)a.value[i][j] * scales[k]);
         TEST_ASSERT_EQUAL_INT(ERR_OK, svd_decompose(&svd, &a));
         TEST_ASSERT_DOUBLE_WITHIN(20 * EPS * 3 * scales[k], 3 * scales[k], (double)svd.s[0]);
         TEST_ASSERT_DOUBLE_WITHIN(20 * EPS * 3 * scales[k], scales[k], (double)svd.s[1]);
         TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_pseudo_inverse(&a, &work, &x));
-        TEST_ASSERT_DOUBLE_WITHIN(8 * EPS / scales[k], 2.0 / 3.0 / scales[k], (double)x.at[0][0]);
+        TEST_ASSERT_DOUBLE_WITHIN(8 * EPS / scales[k], 2.0 / 3.0 / scales[k],
+                                  (double)x.value[0][0]);
     }
     /* columns 20 powers of ten apart, nearly parallel: the rotation is too small for its square */
     a = (struct matrix){2, 2, {{1, (real_t)1e-12}, {1, 0}}};

@@ -359,7 +359,7 @@ static void dead_times_that_do_not_fit_say_how_many_bytes_they_need(void)
     /* Behind the states of channels and loops, and behind one another. */
     uint32_t at = arena_state_bytes(placed) / ARENA_GRAIN;
     for (unsigned b = 0; b < PLAN_BLOCKS; b++) {
-        TEST_ASSERT_EQUAL(at, plan.block[b].at);
+        TEST_ASSERT_EQUAL(at, plan.block[b].grain);
         at += plan.block[b].grains;
     }
     TEST_ASSERT_TRUE(at * ARENA_GRAIN <= PLAN_ARENA_BYTES);

@@ -54,7 +54,7 @@ static enum err design(void)
 
 static double at(const struct polynomial *p, unsigned k)
 {
-    return k < p->n ? (double)p->at[k] : 0;
+    return k < p->n ? (double)p->value[k] : 0;
 }
 
 /* Sum of p[k] x[t - k] from k = first on; x is 0 before its beginning. */
@@ -62,7 +62,7 @@ static double filtered(const struct polynomial *p, unsigned first, const double 
 {
     double sum = 0;
     for (unsigned k = first; k < p->n && k <= t; k++)
-        sum += (double)p->at[k] * x[t - k];
+        sum += (double)p->value[k] * x[t - k];
     return sum;
 }
 
@@ -248,8 +248,8 @@ static void simulate_kotyk(unsigned k, double *own, double *cross, double *input
             control(&controller[i], &loops[i], t);
         }
         for (unsigned i = 0; i < 2; i++) {
-            mv[i][t] = filtered(&decoupler.g.at[i][0], 0, loops[0].u, t) +
-                       filtered(&decoupler.g.at[i][1], 0, loops[1].u, t);
+            mv[i][t] = filtered(&decoupler.g.value[i][0], 0, loops[0].u, t) +
+                       filtered(&decoupler.g.value[i][1], 0, loops[1].u, t);
             *input = fmax(*input, fabs(mv[i][t]));
         }
         *own = fmax(*own, loops[k].y[t]);

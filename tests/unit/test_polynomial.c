@@ -43,9 +43,9 @@ static void draw_matrix(struct random_source *r, unsigned n, unsigned coefficien
     m.rows = m.cols = (uint8_t)n;
     for (unsigned i = 0; i < n; i++)
         for (unsigned j = 0; j < n; j++) {
-            m.at[i][j].n = (uint8_t)coefficients;
+            m.value[i][j].n = (uint8_t)coefficients;
             for (unsigned k = 0; k < coefficients; k++)
-                m.at[i][j].at[k] = (real_t)random_fraction(r);
+                m.value[i][j].value[k] = (real_t)random_fraction(r);
         }
 }
 
@@ -62,17 +62,17 @@ static void a_product_is_added_with_its_scale(void)
     TEST_ASSERT_EQUAL_UINT8(5, p.n);
     static const double plain[] = {1, 3, 3, -1, -6};
     for (unsigned k = 0; k < 5; k++)
-        TEST_ASSERT_TRUE((double)p.at[k] == 2 * plain[k] + (k < 3 ? 1 : 0));
-    TEST_ASSERT_TRUE(wanted[0] == (double)p.at[0]);
-    TEST_ASSERT_TRUE(wanted[4] == (double)p.at[4]);
+        TEST_ASSERT_TRUE((double)p.value[k] == 2 * plain[k] + (k < 3 ? 1 : 0));
+    TEST_ASSERT_TRUE(wanted[0] == (double)p.value[0]);
+    TEST_ASSERT_TRUE(wanted[4] == (double)p.value[4]);
 }
 
 static void more_coefficients_than_there_is_room_for_are_refused(void)
 {
     p.n = 0;
     q.n = det.n = 17;
-    memset(q.at, 0, sizeof q.at);
-    memset(det.at, 0, sizeof det.at);
+    memset(q.value, 0, sizeof q.value);
+    memset(det.value, 0, sizeof det.value);
     TEST_ASSERT_EQUAL(ERR_FULL, polynomial_add_product(&p, (real_t)1, &q, &det));
     q.n = 16;
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_add_product(&p, (real_t)1, &q, &det));
@@ -90,7 +90,7 @@ static void delay_degree_and_value_are_read_off(void)
     polynomial_trim(&p);
     polynomial_advance(&p, 2);
     TEST_ASSERT_EQUAL_UINT8(2, p.n);
-    TEST_ASSERT_TRUE((double)p.at[0] == 2 && (double)p.at[1] == -3);
+    TEST_ASSERT_TRUE((double)p.value[0] == 2 && (double)p.value[1] == -3);
     polynomial_advance(&p, 9);
     TEST_ASSERT_EQUAL_UINT8(0, p.n);
     TEST_ASSERT_TRUE((double)polynomial_value(&p, (real_t)2) == 0);
@@ -129,12 +129,12 @@ static void leibniz(long double value[POLYNOMIAL_MOST], long double size[POLYNOM
         long double term[POLYNOMIAL_MOST] = {sign}, magnitude[POLYNOMIAL_MOST] = {1};
         unsigned length = 1;
         for (unsigned i = 0; i < n; i++) {
-            const struct polynomial *f = &m.at[i][column[i]];
+            const struct polynomial *f = &m.value[i][column[i]];
             long double next[POLYNOMIAL_MOST] = {0}, next_size[POLYNOMIAL_MOST] = {0};
             for (unsigned a = 0; a < length; a++)
                 for (unsigned b = 0; b < f->n; b++) {
-                    next[a + b] += term[a] * (long double)f->at[b];
-                    next_size[a + b] += magnitude[a] * fabsl((long double)f->at[b]);
+                    next[a + b] += term[a] * (long double)f->value[b];
+                    next_size[a + b] += magnitude[a] * fabsl((long double)f->value[b]);
                 }
             length += f->n - 1u;
             memcpy(term, next, sizeof term);
@@ -158,7 +158,7 @@ static void a_determinant_is_the_sum_over_all_permutations(void)
             TEST_ASSERT_EQUAL(ERR_OK, polynomial_determinant(&m, &work, &det));
             leibniz(value, size);
             for (unsigned k = 0; k < POLYNOMIAL_MOST; k++) {
-                long double got = k < det.n ? (long double)det.at[k] : 0;
+                long double got = k < det.n ? (long double)det.value[k] : 0;
                 TEST_ASSERT_TRUE(fabsl(got - value[k]) <= 32 * (long double)EPS * size[k]);
                 if (size[k] > 0)
                     worst = fmax(worst, (double)(fabsl(got - value[k]) / size[k]) / EPS);
@@ -183,11 +183,11 @@ static void an_adjugate_times_the_matrix_is_the_determinant(void)
                 most = size[k] > most ? size[k] : most;
             for (unsigned i = 0; i < n; i++)
                 for (unsigned j = 0; j < n; j++)
-                    for (unsigned k = 0; k < product.at[i][j].n; k++) {
-                        long double wanted = i == j && k < det.n ? (long double)det.at[k] : 0;
+                    for (unsigned k = 0; k < product.value[i][j].n; k++) {
+                        long double wanted = i == j && k < det.n ? (long double)det.value[k] : 0;
                         /* Off the diagonal stand other terms than the determinant's, of elements of up to 1 as well. */
-                        TEST_ASSERT_TRUE(fabsl((long double)product.at[i][j].at[k] - wanted) <=
-                                         64 * (long double)EPS * (most + 24 * 8));
+                        TEST_ASSERT_TRUE(fabsl((long double)product.value[i][j].value[k] -
+                                               wanted) <= 64 * (long double)EPS * (most + 24 * 8));
                     }
         }
 }
@@ -195,10 +195,10 @@ static void an_adjugate_times_the_matrix_is_the_determinant(void)
 static void what_cancels_is_no_coefficient(void)
 {
     m.rows = m.cols = 2;
-    SET(&m.at[0][0], 0.1, 0.3);
-    SET(&m.at[0][1], 0.2, 0.7);
-    SET(&m.at[1][0], 0.3, 0.9);
-    SET(&m.at[1][1], 0.6, 2.1);
+    SET(&m.value[0][0], 0.1, 0.3);
+    SET(&m.value[0][1], 0.2, 0.7);
+    SET(&m.value[1][0], 0.3, 0.9);
+    SET(&m.value[1][1], 0.6, 2.1);
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_determinant(&m, &work, &det));
     TEST_ASSERT_EQUAL_UINT8(0, det.n);
 }
@@ -209,7 +209,7 @@ static void what_lies_outside_the_size_is_not_read(void)
     draw_matrix(&r, 4, 31);
     for (unsigned i = 0; i < 3; i++)
         for (unsigned j = 0; j < 3; j++)
-            m.at[i][j].n = 3;
+            m.value[i][j].n = 3;
     m.rows = m.cols = 3;
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_determinant(&m, &work, &det));
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_adjugate(&m, &work, &adj));
@@ -220,9 +220,9 @@ static void a_matrix_with_what_is_no_number_has_no_determinant(void)
 {
     struct random_source r = {19};
     draw_matrix(&r, 4, 8);
-    m.at[3][2].at[7] = (real_t)NAN;
+    m.value[3][2].value[7] = (real_t)NAN;
     TEST_ASSERT_EQUAL(ERR_NOT_FINITE, polynomial_determinant(&m, &work, &det));
-    m.at[3][2].at[7] = (real_t)INFINITY;
+    m.value[3][2].value[7] = (real_t)INFINITY;
     TEST_ASSERT_EQUAL(ERR_NOT_FINITE, polynomial_adjugate(&m, &work, &adj));
     draw_matrix(&r, 4, 9);
     TEST_ASSERT_EQUAL(ERR_FULL, polynomial_determinant(&m, &work, &det));
@@ -261,12 +261,12 @@ static void zeros_are_those_of_240_bits_and_their_radii_hold(void)
             double nearest = INFINITY, own = INFINITY;
             bool held = false;
             for (unsigned j = 0; j < n; j++) {
-                double away = hypot((double)roots.at[j].re - zero[2 * k],
-                                    (double)roots.at[j].im - zero[2 * k + 1]);
+                double away = hypot((double)roots.value[j].re - zero[2 * k],
+                                    (double)roots.value[j].im - zero[2 * k + 1]);
                 nearest = fmin(nearest, away);
                 held = held || away <= (double)roots.radius[j];
-                own = fmin(own, hypot((double)roots.at[k].re - zero[2 * j],
-                                      (double)roots.at[k].im - zero[2 * j + 1]));
+                own = fmin(own, hypot((double)roots.value[k].re - zero[2 * j],
+                                      (double)roots.value[k].im - zero[2 * j + 1]));
             }
             TEST_ASSERT_TRUE_MESSAGE(held, what);
             TEST_ASSERT_TRUE_MESSAGE(own <= (double)roots.radius[k], what);
@@ -288,8 +288,8 @@ static void zeros_at_0_come_last_and_exactly(void)
     SET(&p, 0, 0, -1, 2, 0);
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_find_roots(&p, &roots));
     TEST_ASSERT_EQUAL_UINT8(3, roots.n);
-    TEST_ASSERT_DOUBLE_WITHIN(4 * EPS, 0.5, (double)roots.at[0].re);
-    TEST_ASSERT_TRUE((double)roots.at[1].re == 0 && (double)roots.radius[2] == 0);
+    TEST_ASSERT_DOUBLE_WITHIN(4 * EPS, 0.5, (double)roots.value[0].re);
+    TEST_ASSERT_TRUE((double)roots.value[1].re == 0 && (double)roots.radius[2] == 0);
 }
 
 static void a_constant_has_none_and_nothing_has_no_answer(void)

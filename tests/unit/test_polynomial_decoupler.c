@@ -43,7 +43,7 @@ static enum err design(void)
 
 static double coefficient(const struct polynomial *p, unsigned k)
 {
-    return k < p->n ? (double)p->at[k] : 0.0;
+    return k < p->n ? (double)p->value[k] : 0.0;
 }
 
 /* Coefficient k of element i, j of B G, and of the sum of its terms' magnitudes. */
@@ -53,7 +53,7 @@ static double of_product(unsigned i, unsigned j, unsigned k, double *size)
     *size = 0;
     for (unsigned l = 0; l < model.inputs; l++)
         for (unsigned a = 0; a < model.nb && a + 1 <= k; a++) {
-            double term = (double)model.b[i][l][a] * coefficient(&d.g.at[l][j], k - 1 - a);
+            double term = (double)model.b[i][l][a] * coefficient(&d.g.value[l][j], k - 1 - a);
             sum += term;
             *size += fabs(term);
         }
@@ -102,7 +102,7 @@ static void the_column_of_the_paper_is_decoupled(void)
         for (unsigned j = 0; j < 2; j++)
             for (unsigned k = 0; k < 2; k++)
                 TEST_ASSERT_DOUBLE_WITHIN(16 * EPS, adj[i][j][k] / rest[j],
-                                          (double)d.g.at[i][j].at[k]);
+                                          (double)d.g.value[i][j].value[k]);
 }
 
 static void the_zeros_of_the_papers_determinant_are_reported(void)
@@ -110,8 +110,8 @@ static void the_zeros_of_the_papers_determinant_are_reported(void)
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_decoupler_zeros(&d));
     TEST_ASSERT_EQUAL_UINT8(2, d.zeros.n);
-    double far = fmax((double)d.zeros.at[0].re, (double)d.zeros.at[1].re);
-    double near = fmin((double)d.zeros.at[0].re, (double)d.zeros.at[1].re);
+    double far = fmax((double)d.zeros.value[0].re, (double)d.zeros.value[1].re);
+    double near = fmin((double)d.zeros.value[0].re, (double)d.zeros.value[1].re);
     TEST_ASSERT_DOUBLE_WITHIN(5e-5, 0.3085, far);
     TEST_ASSERT_DOUBLE_WITHIN(5e-7, -3.6e-5, near);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.3085, (double)d.outermost);
@@ -137,13 +137,13 @@ static void models_of_every_size_are_decoupled(void)
             for (unsigned k = 0; k < n; k++) {
                 unsigned least = POLYNOMIAL_MOST;
                 for (unsigned i = 0; i < n; i++)
-                    if (d.g.at[i][k].n && polynomial_delay(&d.g.at[i][k]) < least)
-                        least = polynomial_delay(&d.g.at[i][k]);
+                    if (d.g.value[i][k].n && polynomial_delay(&d.g.value[i][k]) < least)
+                        least = polynomial_delay(&d.g.value[i][k]);
                 TEST_ASSERT_EQUAL_UINT(0, least);
                 double rest = 0;
-                for (unsigned l = 0; l < d.g.at[k][k].n; l++)
-                    rest += (double)d.g.at[k][k].at[l];
-                TEST_ASSERT_DOUBLE_WITHIN(32 * EPS * (double)polynomial_size(&d.g.at[k][k]), 1,
+                for (unsigned l = 0; l < d.g.value[k][k].n; l++)
+                    rest += (double)d.g.value[k][k].value[l];
+                TEST_ASSERT_DOUBLE_WITHIN(32 * EPS * (double)polynomial_size(&d.g.value[k][k]), 1,
                                           rest);
             }
         }
@@ -163,11 +163,12 @@ static void other_units_of_an_output_change_neither_decoupler_nor_zeros(void)
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_decoupler_zeros(&d));
     for (unsigned i = 0; i < 2; i++)
         for (unsigned j = 0; j < 2; j++)
-            TEST_ASSERT_EQUAL_MEMORY(before.g.at[i][j].at, d.g.at[i][j].at, 2 * sizeof(real_t));
+            TEST_ASSERT_EQUAL_MEMORY(before.g.value[i][j].value, d.g.value[i][j].value,
+                                     2 * sizeof(real_t));
     TEST_ASSERT_TRUE(before.outermost == d.outermost);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs((double)d.h[0].at[1]), 16384 * (double)before.h[0].at[1],
-                              (double)d.h[0].at[1]);
-    TEST_ASSERT_TRUE(before.h[1].at[1] == d.h[1].at[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs((double)d.h[0].value[1]),
+                              16384 * (double)before.h[0].value[1], (double)d.h[0].value[1]);
+    TEST_ASSERT_TRUE(before.h[1].value[1] == d.h[1].value[1]);
 }
 
 static void a_dead_time_of_a_whole_row_stays_in_its_loop_and_in_no_other(void)

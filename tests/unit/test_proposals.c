@@ -57,14 +57,14 @@ static void what_a_step_proposes_waits_for_the_main_loop_and_is_not_written_over
     TEST_ASSERT_EQUAL(PROPOSAL_GIVEN, bench.s.proposal.state);
     TEST_ASSERT_EQUAL_UINT8(WATCH, bench.s.proposal.block);
     TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, bench.s.proposal.plan);
-    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_WHEN_ACCEPTED, bench.s.proposal.is.manner);
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_WHEN_ACCEPTED, bench.s.proposal.content.manner);
     put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 4);
     ticks(3);
     TEST_ASSERT_EQUAL_UINT(3, no_room);
-    TEST_ASSERT_EQUAL_FLOAT(3, bench.s.proposal.is.value[0].value);
+    TEST_ASSERT_EQUAL_FLOAT(3, bench.s.proposal.content.value[0].value);
     bench.s.proposal.state = PROPOSAL_FREE;
     tick();
-    TEST_ASSERT_EQUAL_FLOAT(4, bench.s.proposal.is.value[0].value);
+    TEST_ASSERT_EQUAL_FLOAT(4, bench.s.proposal.content.value[0].value);
     TEST_ASSERT_EQUAL(PROPOSAL_GIVEN, bench.s.proposal.state);
 }
 
@@ -101,11 +101,12 @@ static void what_is_its_own_is_named_with_its_number(void)
     char name[40] = "";
     struct text t = text_on(name, sizeof name);
     TEST_ASSERT_EQUAL(ERR_OK,
-                      parameter_find_id(&bench.config, bench.s.proposal.is.value[0].id, &p));
+                      parameter_find_id(&bench.config, bench.s.proposal.content.value[0].id, &p));
     parameter_name(&p, &t);
     TEST_ASSERT_EQUAL_STRING("block2.rate", name);
-    TEST_ASSERT_EQUAL_HEX32(0x4101, bench.s.proposal.is.value[1].id);
-    TEST_ASSERT_EQUAL_HEX32(0x413F, bench.s.proposal.is.value[2].id); /* a loop like any other */
+    TEST_ASSERT_EQUAL_HEX32(0x4101, bench.s.proposal.content.value[1].id);
+    TEST_ASSERT_EQUAL_HEX32(0x413F,
+                            bench.s.proposal.content.value[2].id); /* a loop like any other */
 }
 
 static void a_block_that_gives_up_in_that_step_proposes_nothing(void)
@@ -126,7 +127,7 @@ static void one_that_says_nothing_of_its_manner_waits_although_the_one_before_di
     watch_proposes.manner = PROPOSAL_AT_ONCE;
     put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 3);
     tick();
-    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, bench.s.proposal.is.manner);
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, bench.s.proposal.content.manner);
     bench.s.proposal.state = PROPOSAL_FREE;
     const struct block_proposal *room = proposal_room(&bench.s);
     TEST_ASSERT_NOT_NULL(room);

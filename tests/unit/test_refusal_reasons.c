@@ -56,7 +56,7 @@ static void draw_matrix(struct matrix *a, unsigned rows, unsigned cols)
     set_size(a, rows, cols);
     for (unsigned i = 0; i < rows; i++)
         for (unsigned j = 0; j < cols; j++)
-            a->at[i][j] = coefficient(30.0);
+            a->value[i][j] = coefficient(30.0);
 }
 
 static void test_a_refused_state_decoupler_says_why(void)
@@ -91,8 +91,8 @@ static void test_each_part_of_a_refused_state_decoupler_says_why(void)
     set_size(&model.b, 1, 1);
     set_size(&model.c, 1, 1);
     set_size(&model.e, 1, 0);
-    model.a.at[0][0] = (real_t)0.5;
-    model.b.at[0][0] = model.c.at[0][0] = (real_t)1;
+    model.a.value[0][0] = (real_t)0.5;
+    model.b.value[0][0] = model.c.value[0][0] = (real_t)1;
     model.period_s = (real_t)1;
     state_decoupler_config_default(&config);
     memset(&goal, 0, sizeof goal);
@@ -103,7 +103,7 @@ static void test_each_part_of_a_refused_state_decoupler_says_why(void)
         err = state_decoupler_part(&model, &config, &goal, &work, &d, &why);
         TEST_ASSERT_EQUAL(ERR_BUSY, err);
     }
-    d.g.at[0][0] = (real_t)NAN; /* the loop's modes cannot be found */
+    d.g.value[0][0] = (real_t)NAN; /* the loop's modes cannot be found */
     why = (struct state_decoupler_refusal){mark, mark, 0};
     err = state_decoupler_part(&model, &config, &goal, &work, &d, &why);
     TEST_ASSERT_NOT_EQUAL(ERR_OK, err);

@@ -15,7 +15,7 @@ const uint8_t block_kind_count = 3;
 static void put_float(unsigned n, unsigned offset, float x)
 {
     struct block_config *b = &bench.config.block[n];
-    memcpy(bench.config.pool + b->at + offset, &x, sizeof x);
+    memcpy(bench.config.pool + b->offset + offset, &x, sizeof x);
 }
 
 void setUp(void)

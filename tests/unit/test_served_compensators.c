@@ -19,7 +19,7 @@ static struct cross *cross_at(unsigned n)
 static void set_setting(unsigned n, unsigned offset, float x)
 {
     struct block_config *b = &bench.config.block[n];
-    memcpy(bench.config.pool + b->at + offset, &x, sizeof x);
+    memcpy(bench.config.pool + b->offset + offset, &x, sizeof x);
 }
 
 #define SET_CROSS(n, member, x) set_setting(n, offsetof(struct cross_settings, member), x)
@@ -304,7 +304,7 @@ static void what_took_effect_is_in_the_compensators_state(void)
 static num_t passed_told(unsigned k)
 {
     const struct block_state *b = &bench.s.block[SLOT_RECORDS];
-    const num_t(*end)[2] = (const num_t(*)[2])bench.s.arena + b->at + b->grains;
+    const num_t(*end)[2] = (const num_t(*)[2])bench.s.arena + b->grain + b->grains;
     return end[(int)k - 2][0];
 }
 

@@ -17,7 +17,7 @@ static struct ahead *ahead_at(unsigned n)
 static void set_ahead(unsigned n, unsigned offset, float x)
 {
     struct block_config *b = &bench.config.block[n];
-    memcpy(bench.config.pool + b->at + offset, &x, sizeof x);
+    memcpy(bench.config.pool + b->offset + offset, &x, sizeof x);
 }
 
 #define SET_AHEAD(n, member, x) set_ahead(n, offsetof(struct ahead_settings, member), x)

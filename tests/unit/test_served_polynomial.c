@@ -26,7 +26,7 @@ void tearDown(void) {}
 
 static void put_record(unsigned n, const void *settings, size_t size)
 {
-    memcpy(bench.config.pool + bench.config.block[n].at, settings, size);
+    memcpy(bench.config.pool + bench.config.block[n].offset, settings, size);
 }
 
 static void compensated(void)

@@ -107,7 +107,7 @@ static void put_observer(unsigned n, const char *input, const char *point, float
     TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, "coast", &needed, &room));
     strcpy(b->inputs, input);
     strcpy(b->points, point);
-    memcpy(bench.config.pool + b->at, &settings, sizeof settings);
+    memcpy(bench.config.pool + b->offset, &settings, sizeof settings);
 }
 
 /* T1 (60 to 160 degC) is observed as guess (0 to 200 degC), which moves 2 degC of T1 a tick when it is alone, and stands in

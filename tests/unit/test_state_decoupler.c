@@ -30,15 +30,15 @@ static void take_plain_plant(void)
     set_size(&model.b, 4, 2);
     set_size(&model.c, 2, 4);
     set_size(&model.e, 4, 1);
-    model.a.at[0][0] = model.a.at[0][1] = (real_t)-0.25;
-    model.a.at[1][2] = (real_t)1;
-    model.a.at[2][0] = model.a.at[2][1] = (real_t)0.5;
-    model.a.at[3][3] = (real_t)-0.5;
-    model.a.at[3][0] = model.a.at[0][3] = (real_t)0.5;
-    model.b.at[0][0] = model.b.at[2][1] = (real_t)2;
-    model.b.at[0][1] = (real_t)1;
-    model.c.at[0][0] = model.c.at[1][1] = (real_t)1;
-    model.e.at[0][0] = (real_t)0.5;
+    model.a.value[0][0] = model.a.value[0][1] = (real_t)-0.25;
+    model.a.value[1][2] = (real_t)1;
+    model.a.value[2][0] = model.a.value[2][1] = (real_t)0.5;
+    model.a.value[3][3] = (real_t)-0.5;
+    model.a.value[3][0] = model.a.value[0][3] = (real_t)0.5;
+    model.b.value[0][0] = model.b.value[2][1] = (real_t)2;
+    model.b.value[0][1] = (real_t)1;
+    model.c.value[0][0] = model.c.value[1][1] = (real_t)1;
+    model.e.value[0][0] = (real_t)0.5;
 }
 
 void setUp(void)
@@ -66,7 +66,7 @@ static void take(const double *at, unsigned wide, struct matrix *a, unsigned row
     set_size(a, rows, cols);
     for (unsigned i = 0; i < rows; i++)
         for (unsigned j = 0; j < cols; j++)
-            a->at[i][j] = (real_t)at[i * wide + j];
+            a->value[i][j] = (real_t)at[i * wide + j];
 }
 
 static void assert_near(const double *wanted, unsigned wide, const struct matrix *a, double bound)
@@ -78,7 +78,7 @@ static void assert_near(const double *wanted, unsigned wide, const struct matrix
     for (unsigned i = 0; i < a->rows; i++)
         for (unsigned j = 0; j < a->cols; j++)
             TEST_ASSERT_DOUBLE_WITHIN(bound * fmax(most, 1e-3), wanted[i * wide + j],
-                                      (double)a->at[i][j]);
+                                      (double)a->value[i][j]);
 }
 
 static void assert_zeros(const double *wanted, unsigned n)
@@ -163,25 +163,25 @@ static void a_plain_plant_is_decoupled(void)
 
 static void states_that_count_in_no_loop_need_not_be_measured(void)
 {
-    model.a.at[0][3] = 0;
+    model.a.value[0][3] = 0;
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL_UINT8(3, d.needed_count);
     TEST_ASSERT_EQUAL_HEX16(0x7, d.needed);
-    model.a.at[0][3] = (real_t)1e-9;
+    model.a.value[0][3] = (real_t)1e-9;
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL_UINT8(3, d.needed_count);
-    model.a.at[0][3] = (real_t)1e-3;
+    model.a.value[0][3] = (real_t)1e-3;
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL_UINT8(4, d.needed_count);
 }
 
 static void what_is_small_against_its_directions_is_no_way_to_move_an_output(void)
 {
-    model.b.at[1][0] = (real_t)1e-3; /* cosine 5e-4 */
+    model.b.value[1][0] = (real_t)1e-3; /* cosine 5e-4 */
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL_UINT8(1, d.index[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 5e-4, (double)d.neglected);
-    model.b.at[1][0] = (real_t)1e-2;
+    model.b.value[1][0] = (real_t)1e-2;
     (void)design();
     TEST_ASSERT_EQUAL_UINT8(0, d.index[1]);
 }
@@ -234,7 +234,7 @@ static void sampled_with_an_integral_the_radius_is_that_of_the_whole_loop(void)
     set_size(&model.a, 1, 1);
     set_size(&model.b, 1, 1);
     set_size(&model.c, 1, 1);
-    model.b.at[0][0] = model.c.at[0][0] = (real_t)1;
+    model.b.value[0][0] = model.c.value[0][0] = (real_t)1;
     goal.hold_s = (real_t)0.25;
     goal.integral_s[0] = (real_t)1;
     TEST_ASSERT_EQUAL(ERR_OK, design());
@@ -247,10 +247,10 @@ static void sampled_with_an_integral_the_radius_is_that_of_the_whole_loop(void)
 
 static void inputs_that_do_the_same_are_refused(void)
 {
-    model.b.at[2][0] = (real_t)4;
-    model.b.at[2][1] = (real_t)2;
+    model.b.value[2][0] = (real_t)4;
+    model.b.value[2][1] = (real_t)2;
     assert_refused(ERR_SINGULAR, "b_star", STATE_LOOP_NONE);
-    model.b.at[2][1] = (real_t)2.0001;
+    model.b.value[2][1] = (real_t)2.0001;
     assert_refused(ERR_SINGULAR, "b_star", STATE_LOOP_NONE);
     config.condition_hi = (real_t)1e6;
     TEST_ASSERT_EQUAL(ERR_OK, design());
@@ -260,10 +260,10 @@ static void inputs_that_do_the_same_are_refused(void)
 static void an_output_that_nothing_moves_is_refused(void)
 {
     for (unsigned k = 0; k < 4; k++)
-        model.c.at[1][k] = 0;
+        model.c.value[1][k] = 0;
     assert_refused(ERR_SINGULAR, "output", 1);
-    model.c.at[1][3] = (real_t)1;
-    model.a.at[3][0] = 0;
+    model.c.value[1][3] = (real_t)1;
+    model.a.value[3][0] = 0;
     assert_refused(ERR_SINGULAR, "output", 1);
 }
 
@@ -274,10 +274,10 @@ static void an_input_five_integrators_away_is_refused(void)
     set_size(&model.b, 5, 1);
     set_size(&model.c, 1, 5);
     for (unsigned k = 0; k < 4; k++)
-        model.a.at[k][k + 1] = (real_t)1;
-    model.b.at[4][0] = model.c.at[0][0] = (real_t)1;
+        model.a.value[k][k + 1] = (real_t)1;
+    model.b.value[4][0] = model.c.value[0][0] = (real_t)1;
     assert_refused(ERR_RANGE, "index", 0);
-    model.b.at[3][0] = (real_t)1;
+    model.b.value[3][0] = (real_t)1;
     TEST_ASSERT_EQUAL(ERR_OK, design());
     TEST_ASSERT_EQUAL_UINT8(3, d.index[0]);
 }
@@ -285,21 +285,21 @@ static void an_input_five_integrators_away_is_refused(void)
 static void outputs_that_are_one_are_refused(void)
 {
     for (unsigned k = 0; k < 4; k++)
-        model.c.at[1][k] = model.c.at[0][k];
+        model.c.value[1][k] = model.c.value[0][k];
     assert_refused(ERR_SINGULAR, "b_star", STATE_LOOP_NONE);
 }
 
 static void a_zero_that_is_not_stable_is_refused_and_told(void)
 {
-    model.a.at[3][3] = (real_t)0.25;
+    model.a.value[3][3] = (real_t)0.25;
     assert_refused(ERR_RANGE, "zero", STATE_LOOP_NONE);
     TEST_ASSERT_EQUAL_UINT8(1, d.zeros.n);
     TEST_ASSERT_DOUBLE_WITHIN(8 * EPS, 0.25, (double)d.zeros.mode[0].re);
-    model.a.at[3][3] = 0; /* neither does one at the limit die out */
+    model.a.value[3][3] = 0; /* neither does one at the limit die out */
     assert_refused(ERR_RANGE, "zero", STATE_LOOP_NONE);
     model.period_s = (real_t)1;
     set_poles(0.5);
-    model.a.at[3][3] = (real_t)-1.25;
+    model.a.value[3][3] = (real_t)-1.25;
     assert_refused(ERR_RANGE, "zero", STATE_LOOP_NONE);
     TEST_ASSERT_DOUBLE_WITHIN(16 * EPS, 1.25, (double)d.zeros.outermost);
 }
@@ -324,10 +324,10 @@ static void sizes_that_do_not_fit_are_refused(void)
 
 static void what_is_no_number_is_refused(void)
 {
-    model.a.at[1][1] = (real_t)NAN;
+    model.a.value[1][1] = (real_t)NAN;
     assert_refused(ERR_NOT_FINITE, "a", STATE_LOOP_NONE);
     take_plain_plant();
-    model.e.at[1][0] = (real_t)INFINITY;
+    model.e.value[1][0] = (real_t)INFINITY;
     assert_refused(ERR_NOT_FINITE, "e", STATE_LOOP_NONE);
     take_plain_plant();
     model.period_s = (real_t)NAN;
@@ -355,7 +355,7 @@ static void sampling_refuses_what_it_cannot_sample(void)
     static struct state_model sampled;
     TEST_ASSERT_EQUAL(ERR_RANGE, state_model_sample(&model, (real_t)0, &sampling, &sampled));
     TEST_ASSERT_EQUAL(ERR_RANGE, state_model_sample(&model, (real_t)NAN, &sampling, &sampled));
-    model.a.at[3][3] = (real_t)1; /* e^100 is more than a matrix holds */
+    model.a.value[3][3] = (real_t)1; /* e^100 is more than a matrix holds */
     TEST_ASSERT_EQUAL(ERR_RANGE, state_model_sample(&model, (real_t)100, &sampling, &sampled));
     take_plain_plant();
     model.period_s = (real_t)1;
@@ -369,8 +369,8 @@ static void more_states_and_integrals_than_fit_are_refused(void)
     set_size(&model.b, 16, 1);
     set_size(&model.c, 1, 16);
     for (unsigned k = 0; k < 16; k++)
-        model.a.at[k][k] = (real_t)-1;
-    model.b.at[0][0] = model.c.at[0][0] = (real_t)1;
+        model.a.value[k][k] = (real_t)-1;
+    model.b.value[0][0] = model.c.value[0][0] = (real_t)1;
     goal.hold_s = (real_t)0.1;
     TEST_ASSERT_EQUAL(ERR_OK, design());
     goal.integral_s[0] = (real_t)1;

@@ -85,10 +85,10 @@ static unsigned draw_plant(struct random_source *r, bool in_z)
     set_size(&model.c, loops, n);
     for (unsigned i = 0; i < n; i++) {
         for (unsigned k = 0; k < n; k++)
-            model.a.at[i][k] = (real_t)real_a[i][k];
+            model.a.value[i][k] = (real_t)real_a[i][k];
         for (unsigned k = 0; k < loops; k++) {
-            model.b.at[i][k] = (real_t)real_b[i][k];
-            model.c.at[k][i] = (real_t)real_c[k][i];
+            model.b.value[i][k] = (real_t)real_b[i][k];
+            model.c.value[k][i] = (real_t)real_c[k][i];
         }
     }
     for (unsigned i = 0; i < loops; i++)
@@ -142,18 +142,18 @@ static double k_star_error(const struct state_model *m, bool in_z)
     double left[N][N] = {{0}}, right[N][4] = {{0}}, gain[N][N] = {{0}}, k_star[N][4] = {{0}};
     for (unsigned i = 0; i < n; i++) {
         for (unsigned j = 0; j < n; j++) {
-            left[i][j] = (in_z && i == j ? 1.0 : 0.0) - (double)m->a.at[i][j];
+            left[i][j] = (in_z && i == j ? 1.0 : 0.0) - (double)m->a.value[i][j];
             for (unsigned k = 0; k < loops; k++)
-                left[i][j] -= (double)m->b.at[i][k] * (double)d.f.at[k][j];
+                left[i][j] -= (double)m->b.value[i][k] * (double)d.f.value[k][j];
         }
         for (unsigned k = 0; k < loops; k++)
-            right[i][k] = (double)m->b.at[i][k];
+            right[i][k] = (double)m->b.value[i][k];
     }
     solve(left, n, right, loops);
     for (unsigned i = 0; i < loops; i++)
         for (unsigned j = 0; j < loops; j++)
             for (unsigned k = 0; k < n; k++)
-                gain[i][j] += (double)m->c.at[i][k] * right[k][j];
+                gain[i][j] += (double)m->c.value[i][k] * right[k][j];
     for (unsigned i = 0; i < loops; i++)
         k_star[i][i] = 1;
     solve(gain, loops, k_star, loops); /* gain^-1 = B*^-1 K* */
@@ -162,7 +162,7 @@ static double k_star_error(const struct state_model *m, bool in_z)
         for (unsigned j = 0; j < loops; j++) {
             double found = 0;
             for (unsigned k = 0; k < loops; k++)
-                found += (double)d.b_star.at[i][k] * k_star[k][j];
+                found += (double)d.b_star.value[i][k] * k_star[k][j];
             double wanted = 0;
             if (i == j) {
                 wanted = in_z ? 1 : 0;

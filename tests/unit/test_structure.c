@@ -338,9 +338,9 @@ static void normalised_gain_arrays_of_every_plant_are_those_of_numpy(void)
             for (unsigned j = 0; j < known.pairs.n; j++) {
                 double bound = 64 * EPS * known.condition;
                 TEST_ASSERT_DOUBLE_WITHIN(bound * (1 + fabs(known.rnga[i][j])), known.rnga[i][j],
-                                          (double)measure.phi.at[i][j]);
+                                          (double)measure.phi.value[i][j]);
                 TEST_ASSERT_DOUBLE_WITHIN(bound * (1 + fabs(known.rarta[i][j])), known.rarta[i][j],
-                                          (double)measure.gamma.at[i][j]);
+                                          (double)measure.gamma.value[i][j]);
             }
     }
 }
@@ -351,7 +351,7 @@ static void wood_and_berrys_column_has_its_known_rnga(void)
     known_plant(PLANT_WOOD_BERRY, &known);
     TEST_ASSERT_EQUAL_INT(
         ERR_OK, measure_compute(&known.plant, &known.pairs, REAL_C(1.0), &measure_work, &measure));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.5628, (double)measure.phi.at[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.5628, (double)measure.phi.value[0][0]);
     struct fopdt e;
     TEST_ASSERT_EQUAL_INT(ERR_OK, measure_equivalent(&measure, &known.plant, &known.pairs, 0, &e));
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.6 / 2.00939, (double)e.gain); /* 12.8 in spans is 1.6 */
@@ -393,7 +393,7 @@ static void speed_can_turn_the_pairing_round(void)
     TEST_ASSERT_FALSE(measure_agrees(&measure, &assignment));
     TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &pairs, 1, &measure_work, &measure));
     TEST_ASSERT_TRUE(measure_agrees(&measure, &assignment));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + 0.0144), (double)measure.phi.at[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + 0.0144), (double)measure.phi.value[0][0]);
 }
 
 static void settings_out_of_range_are_refused(void)

@@ -14,8 +14,8 @@ static void give_response(const struct cmatrix *from, double *to)
 {
     for (size_t i = 0; i < from->rows; i++)
         for (size_t j = 0; j < from->cols; j++) {
-            to[2 * (i * from->cols + j)] = from->at[i][j].re;
-            to[2 * (i * from->cols + j) + 1] = from->at[i][j].im;
+            to[2 * (i * from->cols + j)] = from->value[i][j].re;
+            to[2 * (i * from->cols + j) + 1] = from->value[i][j].im;
         }
 }
 
@@ -24,7 +24,7 @@ static void take_response(size_t n, const double *from, struct cmatrix *to)
     to->rows = to->cols = (uint8_t)n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            to->at[i][j] = cplx(from[2 * (i * n + j)], from[2 * (i * n + j) + 1]);
+            to->value[i][j] = cplx(from[2 * (i * n + j)], from[2 * (i * n + j) + 1]);
 }
 
 static enum err take_compensator(int32_t n, const double *from, struct matrix *to)
@@ -34,7 +34,7 @@ static enum err take_compensator(int32_t n, const double *from, struct matrix *t
     to->rows = to->cols = (uint8_t)n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            to->at[i][j] = from[i * n + j];
+            to->value[i][j] = from[i * n + j];
     return matrix_check(to);
 }
 
@@ -42,7 +42,7 @@ static void give_compensator(const struct matrix *from, double *to)
 {
     for (size_t i = 0; i < from->rows; i++)
         for (size_t j = 0; j < from->cols; j++)
-            to[i * from->cols + j] = from->at[i][j];
+            to[i * from->cols + j] = from->value[i][j];
 }
 
 int32_t reflux_response(const struct reflux_plant *plant, int32_t points, const double *omega,
@@ -185,7 +185,7 @@ static enum err invert_all(size_t n, size_t points, const double *response, stru
         take_response(n, response + 2 * k * n * n, &f);
         err = ina_inverse(&f, &one, &work, &inverse);
         for (size_t m = 0; m < n * n && !err; m++)
-            table[k * n * n + m] = inverse.at[m / n][m % n];
+            table[k * n * n + m] = inverse.value[m / n][m % n];
     }
     return err;
 }

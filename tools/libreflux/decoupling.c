@@ -22,7 +22,7 @@ static void say(char *reason, const char *field, const char *wanted, uint8_t out
 static int32_t give_polynomial(const struct polynomial *from, double *to)
 {
     for (unsigned k = 0; k < REFLUX_POLYNOMIAL; k++)
-        to[k] = k < from->n ? from->at[k] : 0.0;
+        to[k] = k < from->n ? from->value[k] : 0.0;
     return from->n;
 }
 
@@ -63,8 +63,8 @@ int32_t reflux_polynomial_decoupler(const struct reflux_sampled *model, const do
     }
     *n_zeros = unknown ? 0 : result.zeros.n;
     for (size_t k = 0; k < (size_t)*n_zeros; k++) {
-        zeros[2 * k] = result.zeros.at[k].re;
-        zeros[2 * k + 1] = result.zeros.at[k].im;
+        zeros[2 * k] = result.zeros.value[k].re;
+        zeros[2 * k + 1] = result.zeros.value[k].im;
         radius[k] = result.zeros.radius[k];
     }
     numbers[0] = result.outermost;
@@ -79,7 +79,7 @@ int32_t reflux_polynomial_decoupler(const struct reflux_sampled *model, const do
         h_taps[i] = give_polynomial(&result.h[i], h + i * REFLUX_POLYNOMIAL);
         for (size_t j = 0; j < n; j++)
             taps[i * n + j] =
-                give_polynomial(&result.g.at[i][j], g + (i * n + j) * REFLUX_POLYNOMIAL);
+                give_polynomial(&result.g.value[i][j], g + (i * n + j) * REFLUX_POLYNOMIAL);
     }
     return ERR_OK;
 }
@@ -134,7 +134,7 @@ static enum err take_gains(int32_t n, const double *from, struct matrix *to)
     to->rows = to->cols = (uint8_t)n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            to->at[i][j] = from[i * n + j];
+            to->value[i][j] = from[i * n + j];
     return ERR_OK;
 }
 
@@ -145,7 +145,7 @@ static void give_shape(size_t n, const struct decoupler_shape *shape, double *d,
         gain[i] = shape->gain[i];
         left[i] = shape->left[i];
         for (size_t j = 0; j < n; j++)
-            d[i * n + j] = shape->d.at[i][j];
+            d[i * n + j] = shape->d.value[i][j];
     }
 }
 

@@ -57,7 +57,7 @@ static enum err take_matrix(int32_t n, const double *from, struct matrix *to)
     to->rows = to->cols = (uint8_t)n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            to->at[i][j] = from[i * n + j];
+            to->value[i][j] = from[i * n + j];
     return ERR_OK;
 }
 
@@ -65,7 +65,7 @@ static void give_matrix(const struct matrix *from, double *to)
 {
     for (int i = 0; i < from->rows; i++)
         for (int j = 0; j < from->cols; j++)
-            to[i * from->cols + j] = from->at[i][j];
+            to[i * from->cols + j] = from->value[i][j];
 }
 
 static void say_why(const struct interact_refusal *from, char *reason)
@@ -390,8 +390,8 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
     loops_open(&l, &sampled, omega, &response);
     for (size_t i = 0; i < response.rows; i++)
         for (size_t j = 0; j < response.cols; j++) {
-            open[2 * (i * response.cols + j)] = response.at[i][j].re;
-            open[2 * (i * response.cols + j) + 1] = response.at[i][j].im;
+            open[2 * (i * response.cols + j)] = response.value[i][j].re;
+            open[2 * (i * response.cols + j) + 1] = response.value[i][j].im;
         }
     return ERR_OK;
 }

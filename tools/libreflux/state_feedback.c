@@ -12,14 +12,14 @@ static void take_matrix(const double *from, int32_t rows, int32_t cols, struct m
     to->cols = (uint8_t)cols;
     for (int32_t i = 0; i < rows; i++)
         for (int32_t j = 0; j < cols; j++)
-            to->at[i][j] = from[i * cols + j];
+            to->value[i][j] = from[i * cols + j];
 }
 
 static void give_matrix(const struct matrix *from, double *to)
 {
     for (size_t i = 0; i < from->rows; i++)
         for (size_t j = 0; j < from->cols; j++)
-            to[i * from->cols + j] = from->at[i][j];
+            to[i * from->cols + j] = from->value[i][j];
 }
 
 static enum err take_state_model(const struct reflux_state_model *from, struct state_model *to)

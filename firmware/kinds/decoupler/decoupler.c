@@ -98,7 +98,7 @@ enum err decoupler_check(const struct block_setup *setup, uint8_t *worst)
     const struct matrix_settings *matrix = setup->settings;
     struct decoupler trial;
     for (unsigned selection = 1; selection < (1u << DECOUPLER_MAX); selection++) {
-        if ((selection & ~(unsigned)setup->there) != 0u)
+        if ((selection & ~(unsigned)setup->present) != 0u)
             continue;
         if (decoupler_select(&trial, matrix->d, (uint8_t)selection) != ERR_OK ||
             !reaches(&trial, setup->member)) {

@@ -115,11 +115,11 @@ static void put_plant(const struct experiment_context *c, struct state_model *pl
     plant->a.rows = plant->a.cols = plant->b.rows = plant->b.cols = c->n;
     plant->c.rows = plant->c.cols = plant->e.rows = c->n;
     for (unsigned i = 0; i < c->n; i++) {
-        plant->a.at[i][i] = -(real_t)c->s.a[i][0];
-        plant->c.at[i][i] = REAL_C(1.0);
+        plant->a.value[i][i] = -(real_t)c->s.a[i][0];
+        plant->c.value[i][i] = REAL_C(1.0);
         for (unsigned j = 0; j < c->n; j++) {
             float u = experiment_span(c, c->n + j), y = experiment_span(c, i);
-            plant->b.at[i][j] = (real_t)(c->s.b[i][j][0] * u / y);
+            plant->b.value[i][j] = (real_t)(c->s.b[i][j][0] * u / y);
         }
     }
 }

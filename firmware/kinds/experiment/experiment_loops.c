@@ -59,7 +59,7 @@ static void refuse_loops(struct experiment_loops_job *job, const char *field, co
 static bool put_row(float row[POLYNOMIAL_TAPS], const struct polynomial *p, unsigned from)
 {
     for (unsigned k = from; k < p->n && k < POLYNOMIAL_TAPS + from; k++)
-        row[k - from] = (float)p->at[k];
+        row[k - from] = (float)p->value[k];
     return p->n <= POLYNOMIAL_TAPS + from;
 }
 
@@ -78,7 +78,7 @@ static void design_decoupler(struct experiment_loops_job *job, const struct expe
         return;
     }
     for (unsigned k = 0; k < (unsigned)c->n * c->n; k++)
-        fits &= put_row(job->loops.g[k], &d->g.at[k / c->n][k % c->n], 0);
+        fits &= put_row(job->loops.g[k], &d->g.value[k / c->n][k % c->n], 0);
     job->loops.limits = d->recursive ? POLYNOMIAL_RECURSE : POLYNOMIAL_SCALE;
     if (!fits)
         refuse_loops(job, "g", TOO_LONG, 0);
@@ -89,14 +89,14 @@ static void design_controller(struct experiment_loops_job *job, const struct exp
 {
     struct pole_placement_goal goal;
     struct pole_placement_refusal reason;
-    struct polynomial a = {.n = DIFFERENCE_A_MOST + 1, .at = {REAL_C(1.0)}};
+    struct polynomial a = {.n = DIFFERENCE_A_MOST + 1, .value = {REAL_C(1.0)}};
     struct pole_placement *placed = &job->placed;
     float(*to)[POLYNOMIAL_TAPS] = job->loops.rst[i];
     pole_placement_goal_default(&goal);
     goal.overshoot = (real_t)c->s.overshoot / 100;
     goal.settling_s = (real_t)c->s.settling_s[i];
     goal.observer = (real_t)c->s.observer;
-    memcpy(&a.at[1], job->model.a[i], sizeof job->model.a[i]);
+    memcpy(&a.value[1], job->model.a[i], sizeof job->model.a[i]);
     if (pole_placement_design(&a, &job->decoupler.h[i], job->model.period_s, &goal,
                               &job->work.placement, placed, &reason)) {
         refuse_loops(job, reason.field, reason.wanted, i + 1u);

@@ -31,8 +31,8 @@ enum finding_phase {
 
 bool plant_roots_within(const real_t *a, size_t n, real_t radius)
 {
-    struct polynomial p = {.n = (uint8_t)(n + 1u), .at = {ONE}};
-    memcpy(&p.at[1], a, n * sizeof a[0]);
+    struct polynomial p = {.n = (uint8_t)(n + 1u), .value = {ONE}};
+    memcpy(&p.value[1], a, n * sizeof a[0]);
     return polynomial_zeros_within(&p, radius);
 }
 

@@ -220,7 +220,7 @@ static enum err check_signals(const struct block_setup *setup, struct block_faul
     if (setup->members < 1 || setup->members > GMV_LOOPS)
         return block_refuse(fault, 0, "loops", "needs one or two");
     for (unsigned k = 0; k < setup->members; k++)
-        if ((setup->there & (1u << k)) && !setup->member[k].drives_mv)
+        if ((setup->present & (1u << k)) && !setup->member[k].drives_mv)
             return block_refuse(fault, k, "loops", "needs loops that drive an MV themselves");
     if (setup->inputs < setup->members)
         return block_refuse(fault, 0, "inputs", "needs the PVs of its loops, in their order");

@@ -138,7 +138,7 @@ static enum err check_inputs(const struct block_setup *setup, struct block_fault
         if (setup->input[j].is_mv)
             return block_refuse(fault, 0, "inputs", "needs temperatures, then the MV of each loop");
     for (unsigned k = 0; k < setup->members; k++)
-        if ((setup->there & (1u << k)) &&
+        if ((setup->present & (1u << k)) &&
             setup->input[seconds + k].is_mv != setup->member[k].drives_mv)
             return block_refuse(fault, k, "inputs",
                                 setup->member[k].drives_mv
@@ -223,7 +223,7 @@ enum err inferential_check(const struct block_setup *setup, struct block_fault *
     if (!err)
         err = check_stages(setup, fault);
     for (unsigned k = 0; k < setup->members && !err; k++)
-        if (setup->there & (1u << k))
+        if (setup->present & (1u << k))
             err = check_loop(setup, k, fault);
     return err;
 }

@@ -183,7 +183,7 @@ static enum err polynomial_check_settings(const struct block_setup *setup,
     if (c->limits == POLYNOMIAL_INCOMPLETE)
         return ERR_OK; /* nothing computes with G */
     for (unsigned part = 1; part < (1u << setup->members); part++) {
-        enum err err = part & ~(unsigned)setup->there ? ERR_OK : check_part(setup, part, fault);
+        enum err err = part & ~(unsigned)setup->present ? ERR_OK : check_part(setup, part, fault);
         if (err)
             return err;
     }

@@ -61,7 +61,7 @@ static enum err ratio_check(const struct block_setup *setup, struct block_fault 
           feed->hi - feed->lo <= NUM_MAX_MAGNITUDE * c->nominal))
         return block_refuse(fault, 0, "at", "must be a hundredth of the feed's span or more");
     for (unsigned k = 0; k < setup->members; k++)
-        if ((setup->there & (1u << k)) &&
+        if ((setup->present & (1u << k)) &&
             !((setup->member[k].out_reach + ratio_size(c->zero)) <= BACK_MOST * c->lo))
             return block_refuse(fault, k, "lo", "is too small for what the loop's MV may be");
     return ERR_OK;

@@ -165,13 +165,13 @@ static void take_state(struct state_law_linear *l, size_t k, const real_t *slope
 {
     size_t row = 0;
     for (size_t i = 0; i < l->plant->a.rows; i++)
-        l->plant->a.at[i][k] = slope[i];
+        l->plant->a.value[i][k] = slope[i];
     for (unsigned i = 0; i < l->inputs; i++) {
         if (!state_law_is_of_stage(l->place[i].role))
             continue;
-        l->seen->at[row][k] = seen[row] / l->place[i].span;
+        l->seen->value[row][k] = seen[row] / l->place[i].span;
         if (row < l->loops)
-            l->plant->c.at[row][k] = l->seen->at[row][k];
+            l->plant->c.value[row][k] = l->seen->value[row][k];
         row++;
     }
 }
@@ -186,7 +186,7 @@ static void take_input(struct state_law_linear *l, unsigned k, const real_t *slo
         if (!state_law_is_of_stage(l->place[i].role) && l->place[i].is_mv == place->is_mv)
             col++;
     for (size_t i = 0; i < to->rows; i++)
-        to->at[i][col] = slope[i] * place->span;
+        to->value[i][col] = slope[i] * place->span;
 }
 
 enum err state_law_linear_piece(struct state_law_linear *l)

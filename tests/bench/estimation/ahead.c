@@ -48,7 +48,7 @@ static void settings_for(unsigned stages)
     setup.named = &record;
     setup.interval_s = 30;
     setup.members = 2;
-    setup.there = 3;
+    setup.present = 3;
     setup.inputs = SEEN + 2;
     struct ahead *b = (struct ahead *)(void *)state;
     /* MVs between nothing and twice what they nominally are. */

@@ -63,10 +63,10 @@ static void cost_of_placement(void)
     memset(&a, 0, sizeof a);
     memset(&b, 0, sizeof b);
     a.n = b.n = 3;
-    a.at[0] = 1;
+    a.value[0] = 1;
     for (unsigned k = 0; k < 2; k++) {
-        a.at[k + 1] = model.a[0][k];
-        b.at[k + 1] = model.b[0][0][k];
+        a.value[k + 1] = model.a[0][k];
+        b.value[k + 1] = model.b[0][0][k];
     }
     pole_placement_goal_default(&goal);
     goal.settling_s = 3600;
@@ -99,7 +99,7 @@ static void cost_of_search(unsigned loops)
             ina_inverse(&f, &one, &work, &inverse) != ERR_OK)
             return;
         for (unsigned m = 0; m < loops * loops; m++)
-            table[k * loops * loops + m] = inverse.at[m / loops][m % loops];
+            table[k * loops * loops + m] = inverse.value[m / loops][m % loops];
     }
     ina_search_config_default(&config);
     if (ina_search_begin(&search, table, POINTS, &one, &config) != ERR_OK)

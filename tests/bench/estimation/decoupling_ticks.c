@@ -29,7 +29,7 @@ static struct block_setup setup_of(const void *settings, unsigned loops)
     s.settings = settings;
     s.interval_s = 120;
     s.members = (uint8_t)loops;
-    s.there = (uint8_t)((1u << loops) - 1u);
+    s.present = (uint8_t)((1u << loops) - 1u);
     for (unsigned k = 0; k < loops; k++)
         s.member[k] = (struct block_member){
             .loop = (uint8_t)k, .drives_mv = true, .pv_span = 1, .out_reach = 2};
@@ -61,10 +61,10 @@ static void cost_of_polynomial(const char *what, unsigned loops, unsigned taps, 
         polynomial_kind.bytes(&setup) > sizeof state ||
         polynomial_kind.configure(state, &setup, false) != ERR_OK)
         return; /* a row is missing */
-    struct block_io io = {.members.acting = setup.there, .members.in = in, .members.out = out};
+    struct block_io io = {.members.acting = setup.present, .members.in = in, .members.out = out};
     next_inputs(loops);
     polynomial_kind.follow(state, &io);
-    io.members.going_on = setup.there;
+    io.members.going_on = setup.present;
     for (unsigned t = 0; t < SAMPLES; t++) {
         next_inputs(loops);
         cost_paint_stack();
@@ -208,7 +208,7 @@ static void cost_of_state_feedback(unsigned loops, unsigned inputs)
         state_feedback_kind.bytes(&setup) > sizeof state ||
         state_feedback_kind.configure(state, &setup, false) != ERR_OK)
         return;
-    struct block_io io = {.members.acting = setup.there,
+    struct block_io io = {.members.acting = setup.present,
                           .members.setpoint = setpoint,
                           .members.in = in,
                           .members.out = out,

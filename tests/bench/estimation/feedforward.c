@@ -52,7 +52,7 @@ static void setup_tune(uint8_t method)
     setup.settings = &settings;
     setup.interval_s = 1;
     setup.members = 1;
-    setup.there = 1;
+    setup.present = 1;
     setup.inputs = 2;
     setup.member[0] = (struct block_member){0, true, 1, 1};
     setup.pv[0] = setup.input[0] = setup.input[1] = (struct block_signal){0, 1, false};

@@ -76,10 +76,10 @@ int main(void)
     struct state_model *m = &job->sampled;
     m->a.rows = m->a.cols = m->b.rows = m->b.cols = m->c.rows = m->c.cols = 2;
     for (unsigned i = 0; i < 2; i++) {
-        m->a.at[i][i] = REAL_C(0.9);
-        m->c.at[i][i] = REAL_C(1.0);
+        m->a.value[i][i] = REAL_C(0.9);
+        m->c.value[i][i] = REAL_C(1.0);
         for (unsigned j = 0; j < 2; j++)
-            m->b.at[i][j] = b[i][j];
+            m->b.value[i][j] = b[i][j];
     }
     say_job("law_model", 2);
     cost_say("done", 0, 0, 0, 0);

@@ -41,7 +41,7 @@ static void cost_of(const char *what, uint8_t loops, uint8_t law)
     setup.settings = &settings;
     setup.interval_s = 30;
     setup.members = loops;
-    setup.there = (uint8_t)((1u << loops) - 1u);
+    setup.present = (uint8_t)((1u << loops) - 1u);
     setup.inputs = (uint8_t)(2 * loops);
     for (unsigned k = 0; k < 4; k++) {
         setup.input[k] = (struct block_signal){280, 400, k >= loops};
@@ -55,7 +55,7 @@ static void cost_of(const char *what, uint8_t loops, uint8_t law)
         return;
     for (unsigned k = 0; k < 2; k++)
         setpoint[k] = in[k] = out[k] = num_from_float(0.5f);
-    struct block_io io = {.members.acting = setup.there,
+    struct block_io io = {.members.acting = setup.present,
                           .members.setpoint = setpoint,
                           .members.in = in,
                           .members.out = out,

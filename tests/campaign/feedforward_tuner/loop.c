@@ -80,8 +80,8 @@ bool loop_begin(struct loop *l, const struct loop_case *of, uint64_t seed)
     s->adopt = TUNE_ADOPT_AT_ONCE;
     s->lag_most_s = 60;
     s->dead_most_s = 20;
-    l->setup =
-        (struct block_setup){.settings = s, .interval_s = 1, .members = 1, .there = 1, .inputs = 2};
+    l->setup = (struct block_setup){
+        .settings = s, .interval_s = 1, .members = 1, .present = 1, .inputs = 2};
     l->setup.member[0] = (struct block_member){.drives_mv = true, .pv_span = 1, .out_reach = 1};
     l->setup.pv[0] = l->setup.input[0] = l->setup.input[1] =
         (struct block_signal){.lo = 0, .hi = 1};

@@ -62,7 +62,7 @@ static void assert_row(const char *format, unsigned i, const struct polynomial *
     char row[20];
     snprintf(row, sizeof row, format, i);
     for (unsigned k = 0; k < 8; k++) {
-        double wanted = k + from < p->n ? (double)p->at[k + from] : 0;
+        double wanted = k + from < p->n ? (double)p->value[k + from] : 0;
         TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (double)polynomial_size(p), wanted, nth_of_row(row, k));
     }
 }
@@ -85,14 +85,14 @@ static void the_board_designs_what_the_host_does_from_the_same_model(void)
     polynomial_decoupler_config_default(&config);
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_decoupler_design(&m, &config, &work, &d, NULL));
     for (unsigned k = 0; k < 4; k++)
-        assert_row("block2.g.%u", k + 1, &d.g.at[k / 2][k % 2], 0);
+        assert_row("block2.g.%u", k + 1, &d.g.value[k / 2][k % 2], 0);
     ask_ok("get block2.limits");
     TEST_ASSERT_TRUE(said("recurse"));
     pole_placement_goal_default(&goal);
     goal.settling_s = SETTLING;
     for (unsigned i = 0; i < 2; i++) {
-        struct polynomial a = {.n = 5, .at = {1}};
-        memcpy(&a.at[1], m.a[i], sizeof m.a[i]);
+        struct polynomial a = {.n = 5, .value = {1}};
+        memcpy(&a.value[1], m.a[i], sizeof m.a[i]);
         TEST_ASSERT_EQUAL(ERR_OK,
                           pole_placement_design(&a, &d.h[i], 120, &goal, &placement, &c, NULL));
         assert_row("block%u.p.1", FIRST_RST + i, &c.p, 1);

@@ -153,7 +153,7 @@ static void a_zero_on_the_diagonal_is_no_obstacle_while_the_whole_has_an_inverse
 static enum err check(uint8_t there, uint8_t *worst)
 {
     const struct matrix_settings settings = {matrix};
-    struct block_setup setup = {.settings = &settings, .members = DECOUPLER_MAX, .there = there};
+    struct block_setup setup = {.settings = &settings, .members = DECOUPLER_MAX, .present = there};
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
         setup.member[i] = (struct block_member){.loop = i, .out_reach = 1.0f};
     return decoupler_check(&setup, worst);

@@ -52,7 +52,7 @@ static void begin(double g11, double g12, double g21, double g22)
     setup.settings = &settings;
     setup.interval_s = 30;
     setup.members = setup.inputs = LOOPS;
-    setup.there = 3;
+    setup.present = 3;
     for (unsigned i = 0; i < LOOPS; i++) {
         settings.tau_p_s[i] = 0;
         settings.tune_gain[i] = 1;

@@ -101,7 +101,7 @@ static void begin(const double *s)
     bench_configure(&b, false);
     for (unsigned i = 0; i < 3; i++)
         bench_follow(&b);
-    b.io.members.acting = b.setup.there;
+    b.io.members.acting = b.setup.present;
 }
 
 static void expect(const double *row, unsigned what, double bound, double wanted, double is)

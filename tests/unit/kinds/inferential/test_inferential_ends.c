@@ -121,8 +121,8 @@ static void any_tick(void)
         b.quality[j] = random_below(&source, 6) ? QUALITY_GOOD : (uint8_t)random_below(&source, 4);
     }
     b.io.members.acting =
-        (uint8_t)(random_below(&source, 5) ? b.setup.there
-                                           : random_below(&source, 4) & b.setup.there);
+        (uint8_t)(random_below(&source, 5) ? b.setup.present
+                                           : random_below(&source, 4) & b.setup.present);
     if (b.io.members.acting == 0) {
         inferential_kind.follow(b.state, &b.io);
         return;

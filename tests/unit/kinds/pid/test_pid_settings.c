@@ -14,7 +14,7 @@ void tearDown(void) {}
 
 static const struct field {
     const char *name;
-    size_t at;
+    size_t offset;
     float lo, hi;
     bool zero_too;
 } fields[] = {
@@ -36,7 +36,7 @@ static const struct field {
 static struct pid_config with(const struct field *f, float value)
 {
     struct pid_config c = pid_default_config();
-    memcpy((char *)&c + f->at, &value, sizeof value);
+    memcpy((char *)&c + f->offset, &value, sizeof value);
     return c;
 }
 
@@ -79,7 +79,7 @@ static void every_field_is_refused_beyond_its_range_with_its_name(void)
 {
     for (size_t i = 0; i < FIELDS; i++) {
         float below = fields[i].lo > 0.0f ? fields[i].lo * 0.99f : fields[i].lo - 0.01f;
-        if (fields[i].at == offsetof(struct pid_config, out_hi))
+        if (fields[i].offset == offsetof(struct pid_config, out_hi))
             below = 0.0f;
         if (!fields[i].zero_too || below < 0.0f || below > 0.0f)
             refused(&fields[i], below, ERR_RANGE);

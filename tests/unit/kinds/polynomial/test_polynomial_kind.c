@@ -43,7 +43,7 @@ void setUp(void)
     setup.settings = &settings;
     setup.interval_s = 120;
     setup.members = 2;
-    setup.there = 3;
+    setup.present = 3;
     for (unsigned k = 0; k < MOST; k++)
         setup.member[k].out_reach = 2;
     take_kotyk();
@@ -120,7 +120,7 @@ static void four_loops_and_eight_coefficients_are_added_up(void)
 {
     double h[8][4] = {{0}};
     setup.members = 4;
-    setup.there = 15;
+    setup.present = 15;
     io.members.acting = 15;
     settings.limits = POLYNOMIAL_SCALE;
     for (unsigned row = 0; row < 16; row++)
@@ -567,7 +567,7 @@ static void one_that_cannot_be_run_backwards_has_to_be_scaled(void)
 static void zeros_up_to_two_per_cent_within_the_circle_are_run_backwards_and_none_outside(void)
 {
     setup.members = 1;
-    setup.there = 1;
+    setup.present = 1;
     memset(settings.g, 0, sizeof settings.g);
     settings.g[0][0] = 1;
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -598,7 +598,7 @@ static void a_period_that_is_no_whole_number_of_ticks_is_refused(void)
 static void five_loops_are_refused(void)
 {
     setup.members = 5;
-    setup.there = 31;
+    setup.present = 31;
     assert_refused("loops");
 }
 

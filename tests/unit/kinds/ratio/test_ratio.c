@@ -27,7 +27,7 @@ void setUp(void)
     setup.settings = &settings;
     setup.interval_s = 10;
     setup.members = 2;
-    setup.there = 3;
+    setup.present = 3;
     setup.inputs = 1;
     setup.input[0] =
         (struct block_signal){0, 160, false}; /* half its span is the feed it is made for */

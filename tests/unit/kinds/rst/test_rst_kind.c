@@ -46,7 +46,7 @@ void setUp(void)
     setup.settings = &settings;
     setup.interval_s = 120;
     setup.members = 1;
-    setup.there = 1;
+    setup.present = 1;
     clamp[0] = INTEGRAL_FREE;
     io = (struct block_io){.members.acting = 1,
                            .members.setpoint = setpoint,

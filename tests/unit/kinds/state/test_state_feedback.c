@@ -62,7 +62,7 @@ void setUp(void)
     setup.settings = &settings;
     setup.interval_s = 60;
     setup.members = 2;
-    setup.there = 3;
+    setup.present = 3;
     setup.inputs = 4;
     memset(clamp, INTEGRAL_FREE, sizeof clamp);
     memset(x, 0, sizeof x);

@@ -25,7 +25,7 @@ static double worst_of(const char *what, const struct matrix *m, bool by_row)
             off = most = 0;
         for (unsigned k = 0; k < m->cols; k++) {
             most = fmax(most, fabs(wanted[k]));
-            off = fmax(off, fabs(wanted[k] - (double)m->at[i][k]));
+            off = fmax(off, fabs(wanted[k] - (double)m->value[i][k]));
         }
         if (by_row)
             worst = fmax(worst, off / most);
@@ -85,7 +85,7 @@ static void the_feeds_quality_is_looked_at_as_far_as_there_is_room(void)
         for (unsigned i = 0; i < l->plant->e.rows; i++) {
             double slope = (double)(rates[1][i] - rates[0][i]) / 2e-3 * 2;
             most = fmax(most, fabs(slope));
-            off = fmax(off, fabs(slope - (double)l->plant->e.at[i][0]));
+            off = fmax(off, fabs(slope - (double)l->plant->e.value[i][0]));
         }
         printf("quality %.2f: within %.2e of the largest\n", (double)quality[q], off / most);
         TEST_ASSERT_TRUE(off < 1e-2 * most);
@@ -244,10 +244,10 @@ static void a_model_of_first_order_has_the_law_of_its_matrices(void)
     plant.period_s = PERIOD_S;
     plant.a.rows = plant.a.cols = plant.b.rows = plant.b.cols = plant.c.rows = plant.c.cols = 2;
     for (unsigned i = 0; i < 2; i++) {
-        plant.a.at[i][i] = (real_t)a[i];
-        plant.c.at[i][i] = REAL_C(1.0);
+        plant.a.value[i][i] = (real_t)a[i];
+        plant.c.value[i][i] = REAL_C(1.0);
         for (unsigned j = 0; j < 2; j++)
-            plant.b.at[i][j] = (real_t)b[i][j];
+            plant.b.value[i][j] = (real_t)b[i][j];
     }
     state_law_job_of_model(&job, &settings, 2);
     job.sampled = plant;
