@@ -266,7 +266,7 @@ class Refusals(FolderTest):
                 self.refused(text, words)
 
     def test_files_that_are_no_model_are_refused(self):
-        for text, words in (("", "not JSON"), ("{", "not JSON"), ("[]", "no plant"), ("{}", "not linear"), ("null", "no plant"), ('{"period_s": 60}', "tools/identify"),
+        for text, words in (("", "not JSON"), ("{", "not JSON"), ("[]", "is not a plant"), ("{}", "not linear"), ("null", "is not a plant"), ('{"period_s": 60}', "tools/identify"),
                             ('{"period_s": 60, "inputs": [], "outputs": []}', "needs one of each"), ('{"period_s": 60, "inputs": 3, "outputs": 4}', "tools/identify"),
                             ('{"period_s": 60, "inputs": ["u"], "outputs": [{"name": "y", "A": [], "B": []}]}', "tools/identify"),
                             ('{"model": "transfer"}', "linear-plants.md"), ('{"model": "polynomial", "name": "x", "outputs": [], "inputs": []}', "needs one of each")):

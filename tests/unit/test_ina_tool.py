@@ -140,7 +140,7 @@ class Tool(FolderTest):
         cases = self.file("cases.json", (BLOCKS / "wood-berry.json").read_text().replace(plain, '{"cases": [' + plain + "]}"))
         for arguments, words in ((("shell-fractionator",), "7 outputs and 3 inputs"), (("pilot",), "not linear"), (("nothing",), "no plant of that name"),
                                  (("wood-berry", "--do", "add 1 1 2"), ""), (("wood-berry", "--do", "add 1 3 2"), "must be a row, 1 to 2"),
-                                 (("wood-berry", "--do", "add 1 2 x"), "not a number"), (("wood-berry", "--do", "turn"), "no operation"),
+                                 (("wood-berry", "--do", "add 1 2 x"), "not a number"), (("wood-berry", "--do", "turn"), "is not an operation"),
                                  (("wood-berry", "--pairs", "xD=xB"), "OUTPUT=INPUT"), (("wood-berry", "--loops", "1,1"), "different numbers"),
                                  (("wood-berry", "--points", "1"), "--points"), (("wood-berry", "--low", "2", "--high", "1"), "frequencies"),
                                  (("wood-berry", "--low", "nan"), "frequencies"), (("wood-berry", "--high", "inf"), "frequencies"), (("wood-berry", "--loops", "²,1"), "different numbers"),
