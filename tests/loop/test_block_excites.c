@@ -52,7 +52,7 @@ static void the_plant_gets_it_and_people_are_told(void)
 static void start_up_does_not_begin_and_says_who_has_the_plant_and_how_to_free_it(void)
 {
     ask_refused("commission begin", "STATE");
-    TEST_ASSERT_TRUE(said("held: excites the plant; `block BLOCK off` ends that"));
+    TEST_ASSERT_TRUE(said("held: excites the plant: `block BLOCK off`"));
     ask_ok("block 1 off");
     samples(1);
     TEST_ASSERT_TRUE(said(" info EXCITATION_ENDED gave_up 1 "));

@@ -122,7 +122,7 @@ class Harm(unittest.TestCase):
 
     def test_a_stable_plant_that_is_too_slow_does_not_integrate(self):
         run = self.stays(self.beside("slow", element(2.0, 30000, 50)))
-        self.assertIn("is slower than `test.longest`", run.end.text)
+        self.assertIn("is too slow for `test.longest`", run.end.text)
 
     def test_the_time_allowed_is_taken_at_its_word(self):
         """No test is done again for as long as it took."""

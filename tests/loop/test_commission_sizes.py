@@ -137,7 +137,7 @@ class SideBySide(unittest.TestCase):
         both = self.started([0.2, 4.0])
         self.assertAlmostEqual(both.factor / max(alone), 1.0, delta=0.001)
         self.assertAlmostEqual(both.factor_least / min(alone), 1.0, delta=0.001)
-        self.assertIn(" at most ", " ".join(results.proposal_words(both)))
+        self.assertIn("detuned by 1.24 to 1.54", " ".join(results.proposal_words(both)))
 
 
 if __name__ == "__main__":
