@@ -190,8 +190,3 @@ enum err operate_block_figures(const struct parameter *p, struct config *staged,
     return p->own ? ERR_FULL
                   : record_make(staged, p->index, text, &answer->value.needed, &answer->value.free);
 }
-
-void operate_watch_tables(const struct service *s)
-{
-    tables_watch(TABLES_TO_GO_BACK_TO, operate_settings_before_trial(s));
-}

@@ -141,7 +141,7 @@ class HardPlants(unittest.TestCase):
         self.assertGreater(pole, 0.0)
         run = self.refused(of)
         self.assertIn(run.end.subject, ("y1", "y2"))
-        self.assertTrue("test limit" in run.end.text or "does not come back" in run.end.text or
+        self.assertTrue("test limit" in run.end.text or "did not return" in run.end.text or
                         "integrates" in run.end.text, run.end.text)
         at_end = [r for r in run.rows if r["time"] <= run.end.time_s]
         excursion = max(abs(r[f"{y['name']}.true"] - y["nominal"]) / (y["hi"] - y["lo"])
