@@ -12,7 +12,9 @@
 #else /* another version */
 #include "service/parameters.h"
 #endif
+#if __has_include("plan/plan_build.h")
 #include "plan/plan_build.h"
+#endif
 #include "supervise/supervisor.h"
 
 /* Other versions, beside which this one is measured, have other names (tick_cost.cmake). */
