@@ -35,13 +35,9 @@ static void print_functions(const char *during)
     functions = 0;
 }
 
-void setUp(void)
-{
-}
+void setUp(void) {}
 
-void tearDown(void)
-{
-}
+void tearDown(void) {}
 
 int main(int argc, char **argv)
 {
