@@ -1,9 +1,9 @@
-/* What really took effect of a manipulated variable, tick by tick: after limits, interlocks and read-back, whoever moved it.
- * One ring for each MV that a block asked for (block_kind.history), kept by the tick, read by every block that has to do
- * with the MV; so no regressor or predictor keeps its own.
+/* The values of an MV that really took effect, tick by tick: after limits, interlocks and read-back, whoever moved
+ * the MV. The tick keeps one ring for each MV that a block asked for (block_kind.history), and every block that
+ * uses the MV reads this ring. So no regressor or predictor keeps a ring of its own.
  *
- * Fractions of the MV's span. A ring begins full, of the value that is there then: what is read is never rubbish, but it
- * says nothing of the time before. */
+ * Values are fractions of the MV's span. A new ring is filled with the value that the MV has then. So a reader
+ * never gets rubbish, but these values say nothing about the time before. */
 #ifndef REFLUX_BLOCK_APPLIED_HISTORY_H
 #define REFLUX_BLOCK_APPLIED_HISTORY_H
 
@@ -18,13 +18,13 @@ struct applied_history {
     num_t value[];
 };
 
-/* Bytes of one that goes back so many ticks. */
+/* Returns the bytes of a ring of `depth` base ticks. */
 static inline uint32_t applied_history_bytes(uint32_t depth)
 {
     return (uint32_t)(sizeof(struct applied_history) + depth * sizeof(num_t));
 }
 
-/* It has always been `value`. */
+/* Fills the ring with `value`, as if the MV had always had it. */
 static inline void applied_history_begin(struct applied_history *h, uint16_t depth, num_t value)
 {
     h->depth = depth;
@@ -40,8 +40,8 @@ static inline void applied_history_append(struct applied_history *h, num_t value
     h->value[h->newest] = value;
 }
 
-/* What took effect `ticks` base ticks ago. 1: in the tick before the one that runs, the last that is known; 0 counts as 1, and
- * beyond the depth it is the oldest. */
+/* Returns what took effect `ticks` base ticks ago. The value for 1 is the one of the tick before the tick that
+ * runs, which is the newest known; 0 counts as 1. Beyond the depth the function returns the oldest value. */
 static inline num_t applied_ticks_ago(const struct applied_history *h, uint32_t ticks)
 {
     uint32_t back = ticks ? ticks - 1u : 0;
@@ -50,14 +50,15 @@ static inline num_t applied_ticks_ago(const struct applied_history *h, uint32_t 
     return h->value[h->newest >= back ? h->newest - back : h->newest + h->depth - back];
 }
 
-/* Base ticks that have to be kept for so many steps of `divisor` base ticks each. */
+/* Returns the base ticks to keep for `steps` steps of `divisor` base ticks each. */
 static inline uint32_t applied_history_ticks(uint32_t steps, uint16_t divisor)
 {
     return steps ? 1u + (steps - 1u) * divisor : 0;
 }
 
-/* What took effect at the end of the step's interval `steps` steps ago, 1 being the one that ends now. A step has `divisor`
- * base ticks; where a rate or a valve moves the MV within them, this is where it had got to. */
+/* Returns what took effect at the end of a step's interval, `steps` steps ago; 1 is the interval that ends now. A
+ * step has `divisor` base ticks. Where a rate limit or a valve moves the MV within a step, this is the value the MV
+ * had reached by its end. */
 static inline num_t applied_steps_ago(const struct applied_history *h, uint32_t steps,
                                       uint16_t divisor)
 {

@@ -1,10 +1,11 @@
-/* Test signals that blocks ask for: excitation of a manipulated variable, or of a setpoint.
+/* Test signals that blocks ask for: excitation of an MV, or of a setpoint.
  *
- * One block at a time has the plant, or automatic start-up has it. A block asks in its step, and anew in every following one
- * for as long as it wants to go on (block_io.requests.excite); with the first asking it says what it excites, how far at most, and
- * within which limits, and that holds until the end. Whatever comes between ends all of it in the same tick, and the block is
- * told why in its next step. After an end it has to let one step pass without asking; where the plant was taken it may go on
- * asking, and gets it when it is free. */
+ * The plant belongs to one block at a time, or to automatic start-up. A block asks for excitation in its step, and
+ * asks again in every following step for as long as it wants to go on (block_io.requests.excite). Its first request
+ * says what it excites, the largest amplitude, and the limits, and these hold until the end. Any interruption ends
+ * all of its test signals in the same tick, and the block learns why in its next step. After an end the block must
+ * let one step pass without a request. If the plant was taken, the block may go on asking, and gets the plant when
+ * it is free. */
 #ifndef REFLUX_BLOCK_EXCITATION_H
 #define REFLUX_BLOCK_EXCITATION_H
 
@@ -12,41 +13,48 @@
 
 #include "num/num.h"
 
-#define BLOCK_EXCITES_MAX 4 /* what one block may excite at the same time */
+#define BLOCK_EXCITES_MAX 4 /* most test signals of one block at the same time */
 
 enum excite_what {
     EXCITE_NOTHING,
-    EXCITE_MV, /* the MV that member `which` drives: added to what the block and feedforward give */
-    EXCITE_INPUT,   /* the MV that is input `which`: added to what its loop, or a hand, gives */
-    EXCITE_SETPOINT /* the setpoint of member `which`, after ramp and filter; from its next turn on */
+    /* The MV that member `which` drives; the test signal is added to the outputs of block and feedforward. */
+    EXCITE_MV,
+    /* The MV that is input `which`; the test signal is added to the output of its loop, or to the manual value. */
+    EXCITE_INPUT,
+    /* The setpoint of member `which`, after ramp and filter; from the member's next execution on. */
+    EXCITE_SETPOINT
 };
 
 /* All numbers are fractions of span, of the MV or of the member's PV. */
 struct block_excitation {
     uint8_t what, which; /* enum excite_what */
-    num_t value;         /* that is added, until the next step */
-    num_t amplitude;     /* above 0: no |value| is larger */
-    num_t lo, hi;        /* the MV's command, or the setpoint, with what is added stays within */
+    num_t value;         /* added until the next step */
+    num_t amplitude;     /* largest |value|; above 0 */
+    /* The MV's command, or the setpoint, stays within these limits with the test signal added. */
+    num_t lo, hi;
 };
 
-/* What a block is told of what it asked for in its last step. */
+/* Answer to the request that a block made in its last step. */
 enum excite_state { EXCITE_OFF, EXCITE_RUNS, EXCITE_REFUSED, EXCITE_ENDED };
 
-/* Why it was refused, or has ended. */
+/* Why the excitation was refused, or has ended. */
 enum excite_reason {
     EXCITE_FINE,
-    EXCITE_TAKEN, /* somebody else has the plant: block_io.requests.excite_holder */
-    EXCITE_ASKED, /* the block asked no more */
-    EXCITE_LIMIT, /* command or setpoint came to a limit: its own, the loop's, the operating limits; or has no room */
-    EXCITE_INTERLOCK, /* holds the MV */
-    EXCITE_MODE,      /* of the loop has changed; of a setpoint: it is in manual */
-    EXCITE_HAND,      /* somebody moved the MV */
-    EXCITE_CHANNEL,   /* MV or PV is lost */
-    EXCITE_SAFE,      /* the safe state */
-    EXCITE_SEQUENCE,  /* runs */
-    EXCITE_PLAN,      /* changes what is excited, or the block */
-    EXCITE_GAVE_UP,   /* the block, or it was switched off */
-    EXCITE_WRONG, /* what it asks for is no MV or setpoint it may excite, or not what it began with; or numbers */
+    EXCITE_TAKEN, /* another holds the plant: block_io.requests.excite_holder */
+    EXCITE_ASKED, /* the block stopped asking */
+    /* The command or setpoint reached a limit (its own, the loop's, or an operating limit), or has no room. */
+    EXCITE_LIMIT,
+    EXCITE_INTERLOCK, /* an interlock holds the MV */
+    EXCITE_MODE,      /* the loop's mode has changed; for a setpoint: the loop is in manual */
+    EXCITE_HAND,      /* somebody moved the MV by hand */
+    EXCITE_CHANNEL,   /* the MV or the PV is lost */
+    EXCITE_SAFE,      /* the safe state was taken */
+    EXCITE_SEQUENCE,  /* a sequence runs */
+    EXCITE_PLAN,      /* a new plan changes the excited MV or loop, or the block */
+    EXCITE_GAVE_UP,   /* the block gave up, or was switched off */
+    /* The request names an MV or setpoint that the block may not excite, or differs from the first request; or its
+     * numbers are wrong. */
+    EXCITE_WRONG,
     EXCITE_REASONS
 };
 

@@ -14,7 +14,7 @@ struct element_settings feedforward_default_config(void)
 static const struct {
     const char *field, *wanted;
     float lo, hi;
-    /* Place of a float in struct element_settings. */
+    /* Offset of a float in struct element_settings. */
     uint8_t offset;
 } ranges[] = {
     {"gain", "-100 to 100", -100.0f, 100.0f, AT(gain)},
@@ -110,7 +110,8 @@ num_t feedforward_output(const struct feedforward *ff)
     return ff->output;
 }
 
-/* Gain last: shaping the disturbance, not the product, keeps its resolution when the gain is small. */
+/* The gain comes last, because shaping the disturbance and not the product keeps its resolution when the gain is
+ * small. */
 static num_t amplified(const struct feedforward *ff, num_t shaped)
 {
     struct accumulator u = {0};

@@ -1,12 +1,12 @@
-/* A feedforward element turns a measured disturbance into what is added to the output of a control loop. Kinds of feedforward blocks share it.
+/* A feedforward element computes from a measured disturbance what is added to the output of a control loop. Several
+ * kinds of feedforward blocks share it.
  *
  *     u_ff = limit( gain (lead s + 1)/(lag s + 1) exp(-dead_time s) (d - reference) )
  *
- * d and u_ff are fractions of the spans of their channels. The ideal element is -Gd/G, the disturbance's
- * path over the input's (Seborg, Edgar and Mellichamp, "Process Dynamics and Control", ch. on feedforward);
- * with first-order models lead is the time constant of G, lag that of Gd, dead time the difference of the
- * two where that is positive (docs/feedforward.md).
- */
+ * d and u_ff are fractions of the spans of their channels. The ideal element is -Gd/G: the path of the disturbance
+ * divided by the path of the input (Seborg, Edgar and Mellichamp, "Process Dynamics and Control", ch. on
+ * feedforward). With first-order models, lead is the time constant of G, lag is that of Gd, and the dead time is
+ * that of Gd less that of G where this is positive (docs/feedforward.md). */
 #ifndef REFLUX_BLOCK_FEEDFORWARD_H
 #define REFLUX_BLOCK_FEEDFORWARD_H
 
@@ -17,11 +17,12 @@
 #include "signal/dead_time.h"
 #include "signal/lead_lag.h"
 
-/* Gain 0, no dynamics, reference 0, limits -1..1. */
+/* Returns settings with gain 0, no dynamics, reference 0 and limits -1..1. */
 struct element_settings feedforward_default_config(void);
 
-/* Checks settings for step interval h_s (s, [0.001, 1e5]). *field gets the parameter of ffN that is wrong, "" for the
- * interval, *wanted the range in words (either may be NULL). NaN and infinity are ERR_NOT_FINITE, all else ERR_RANGE. */
+/* Checks settings for the step interval h_s (s, [0.001, 1e5]). *field gets the name of the wrong parameter of ffN,
+ * or "" for the interval; *wanted gets the range in words. Either may be NULL. NaN and infinity are ERR_NOT_FINITE,
+ * all else is ERR_RANGE. */
 MUST_CHECK enum err feedforward_validate(const struct element_settings *config, float h_s,
                                          const char **field, const char **wanted);
 
@@ -34,22 +35,22 @@ struct feedforward {
     num_t output;
 };
 
-/* Bytes of ring (aligned for num_t) that feedforward_init will want; 0 if config is refused. */
+/* Returns the bytes of ring (aligned for num_t) that feedforward_init needs; 0 if it refuses config. */
 size_t feedforward_bytes(const struct element_settings *config, float h_s);
 
-/* Errors as feedforward_validate, and ERR_MEMORY when ring is NULL or too small; then *ff is unchanged.
- * The element is at rest at d = reference: call reset before step. */
+/* Returns the errors of feedforward_validate, and ERR_MEMORY if ring is NULL or too small; on an error *ff is
+ * unchanged. The element is then at rest at d = reference. For another d, call reset before step. */
 MUST_CHECK enum err feedforward_init(struct feedforward *ff, const struct element_settings *config,
                                      float h_s, num_t *ring, size_t bytes);
 
-/* Another gain, lead and lag; dead time, reference and what is under way stay. Errors as lead_lag_init(). */
+/* Sets another gain, lead and lag; dead time, reference and transients stay. Returns the errors of lead_lag_init(). */
 MUST_CHECK enum err feedforward_retune(struct feedforward *ff,
                                        const struct element_settings *config, float h_s);
 
-/* The ring stands here from now on. Returns the entry behind it. */
+/* Sets the new address of the ring. Returns the first entry behind it. */
 num_t *feedforward_place_ring(struct feedforward *ff, num_t *ring);
 
-/* As if d had always been the disturbance: the next step with the same d gives the output at rest. */
+/* Sets the state as if d had always been the disturbance: the next step with the same d gives the output at rest. */
 void feedforward_reset(struct feedforward *ff, num_t d);
 
 /* Returns u_ff for the disturbance d, within the limits. */

@@ -1,13 +1,13 @@
-/* Settings of the kind `rst`, for itself and for the blocks that propose them. */
+/* Settings of the kind `rst`, for the kind and for the blocks that propose them. */
 #ifndef REFLUX_BLOCK_RST_SETTINGS_H
 #define REFLUX_BLOCK_RST_SETTINGS_H
 
 #define RST_COEFFICIENTS 8
 
 struct rst_settings {
-    /* Interval of z^-1: has to be that of the loop's steps. */
+    /* Interval of z^-1: must be the interval of the loop's steps. */
     float period_s;
-    /* P from z^-1 on; Q and R from z^0 on, R(1) = Q(1). */
+    /* P starts at z^-1; Q and R start at z^0, and R(1) = Q(1). */
     float p[RST_COEFFICIENTS];
     float q[RST_COEFFICIENTS], r[RST_COEFFICIENTS];
 };
