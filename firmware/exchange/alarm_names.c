@@ -15,7 +15,7 @@ const char *measurement_fault_text(uint8_t fault)
 void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE])
 {
     const struct alarm_config *a = &config->alarm[i];
-    if (alarm_is_on_event(a)) { /* an event has no sides */
+    if (alarm_is_on_event(a)) { /* an alarm on an event has no side */
         memcpy(name, a->on, CHANNEL_NAME_SIZE);
         return;
     }

@@ -3,7 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* By kind of state: its group in struct config, whose first field is the name that makes it exist, and its state. */
+/* For each kind of state: its group in struct config and its state. The first field of the group is a name; the
+ * state exists if the name is not empty. */
 static const struct {
     uint16_t offset, stride;
     uint16_t state;

@@ -4,7 +4,8 @@
 
 #include "exchange/plan.h"
 
-/* For what comes from no transmitter: at most a tenth of its span outside it. */
+/* Returns true if the value is at most a tenth of its span outside the span. This is for values that come from no
+ * transmitter. */
 static inline bool near_span(float value, float lo, float hi)
 {
     float margin = 0.1f * (hi - lo);
@@ -12,12 +13,12 @@ static inline bool near_span(float value, float lo, float hi)
 }
 
 #if CONFIG_CALIBRATION
-/* What the plant sends, calibrated, EU. */
+/* Returns a value that the plant sends, calibrated, EU. */
 static inline float calibrated(const struct measurement_config *c, float value)
 {
     return c->calibration.zero + c->calibration.gain * value;
 }
-/* Limits outside of which a reading is not valid, where they are set. */
+/* Returns true if the limits are set outside of which a reading is not valid. */
 static inline bool has_limits_of_belief(const struct measurement_config *c)
 {
     return c->calibration.valid_lo != 0.0f || c->calibration.valid_hi != 0.0f;
@@ -31,7 +32,7 @@ static inline bool same_calibration(const struct measurement_config *a,
 {
     return a->calibration.gain == b->calibration.gain && a->calibration.zero == b->calibration.zero;
 }
-/* What a reading calibrated as `before` says is with another calibration, EU. */
+/* Converts a reading that was calibrated as `before` says to the calibration of *c, EU. */
 static inline float recalibrated(const struct measurement_config *c,
                                  const struct measurement_config *before, float value)
 {

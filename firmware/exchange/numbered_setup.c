@@ -1,11 +1,12 @@
-/* The setup of a block with a number, blockN: whom it serves, what it reads and writes, whom it names. */
+/* The setup of a block with a number, blockN: its members, the channels it reads and writes, the block it names. */
 #include <string.h>
 
 #include "exchange/block_settings.h"
 #include "exchange/numbered_setup.h"
 #include "exchange/reach.h"
 
-/* Compensators and feedforward elements run in every base tick, whatever the divisors of the loops. */
+/* Returns the base ticks of a step of blockN. Compensators and feedforward elements run in every base tick,
+ * whatever the divisors of the loops. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
 {
     const struct record_plan *r = &plan->record[n];
@@ -23,7 +24,7 @@ static struct block_signal signal_of(const struct config *c, uint8_t at)
     return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
 }
 
-/* The parameter with which a block of that kind names another, or NULL. */
+/* Returns the parameter with which a block of that kind names another, or NULL. */
 const struct block_parameter *plan_names_with(const struct block_kind *kind)
 {
     for (unsigned i = 0; kind->names && i < kind->parameters; i++)
@@ -32,7 +33,7 @@ const struct block_parameter *plan_names_with(const struct block_kind *kind)
     return NULL;
 }
 
-/* The number of the block that block n names, 0: it names nobody. */
+/* Returns the number of the block that block n names; 0 if it names none. */
 uint16_t plan_number_named(const struct plan *plan, uint8_t n)
 {
     uint8_t kind = plan->block[SLOT_RECORDS + n].kind;

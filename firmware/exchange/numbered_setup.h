@@ -1,4 +1,4 @@
-/* The setup of a block with a number, blockN: whom it serves, what it reads and writes, whom it names. */
+/* The setup of a block with a number, blockN: its members, the channels it reads and writes, the block it names. */
 #ifndef REFLUX_EXCHANGE_NUMBERED_SETUP_H
 #define REFLUX_EXCHANGE_NUMBERED_SETUP_H
 
@@ -6,15 +6,15 @@
 
 #if CONFIG_BLOCKS
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
-/* Base ticks of a step of the block with record n. */
+/* Returns the base ticks of a step of blockN. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);
-/* The parameter with which a block of that kind names another, or NULL. */
+/* Returns the parameter with which a block of that kind names another, or NULL. */
 const struct block_parameter *plan_names_with(const struct block_kind *kind);
-/* The number of the block that block n names; 0: it names none. */
+/* Returns the number of the block that block n names; 0 if it names none. */
 uint16_t plan_number_named(const struct plan *plan, uint8_t n);
-/* Settings of the block that block n names, or NULL. */
+/* Returns the settings of the block that block n names, or NULL. */
 const void *plan_named(const struct plan *plan, uint8_t n);
-/* Block n names one of that kind; one of the second kind that its own kind can use. */
+/* Return true if block n names a block of that kind, or one of the second kind that its own kind can use. */
 bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind);
 bool plan_names_other(const struct plan *plan, uint8_t n);
 #else

@@ -27,7 +27,8 @@ float plan_added_reach(const struct plan *plan, uint8_t output)
     return reach;
 }
 
-/* Nobody knows what another compensator behind it makes of its outputs. */
+/* A compensator has no bound if another one stands behind it, because nobody knows what that one makes of its
+ * outputs. */
 float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
 {
     for (uint8_t behind = (uint8_t)(n + 1u); CONFIG_BLOCKS && behind < plan->records; behind++)

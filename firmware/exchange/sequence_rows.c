@@ -23,7 +23,7 @@ bool sequence_differs(const struct plan *plan, const struct plan *old)
     if (!same(plan->config.step, old->config.step, sizeof plan->config.step) ||
         !same(plan->step, old->step, sizeof plan->step))
         return true;
-    /* Loops and outputs it has in its hands are known by their place. */
+    /* A sequence knows the loops and outputs that it controls by their places. */
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         if (strcmp(plan->config.loop[i].name, old->config.loop[i].name) != 0 ||
             plan->loop[i].mv != old->loop[i].mv)

@@ -10,7 +10,7 @@ static inline num_t span_to_fraction(float value, float lo, float hi)
 }
 float span_to_eu(num_t fraction, float lo, float hi);
 
-/* What is sent to an MV with these settings, EU. Rounding does not take it past mv.max. */
+/* Returns the value that is sent to an MV with these settings, EU. Rounding does not take it past mv.max. */
 struct mv_config;
 float mv_to_eu(num_t fraction, const struct mv_config *c);
 

@@ -27,7 +27,7 @@ void *table_at(const struct config *config, uint8_t n)
     return place[config->table[n] - 1u];
 }
 
-/* Blocks of *config but number `but` that refer to a place. */
+/* Returns true if a block of *config other than number `but` refers to a place. */
 static bool refers(const struct config *config, uint8_t which, uint8_t but)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
@@ -36,7 +36,7 @@ static bool refers(const struct config *config, uint8_t which, uint8_t but)
     return false;
 }
 
-/* Whether a configuration that is watched refers to it, other than *config. */
+/* Returns true if a watched configuration other than *config refers to a place. */
 static bool others_refer(const struct config *config, uint8_t which)
 {
     for (unsigned k = 0; k < TABLES_WATCHERS; k++)
@@ -45,13 +45,13 @@ static bool others_refer(const struct config *config, uint8_t which)
     return false;
 }
 
-/* Whether anything but block n of *config refers to it. */
+/* Returns true if anything but block n of *config refers to a place. */
 static bool place_taken(const struct config *config, uint8_t which, uint8_t n)
 {
     return refers(config, which, n) || others_refer(config, which);
 }
 
-/* A place that only block n of *config may refer to, or CONFIG_NO_TABLE. */
+/* Returns a place that only block n of *config may refer to, or CONFIG_NO_TABLE. */
 static uint8_t free_place(const struct config *config, uint8_t n)
 {
     for (uint8_t which = 1; which <= CONFIG_TABLES; which++)
