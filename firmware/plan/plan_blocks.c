@@ -1,5 +1,5 @@
-/* Blocks of a plan: which kind each is, its setup from the configuration, whether the kind accepts it, and its place in the
- * arena. */
+/* Blocks of a plan: finds the kind of each, makes its setup from the configuration, has the kind check it, and
+ * gives it a place in the arena. */
 #include <string.h>
 
 #include "exchange/arena_sizes.h"
@@ -10,7 +10,8 @@
 
 #define NOT_IN_BUILD "is not in this build"
 
-/* Groups of the configuration that are served by whatever kind the build has for their stage, not by kinds of blockN. */
+/* Returns the kind of a configuration group (decoupleN, ffN) that no blockN selects: the build's kind for that
+ * stage. */
 static uint8_t first_of_stage(enum block_stage stage)
 {
     for (uint8_t k = 0; k < block_kind_count; k++)
@@ -44,7 +45,7 @@ bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t lo
     return kind != PLAN_NONE && block_kinds[kind]->check(&setup, &fault) == ERR_OK;
 }
 
-/* Three functions, not one: each takes the stack of its own kinds alone. */
+/* These checks are three functions and not one, because each then takes the stack of its own kinds alone. */
 enum err plan_check_own(struct plan *plan, uint8_t i, struct config_fault *fault)
 {
     struct block_instance b;

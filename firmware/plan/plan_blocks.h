@@ -4,7 +4,7 @@
 
 #include "exchange/plan.h"
 
-/* Whether the compensator of this build takes such a matrix for the first `loops` loops. */
+/* Returns true if the compensator of this build accepts such a matrix for the first `loops` loops. */
 bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops);
 
 #endif

@@ -14,20 +14,20 @@
 
 _Static_assert(DECOUPLER_MAX <= CONFIG_LOOPS && DECOUPLER_MAX <= 8, "a bit of a byte for each");
 
-/* Words that begin or end a reply of the console. */
+/* Returns true for a word that begins or ends a reply of the console. */
 static bool reserved(const char *name)
 {
     return strcmp(name, "ok") == 0 || strcmp(name, "err") == 0;
 }
 
-/* A rate in EU/s over a span, as signal/ramp.h takes it. */
+/* Returns true if signal/ramp.h takes a rate in EU/s over this span. */
 static bool rate_possible(float rate_per_s, float span)
 {
     float fraction = rate_per_s / span;
     return rate_per_s == 0.0f || (fraction >= 1e-9f && fraction <= 1e6f);
 }
 
-/* Wide enough for float to tell its thousandths, wherever it lies. */
+/* Returns true if the span is wide enough that float resolves its thousandths, wherever it lies. */
 static bool span_possible(float lo, float hi)
 {
     float reach = (lo < 0.0f ? -lo : lo) + (hi < 0.0f ? -hi : hi);
@@ -131,7 +131,8 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     return ERR_OK;
 }
 
-/* Outer loops first: repeatedly take loops whose outer loop has been taken. What is left is a ring. */
+/* Orders the loops, outer loops first: repeatedly takes the loops whose outer loop has been taken. Those left over
+ * drive each other in a ring. */
 static enum err order_loops(struct plan *plan, struct config_fault *fault)
 {
     bool taken[CONFIG_LOOPS] = {false};
@@ -295,8 +296,8 @@ enum err plan_build(struct plan *plan, const struct config *config, float tick_s
                     struct config_fault *fault)
 {
     if (config != &plan->config)
-        memcpy(&plan->config, config,
-               sizeof *config); /* whole: unused bytes count in its checksum */
+        /* It is copied as a whole, because unused bytes count in its checksum. */
+        memcpy(&plan->config, config, sizeof *config);
     plan->identity = crc32_update(0, &plan->config, CONFIG_CONTENT_BYTES);
     plan->identity = tables_identity(&plan->config, plan->identity);
     return plan_set_tick(plan, tick_s, fault);

@@ -1,4 +1,4 @@
-/* The calibration of measurements (exchange/calibration.h) in a plan. */
+/* Checks the calibration of measurements (exchange/calibration.h) in a plan. */
 #include "plan/plan_parts.h"
 
 enum err plan_check_calibration(const struct plan *plan, struct config_fault *fault)

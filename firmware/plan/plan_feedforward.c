@@ -1,4 +1,4 @@
-/* Feedforwards of a plan: what they look at, and that none drives itself. */
+/* Feedforward elements ffN of a plan: resolves their sources, and checks that none drives itself. */
 #include <string.h>
 
 #include "exchange/block_setup.h"
@@ -6,8 +6,8 @@
 
 _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_rings");
 
-/* Feedforwards that pass a manipulated variable on, in a ring, would drive themselves; one onto its own source is the
- * shortest ring. What each reaches, through any number of others: */
+/* Feedforward elements that pass an MV on in a ring would drive themselves; one that adds to its own source is the
+ * shortest ring. reach[i] has a bit for each element that element i reaches, through any number of others. */
 static enum err check_feedforward_rings(const struct plan *plan, struct config_fault *fault)
 {
     uint8_t reach[CONFIG_FEEDFORWARDS];
@@ -29,7 +29,7 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
     return ERR_OK;
 }
 
-/* A measurement of that name, or else a manipulated variable. */
+/* Resolves the source: a measurement of that name, or else a manipulated variable. */
 static void resolve_source(struct plan *plan, uint8_t i)
 {
     const char *from = plan->config.feedforward[i].from;

@@ -1,4 +1,4 @@
-/* Histories of applied inputs in a plan: which MV has one, and how deep it is. */
+/* Histories of applied inputs in a plan: finds which MV has one, and how deep it is. */
 #include "exchange/arena_sizes.h"
 #include "exchange/block_setup.h"
 #include "exchange/numbered_setup.h"
@@ -12,7 +12,7 @@ static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)
         plan->histories = (uint8_t)(j + 1u);
 }
 
-/* Base ticks that the block with record n wants to look back. */
+/* Returns the base ticks that blockN wants to look back. */
 static uint32_t ticks_wanted(const struct plan *plan, uint8_t n)
 {
     uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
@@ -38,7 +38,7 @@ enum err plan_resolve_histories(struct plan *plan, uint32_t at, struct config_fa
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
         const struct record_plan *r = &plan->record[n];
         uint32_t ticks = ticks_wanted(plan, n);
-        /* One that is too large by itself may not even have a number. */
+        /* The depth of a history that is too large by itself may not even fit 16 bits. */
         uint32_t grains = at + ARENA_GRAINS(applied_history_bytes(ticks));
         if (ticks && grains > PLAN_ARENA_BYTES / ARENA_GRAIN)
             return refuse_history(plan, n, grains, fault);

@@ -1,4 +1,4 @@
-/* Names in a list. */
+/* Takes names from a list. */
 #include <string.h>
 
 #include "plan/plan_parts.h"

@@ -1,4 +1,4 @@
-/* What plan.c shares with the file of one kind of block. */
+/* Functions that plan_build.c shares with the files of the parts of a plan. */
 #ifndef REFLUX_PLAN_PLAN_PARTS_H
 #define REFLUX_PLAN_PLAN_PARTS_H
 
@@ -7,15 +7,15 @@
 /* Fills *fault, and returns `code`. */
 enum err plan_refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
                      const char *field, const char *subject, const char *wanted);
-/* plan_feedforward.c: what each looks at. The loops are resolved already. */
+/* plan_feedforward.c: resolves the source of each ffN. The loops must be resolved already. */
 enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault);
 
-/* plan_blocks.c: which kind a loop's own controller, the decoupler, a feedforward element is, and whether that accepts its
- * settings. Their channels are resolved already. */
+/* plan_blocks.c: find the kind of a loop's own controller, of the decoupler or of a feedforward element ffN, and
+ * have it check the settings. Their channels must be resolved already. */
 enum err plan_check_own(struct plan *plan, uint8_t loop, struct config_fault *fault);
 enum err plan_check_matrix(struct plan *plan, struct config_fault *fault);
 enum err plan_check_element(struct plan *plan, uint8_t element, struct config_fault *fault);
-/* An entry of the alarms on `blockN.CODE`. */
+/* Resolves an alarm on `blockN.CODE`. */
 enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault);
 #if COMMISSION_CHANNELS
 enum err plan_check_tests(const struct plan *plan, struct config_fault *fault);
@@ -32,24 +32,28 @@ enum err plan_check_calibration(const struct plan *plan, struct config_fault *fa
 #else
 #define plan_check_calibration(plan, fault) ERR_OK
 #endif
-/* May loop i be put in order: is everything there that its setpoint comes from? */
+/* Returns true if loop i may be put in order: its setpoint has no source, or its source has been taken. */
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
-/* The next of names with blanks between them; returns where the one after it begins, or NULL: there was none. */
+/* Copies the next name of a list with blanks between the names. Returns where the name after it begins, or NULL if
+ * there was none. */
 const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE]);
 #if CONFIG_BLOCKS
-/* plan_records.c: blocks with a record. Channels and loops are resolved already, their order is not. */
+/* plan_records.c: resolves the blocks with a number (blockN). Channels and loops must be resolved already, but not
+ * the order of the loops. */
 enum err plan_resolve_records(struct plan *plan, struct config_fault *fault);
-/* ... now it is, and the kinds look at their settings. */
+/* Has the kinds check the settings of blocks with a number; the loops must be in order. */
 enum err plan_check_records(struct plan *plan, struct config_fault *fault);
-/* plan_record_stages.c: of a feedforward element the MVs it adds to; that a compensator or an element has what it needs; that
- * none moves an MV it looks at, once all feedforwards are resolved. */
+/* plan_record_stages.c: resolve the MVs that a feedforward element adds to; check that a compensator or an element
+ * has what it needs; and check that none moves an MV that it looks at, after all feedforward elements have been
+ * resolved. */
 enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault);
 enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault);
 enum err plan_check_rings(const struct plan *plan, struct config_fault *fault);
-/* Grains in the arena behind the state of the block: of a compensator one for each member (compensate_blocks.c). */
+/* Returns the grains in the arena behind the state of the block: one for each member of a compensator
+ * (compensate_blocks.c), else 0. */
 uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot);
-/* How deep that of each MV is, and whether there is memory for them behind the blocks: `at`, in grains. Kinds have accepted
- * their settings already. */
+/* Finds the depth of each MV's history, and checks that they fit behind the blocks, from grain `at` on. The kinds
+ * must have accepted their settings already. */
 enum err plan_resolve_histories(struct plan *plan, uint32_t at, struct config_fault *fault);
 #else
 #define plan_resolve_records(plan, fault)       ERR_OK
@@ -58,7 +62,7 @@ enum err plan_resolve_histories(struct plan *plan, uint32_t at, struct config_fa
 #define plan_grains_behind(plan, slot)          0u
 #define plan_resolve_histories(plan, at, fault) ERR_OK
 #endif
-/* Their places in the arena, when all have been checked. */
+/* Gives the blocks their places in the arena, after all checks. */
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault);
 
 #endif

@@ -1,4 +1,4 @@
-/* Compensators and feedforward elements with a record, in a plan. */
+/* Compensators and feedforward elements with a number (blockN), in a plan. */
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
 #include "exchange/numbered_setup.h"
@@ -33,7 +33,7 @@ enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *f
     return ERR_OK;
 }
 
-/* A controller with a record whose outputs pass through no compensator serves none of a compensator's loops. */
+/* Refuses a compensator on a loop whose blockN gives outputs that may pass through no compensator. */
 static enum err check_compensated(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct record_plan *r = &plan->record[n];
@@ -67,7 +67,7 @@ enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_faul
 
 /* ---- rings ---- */
 
-/* MVs that record n moves by what it looks at. */
+/* Returns the MVs that blockN moves in response to its inputs, a bit each. */
 static uint32_t moved_by(const struct plan *plan, uint8_t n)
 {
     const struct record_plan *r = &plan->record[n];
@@ -81,7 +81,8 @@ static uint32_t moved_by(const struct plan *plan, uint8_t n)
     return mvs;
 }
 
-/* MV j moves those in moves[j], by a feedforward, an element or a compensator that looks at it, or through others. */
+/* Fills moves[j] with the MVs that MV j moves: by a feedforward element or compensator that looks at it, or through
+ * others. */
 static void find_moves(const struct plan *plan, uint32_t moves[CHANNEL_MAX])
 {
     for (uint8_t j = 0; j < CHANNEL_MAX; j++)
@@ -99,7 +100,7 @@ static void find_moves(const struct plan *plan, uint32_t moves[CHANNEL_MAX])
                 moves[j] |= moves[through];
 }
 
-/* What looks at an MV that it moves, through others or itself, would drive itself. */
+/* A block that looks at an MV that it moves, itself or through others, would drive itself. */
 enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
 {
     uint32_t moves[CHANNEL_MAX];

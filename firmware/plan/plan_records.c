@@ -1,5 +1,4 @@
-/* Blocks with a record of their own in a plan: whom they serve, what they read and write, and whether their kinds accept
- * that. */
+/* Blocks with a number (blockN) in a plan: finds their members, inputs and points, and has their kinds check them. */
 #include <string.h>
 
 #include "exchange/block_settings.h"
@@ -13,8 +12,8 @@ static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t
     return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
 }
 
-/* Loop i may be a member beside those found so far: of what takes its controller's place, or, of a compensator, stands
- * behind it. */
+/* Checks that loop i may be a member beside those found so far. The block takes the place of its controller, or, as
+ * a compensator, stands behind it. */
 static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
                              struct config_fault *fault)
 {
@@ -65,7 +64,7 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
             plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
         r->member[r->members++] = i;
     }
-    /* Of a kind that is unknown nobody knows whether it serves any. */
+    /* If the kind is unknown, nobody knows whether it serves any loops. */
     if (most && !r->members && plan->block[SLOT_RECORDS + n].kind != PLAN_NONE)
         return refuse_record(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
                              "must name the loops it serves");
@@ -118,7 +117,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
 {
     struct block_place *place = &plan->block[SLOT_RECORDS + n];
     place->kind = config_block_kind(&plan->config, n);
-    /* A kind this build lacks: its loops stay in manual, its points without a value (supervise/serve.h). */
+    /* If this build lacks the kind, its loops stay in manual, and its points have no value (supervise/serve.h). */
     const struct block_kind *kind = place->kind == PLAN_NONE ? NULL : block_kinds[place->kind];
     enum err err = resolve_members(plan, n, kind ? kind->members_most : BLOCK_MEMBERS_MAX, fault);
     if (!err)
@@ -130,7 +129,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
     return err;
 }
 
-/* An estimator must not be its own input, not through others either: they run in the order of their records. */
+/* An estimator must not be its own input, not even through others. Estimators run in the order of their numbers. */
 static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct record_plan *r = &plan->record[n];
@@ -177,7 +176,7 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
     return true;
 }
 
-/* A block that names another must name one of the kind that it can use. */
+/* Refuses a block that names another of a kind that it cannot use. */
 static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
@@ -197,8 +196,9 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
         return plan_refuse(fault, ERR_UNKNOWN, "alarm", alarm + 1u, "on", on,
                            "must begin with a block that is there, like block1.CODE");
     uint8_t place = plan->block[SLOT_RECORDS + n].kind;
+    /* The kind is kept by name, and its events are unknown here. */
     if (place == PLAN_NONE)
-        return ERR_OK; /* the kind is kept by name; nobody here knows what it may say */
+        return ERR_OK;
     const struct block_kind *kind = block_kinds[place];
     for (uint8_t k = 0; k < kind->events; k++) {
         if (strcmp(on + 7, kind->event[k].code) != 0)

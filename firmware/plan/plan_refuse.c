@@ -1,4 +1,4 @@
-/* Why a configuration is refused. */
+/* Records why a configuration is refused. */
 #include <string.h>
 
 #include "plan/plan_parts.h"

@@ -1,4 +1,4 @@
-/* The interval, phase and delay of measurements (exchange/sampling.h) in a plan. */
+/* Checks the interval, phase and delay of measurements (exchange/sampling.h) in a plan. */
 #include "plan/plan_parts.h"
 
 enum err plan_check_sampling(const struct plan *plan, struct config_fault *fault)

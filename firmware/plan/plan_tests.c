@@ -1,4 +1,4 @@
-/* What automatic start-up is to test, in a plan. */
+/* Checks the settings of automatic start-up's tests in a plan. */
 #include "plan/plan_parts.h"
 
 enum err plan_check_tests(const struct plan *plan, struct config_fault *fault)
