@@ -1,4 +1,4 @@
-/* Composes the firmware, and turns the main loop. */
+/* Composes the firmware, and runs the main loop. */
 #include "app/app.h"
 
 #include <stddef.h>
@@ -16,7 +16,7 @@
 
 static struct app instance;
 
-/* By itself, for tools/image: what all of the firmware owns for ever is apart from it. */
+/* This array stands by itself for tools/image, apart from the memory that the firmware owns all the time. */
 static _Alignas(max_align_t) uint8_t workspace_memory[WORKSPACE_BYTES];
 
 struct app *app_instance(void)
@@ -66,7 +66,7 @@ void app_init(struct app *app)
     start_up_resume(&app->start_up, app->tick.restart.was_testing);
 }
 
-/* A plant has come whose base tick the plan in force is to be made for; the tick waits for it. */
+/* Fits the plan in force to the base tick of a plant that has come; the tick waits for it. */
 static void fit_plan_to_plant(struct app *app)
 {
     if (!app->service.plan_to_fit)
@@ -77,12 +77,12 @@ static void fit_plan_to_plant(struct app *app)
     hal_tick_unlock();
 }
 
-/* Does a piece of work that the tick has asked for; true: there was one. */
+/* Does a piece of work that the tick has asked for. Returns true if there was one. */
 static bool do_work(struct app *app)
 {
     struct service *s = &app->service;
     uint32_t ticks = s->cost.n, start = hal_cycles();
-    /* A piece of a block's work and a plan that comes into force must not meet. */
+    /* A piece of a block's work must not overlap with a plan that comes into force. */
     if (s->newest != s->in_force && block_work_is_asked(&app->supervisor))
         service_flush(s);
     bool worked = jobs_work(&app->jobs);

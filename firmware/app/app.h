@@ -11,7 +11,7 @@
 struct app;
 struct operate;
 
-/* The one instance, placed statically by app.c. */
+/* Returns the one instance, placed statically by app.c. */
 struct app *app_instance(void);
 
 /* Brings everything into its safe state. Call once, before interrupts reach the firmware. */
@@ -20,13 +20,14 @@ void app_init(struct app *app);
 /* One turn of the main loop: console, telemetry, transmit rings, watchdog, idling. */
 void app_background(struct app *app);
 
-/* The door (operate/operate.h), for a client beside the console. */
+/* Returns the door (operate/operate.h), for a client beside the console. */
 struct operate *app_door(struct app *app);
 
-/* Link input, the tick when a sample is due, silence. Short and never waits. */
+/* Handles link input, the tick when a sample is due, and silence of the link. Short and never waits. */
 void app_tick(struct app *app);
 
-/* The large memory that families lease (base/workspace.h), and tests that play one; NULL: the board has none. Main loop. */
+/* Returns the large memory that families lease (base/workspace.h), and tests that play one; NULL if the board has
+ * none. For the main loop. */
 struct workspace;
 struct workspace *app_workspace(struct app *app);
 

@@ -1,4 +1,4 @@
-/* Which channel of the plant each channel of the plan is. */
+/* Binds each channel of the plan to a channel of the plant. */
 #include <string.h>
 
 #include "app/parts.h"
@@ -10,8 +10,7 @@ static void tick_event(struct app *app, enum event_code code, const char *subjec
     event_put(&app->service.tick_events, app->supervisor.time_ms, code, subject, value, 0);
 }
 
-/* Binds a point that a block writes, together with what it is made from. A measurement of the plant with the same name stays
- * unused, and an event says so. */
+/* Reports a measurement of the plant that has the name of a point that a block writes, and so stays unused. */
 static void bind_point(struct app *app, const struct plan *plan, uint8_t i)
 {
     const char *name = plan->config.measurement[i].name;
@@ -80,7 +79,8 @@ bool binding_follow_plant(struct app *app)
     uint32_t generation = s->io.generation(s->io.context);
     if (state == b->io_state && generation == b->generation)
         return true;
-    /* A piece of a block's work is under way, whose memory a plan for another tick could move; a turn later it is over. */
+    /* A piece of a block's work is under way, and a plan for another tick could move its memory. One turn later it
+     * is over. */
     if (block_work_is_under_way(&app->supervisor))
         return false;
     b->io_state = state;

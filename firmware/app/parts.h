@@ -1,5 +1,5 @@
-/* What the firmware consists of: one struct app, composed in app.c. Each part says which context writes it; the tick is in
- * tick_context.c, the binding of channels in binding.c, the main loop in app.c. */
+/* The parts of the firmware: one struct app, composed in app.c. Each part says which context writes it. The tick is
+ * in tick_context.c, the binding of channels in binding.c, the main loop in app.c. */
 #ifndef REFLUX_APP_PARTS_H
 #define REFLUX_APP_PARTS_H
 
@@ -15,15 +15,15 @@
 
 #define WATCHDOG_MS 2000
 
-/* The plan's channels in the plant's tables. Written by the tick (binding.c). */
+/* The plan's channels in the plant's tables. The tick writes it (binding.c). */
 struct binding {
-    uint32_t generation; /* channel table that the plan is bound to */
+    uint32_t generation; /* generation of the channel table to which the plan is bound */
     enum io_state io_state;
     uint8_t measurement_index[CHANNEL_MAX], output_index[CHANNEL_MAX];
-    bool announce_pending; /* a plan has come into force; neither told yet nor bound */
+    bool announce_pending; /* a plan has come into force that is neither announced nor bound yet */
 };
 
-/* Written by the tick (tick_context.c). */
+/* State of the tick. The tick writes it (tick_context.c). */
 struct tick_context {
     uint64_t silent_tick_ms;      /* board time of the last tick in silence */
     struct io_command command;    /* last one sent */
@@ -46,29 +46,30 @@ struct app {
     struct jobs jobs;
     struct workspace workspace;
     struct start_up start_up;
-    volatile uint32_t main_turns; /* of the main loop, for the tick's heartbeat */
+    volatile uint32_t main_turns; /* turns of the main loop, for the tick's heartbeat */
 };
 
 /* ---- tick context ---- */
 
-/* Link input, the tick when a sample is due, silence: app_tick(). */
+/* Handles link input, the tick when a sample is due, and silence of the link: app_tick(). */
 void tick_context_run(struct app *app);
 /* Binds the channels of the plan in force to those of the plant, as far as it has them. */
 void binding_bind(struct app *app);
-/* Announces a plan that has come into force, and binds its channels: whoever is next to act meets it so. Several plans that
- * came between two ticks are announced once. */
+/* Announces a plan that has come into force, and binds its channels before anything else acts. It announces several
+ * plans that came between two ticks once. */
 void binding_announce(struct app *app);
-/* Follows the plant: if it has come, gone or changed, everything bound to the old one is void. False: the plan cannot change yet,
- * because a piece of a block's work is under way, or because the main loop must fit the plan to the plant's tick first. */
+/* Follows the plant: if it has come, gone or changed, all bindings to the old one are void. Returns false if the
+ * plan cannot change yet, because a piece of a block's work is under way, or because the main loop must fit the
+ * plan to the plant's tick first. */
 bool binding_follow_plant(struct app *app);
 
-/* ---- main loop: the doors into the tick context; what runs behind them is the tick's ---- */
+/* ---- main loop: the doors into the tick context; the state behind them belongs to the tick ---- */
 
-/* Before the tick runs: the tick's parts, and the first plan. */
+/* Before the tick runs: initialises the tick's parts, and takes the first plan. */
 void tick_context_init(struct app *app);
-/* The same, when it is known what the start was for: what a restart returns to, the watchdog's heartbeat. */
+/* Before the tick runs, when the cause of the start is known: initialises the restart and the watchdog's heartbeat. */
 void tick_context_start(struct app *app, enum hal_reset cause);
-/* With the tick locked out: takes what the next tick would begin with, requests up to the last plan that waits. */
+/* With the tick locked out: takes the requests that the next tick would begin with, up to the last plan that waits. */
 void tick_context_activate(void *app);
 /* With the tick locked out: takes the plan in force again, whose base tick has changed, and announces it. */
 void tick_context_take_plan(struct app *app);

@@ -12,7 +12,8 @@ struct start_up {
     struct commission commission;
 };
 
-/* was_testing: it was under way when the board was reset. The first of the jobs: there is room for more. */
+/* Its job is the first of the jobs, so there is room for it. was_testing: start-up was under way when the board was
+ * reset. */
 static inline void start_up_init(struct start_up *u, struct service *s, struct jobs *jobs)
 {
     commission_init(&u->commission, &s->tick_events, s->workspace);

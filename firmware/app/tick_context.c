@@ -31,12 +31,12 @@ void tick_context_start(struct app *app, enum hal_reset cause)
                  cause != HAL_RESET_POWER_ON);
 }
 
-/* Requests wait for the tick. A new plan is put into force before the sample is looked at, with all that was
- * asked before it, so that what is asked after it meets this sample in the new plan. */
+/* Requests wait for the tick. A new plan comes into force before the sample is looked at, with all requests that
+ * came before it. So a request that comes after the plan meets this sample under the new plan. */
 static void take_requests(struct app *app, bool up_to_last_plan)
 {
     struct request_queue *q = &app->service.requests;
-    /* Bounded by what was there at the start: the main loop does not run meanwhile. */
+    /* The number at the start bounds the loop, because the main loop does not run meanwhile. */
     uint32_t n = spsc_count(&q->index), read = spsc_read_index(&q->index);
     while (up_to_last_plan && n &&
            q->slot[(read + n - 1u) & (REQUEST_QUEUE_SIZE - 1u)].kind != REQUEST_APPLY)
@@ -72,7 +72,7 @@ static void take_requests_in_tick(struct app *app, bool up_to_last_plan)
     binding_announce(app);
 }
 
-/* The readings are needed no longer than that, and the stack is small: not part of a larger frame. */
+/* This function is not part of a larger frame, because the readings are needed only here and the stack is small. */
 NOT_INLINE static void validate(struct app *app, const struct io_sample *sample)
 {
     const struct supervisor *s = &app->supervisor;
@@ -99,8 +99,8 @@ static void send_command(struct app *app, const struct io_sample *sample, uint64
     struct service *s = &app->service;
     app->tick.command.number = sample->number;
     app->tick.command.time = sample->time;
-    (void)!s->io.command(s->io.context, &app->tick.command,
-                         now_ms); /* congestion is counted by the link */
+    /* The link counts congestion. */
+    (void)!s->io.command(s->io.context, &app->tick.command, now_ms);
 }
 
 static void fill_command(struct app *app)
@@ -119,14 +119,15 @@ static void fill_command(struct app *app)
         app->tick.command.output[app->binding.output_index[j]].drive = true;
         app->tick.driven[app->binding.output_index[j]] = true;
     }
-    /* An output given up by a new configuration would stay where it was, with nobody watching it. */
+    /* An output that a new configuration has given up would stay where it was, with nobody watching it. */
     for (uint8_t j = 0; j < app->tick.command.n_outputs; j++) {
         if (!app->tick.driven[j] || app->tick.command.output[j].drive)
             continue;
         app->tick.command.output[j].value = s->io.channel(s->io.context, true, j).safe;
         app->tick.command.output[j].drive = true;
     }
-    /* The first command after a start is safe whatever the configuration: that may still lie in storage. */
+    /* The first command after a start is safe whatever the configuration says, because that may still lie in
+     * storage. */
     for (uint8_t j = 0; app->supervisor.ticks == 1 && j < app->tick.command.n_outputs; j++) {
         if (app->tick.command.output[j].drive)
             continue;
@@ -140,7 +141,7 @@ static enum sample_verdict judge_sample(struct app *app, const struct io_sample 
 {
     struct service *s = &app->service;
     const struct plan *plan = service_in_force(s);
-    /* With a plan for another tick nothing acts, and the plant's samples are as they should be. */
+    /* With a plan for another tick nothing acts, and the samples come at the plant's own tick. */
     float tick_s = service_tick_fits(s, plan) ? plan->tick_s : service_plant_tick_s(s);
     return samples_judge(&s->samples, sample, now_ms, tick_s, plan->config.miss_limit,
                          &s->tick_events);
@@ -155,7 +156,8 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
         send_command(app, sample, now_ms); /* the plant gets an answer, but no new one */
         return;
     }
-    /* What was asked before a safe state was asked by somebody who did not know of it: it meets it, and does not end it. */
+    /* Whoever asked before a safe state did not know of it. So the tick takes these requests first, and they do not
+     * end the safe state. */
     take_requests_in_tick(app, verdict == SAMPLE_TICK);
     if (verdict == SAMPLE_TICK_LOST)
         supervisor_go_safe(&app->supervisor, "samples");
@@ -188,7 +190,7 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
                       atomic_load(&s->tick_events.index.written), cost->last);
 }
 
-/* No plant: requests are still taken and the outputs stay safe, at the pace of the board's clock. */
+/* Without a plant, the tick still takes requests at the pace of the board's clock, and the outputs stay safe. */
 static void silent_tick(struct app *app, uint64_t now_ms)
 {
     float period_ms = service_in_force(&app->service)->tick_s * 1000.0f;
@@ -202,7 +204,7 @@ static void silent_tick(struct app *app, uint64_t now_ms)
     restart_keep(&app->tick.restart, &app->supervisor);
 }
 
-/* The plant is there, says so, and sends no samples. */
+/* Takes the safe state if the plant is there and says so, but sends no samples. */
 static void watch_samples(struct app *app, uint64_t now_ms)
 {
     struct service *s = &app->service;
@@ -213,7 +215,7 @@ static void watch_samples(struct app *app, uint64_t now_ms)
     restart_keep(&app->tick.restart, &app->supervisor);
 }
 
-/* A tick may take a base tick of the plant, and a second at most. */
+/* Returns the longest time a tick may take: a base tick of the plant, and a second at most. */
 static uint32_t tick_deadline_ms(const struct app *app)
 {
     float tick_ms = service_in_force(&app->service)->tick_s * 1000.0f;
@@ -221,7 +223,7 @@ static uint32_t tick_deadline_ms(const struct app *app)
     return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 
-/* The next sample that is to be looked at now, where there is one. */
+/* Returns true with the next sample, if there is one to be looked at now. */
 static bool next_sample(struct app *app, uint64_t now_ms, struct io_sample *sample)
 {
     const struct io_port *io = &app->service.io;
@@ -235,7 +237,7 @@ void tick_context_run(struct app *app)
 {
     struct io_sample sample;
     uint64_t now_ms = hal_clock_ms();
-    /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
+    /* The loop is bounded, because a sample costs the line milliseconds, and a turn here microseconds. */
     for (unsigned n = 0; n < 64 && !app->service.plan_to_fit; n++) {
         bool there = next_sample(app, now_ms, &sample);
         if (!binding_follow_plant(app) || !there)
