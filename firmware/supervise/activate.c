@@ -1,4 +1,4 @@
-/* A plan comes into force: what stays as it is, what begins anew. */
+/* Puts a plan into force: decides which states stay, and which begin anew. */
 #include <string.h>
 
 #include "exchange/arena_sizes.h"
@@ -18,8 +18,8 @@
 #include "supervise/supervisor.h"
 #include "supervise/switch_offs.h"
 
-/* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
- * meaning while names, spans and control law stay. */
+/* Returns true if loop i of both plans is the same loop; old may be NULL. The numbers in its state are fractions,
+ * which keep their meaning only while names, spans and control law stay. */
 static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i)
 {
     if (!old || !old->loop[i].used)
@@ -47,10 +47,11 @@ static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t
     struct loop_state *l = &s->loop[i];
     const struct loop_config *c = &s->plan->config.loop[i];
     const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
-    /* Both were checked with the plan: rates and times cannot be refused here. */
+    /* The plan's check covered both: rates and times cannot be refused here. */
     (void)!ramp_retune(&l->ramp, c->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h);
     (void)!lag_retune(&l->filter, c->sp_filter_s, h);
-    /* A loop's first setpoint; or where the filter ends from now on, the ramp has to go on from there. */
+    /* The setpoint rests anew in two cases: it is the loop's first one, or the filter has been switched off, so
+     * that the ramp must continue from the filter's end. */
     if (old && (c->sp_filter_s > 0.0f || !(old->config.loop[i].sp_filter_s > 0.0f)))
         return;
     if (CONFIG_BLOCKS && l->mode == LOOP_CASCADE) /* setpoint_taken() */
@@ -89,7 +90,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
         l->moved = true;
     uint8_t outer = plan->loop[i].outer;
     if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
-        l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
+        l->mode = LOOP_AUTO; /* at the setpoint in force, because the old outer loop is gone */
         if (CONFIG_BLOCKS)
             setpoint_rest(l, l->setpoint);
         event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_AUTO, LOOP_AUTO);
@@ -119,7 +120,7 @@ static void place_mv(struct supervisor *s, const struct plan *old, uint8_t j)
         if (o->lo != before->lo || o->hi != before->hi) {
             state->manual = span_to_fraction(manual, o->lo, o->hi);
             state->constrained = state->applied = span_to_fraction(sent, o->lo, o->hi);
-            state->excitation = num_zero(); /* it was in fractions of the old span */
+            state->excitation = num_zero(); /* it was a fraction of the old span */
         }
         if (s->state == SUPERVISOR_SAFE)
             state->manual = span_to_fraction(o->safe, o->lo, o->hi);
@@ -155,7 +156,8 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
         lag_reset(&state->filter, state->value);
 }
 
-/* The loop on this output goes on from the output it finds at the next tick: what is added to it changes. */
+/* Makes the loop on this output continue from the output it finds at the next tick, because what is added to it
+ * changes. */
 static void rejoin(struct supervisor *s, const char *output)
 {
     uint8_t j = config_find_mv(&s->plan->config, output);
@@ -163,7 +165,7 @@ static void rejoin(struct supervisor *s, const char *output)
         s->loop[s->plan->owner[j]].moved = true;
 }
 
-/* Same settings, same signals. */
+/* Returns true if ffN has the same settings and signals in both plans. */
 static bool same_feedforward(const struct plan *plan, const struct plan *old, uint8_t i)
 {
     const struct ff_config *a = &plan->config.feedforward[i], *b = &old->config.feedforward[i];
@@ -195,7 +197,7 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
         rejoin(s, before->to);
     rejoin(s, f->to);
     uint8_t slot = (uint8_t)(SLOT_ELEMENTS + i);
-    s->block[slot].running = false; /* begins at rest at the next tick */
+    s->block[slot].running = false; /* it begins at rest at the next tick */
     if (!f->from[0])
         return;
     block_give_settings(s, slot, false);
@@ -206,10 +208,11 @@ static void place_matrix(struct supervisor *s)
     if (s->block[SLOT_MATRIX].kind == PLAN_NONE)
         return;
     block_give_settings(s, SLOT_MATRIX, true);
-    s->block[SLOT_MATRIX].must_follow = true; /* select again, if it is another */
+    /* The matrix may be another one, so its loops are selected again. */
+    s->block[SLOT_MATRIX].must_follow = true;
 }
 
-/* An interlock that watches and moves the same as before goes on as it stands, with its new numbers. */
+/* An interlock with the same measurement, MV and side keeps its state, and takes its new numbers. */
 static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct interlock_config *k = &s->plan->config.interlock[i];
@@ -226,7 +229,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     excitation_meet_plan(s, plan);
     s->plan = plan;
     arena_count(plan, n);
-    /* Those that lose their places have something to say before. */
+    /* States that lose their places report events first. */
     for (uint8_t i = n[PLACED_MEASUREMENTS]; i < s->placed[PLACED_MEASUREMENTS]; i++)
         place_measurement(s, old, i);
     for (uint8_t i = n[PLACED_LOOPS]; i < s->placed[PLACED_LOOPS]; i++)
@@ -248,7 +251,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     place_matrix(s);
     histories_place(s, old);
     serve_place(s, old);
-    s->tick_s = plan->tick_s; /* only now: until here it tells that the tick is another one */
+    s->tick_s = plan->tick_s; /* only now, because until here it shows that the base tick changes */
     sequence_place(s, old);
     sampling_tell(s, old);
 }

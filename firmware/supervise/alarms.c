@@ -16,7 +16,7 @@ static void tell_alarm(struct supervisor *s, uint8_t i, enum event_code code, fl
     event_put(s->events, s->time_ms, code, name, value, i);
 }
 
-/* What entry i looks at, EU. False: nothing that could be valid, all stays as it is. */
+/* Reads the value that entry i looks at, EU. Returns false if it is not valid; then the entry stays as it is. */
 static bool look(const struct supervisor *s, uint8_t i, float *value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
@@ -29,8 +29,9 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
     const struct measurement_state *m = &s->measurement[pv];
     const struct measurement_config *mc = &s->plan->config.measurement[pv];
     bool idle = c->side == ALARM_DEVIATION && s->loop[at].mode == LOOP_MANUAL;
+    /* A loop that does not act has no deviation. */
     if (!idle && (!m->bound || !m->seen || m->alarm))
-        return false; /* of a loop that does not act there is nothing to look at */
+        return false;
     *value = span_to_eu(m->value, mc->lo, mc->hi);
     if (c->side == ALARM_DEVIATION) {
         float distance = *value - span_to_eu(s->loop[at].setpoint, mc->lo, mc->hi);
@@ -52,8 +53,8 @@ static bool past_limit(const struct supervisor *s, uint8_t i, float value)
     return value > c->limit - band;
 }
 
-/* A value that only stands, between two samples of an analyser, is no news: neither a limit that is passed nor time that it
- * is passed for. */
+/* Returns true if the value is new in this tick. Between two samples of an analyser the value stands: then neither
+ * a limit is passed, nor does time count towards the delay. */
 static bool comes_now(const struct supervisor *s, uint8_t i)
 {
     bool deviation = s->plan->config.alarm[i].side == ALARM_DEVIATION;
@@ -65,7 +66,7 @@ static bool comes_now(const struct supervisor *s, uint8_t i)
     return !sampling_stands(s, deviation ? s->plan->loop[at].pv : at);
 }
 
-/* Nobody else of its group is on the list. */
+/* Returns true if no other alarm of its group is on the list. */
 static bool first_of_group(const struct supervisor *s, uint8_t i)
 {
     const struct config *c = &s->plan->config;
@@ -92,7 +93,7 @@ static void run_one(struct supervisor *s, uint8_t i)
     if (!comes_now(s, i))
         return;
     if (!look(s, i, &value)) {
-        /* Meanwhile the delay stands still. */
+        /* The delay stands still meanwhile. */
         uint64_t since_ms = a->since_ms + (uint32_t)(s->plan->tick_s * 1000.0f);
         a->since_ms = since_ms < s->time_ms ? since_ms : s->time_ms;
         return;
@@ -115,7 +116,7 @@ static void run_one(struct supervisor *s, uint8_t i)
     a->condition = condition;
 }
 
-/* The mark outlives its alarm, until the whole group is off the list. */
+/* The mark of the first alarm outlives it, until the whole group is off the list. */
 static void forget_firsts(struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
@@ -154,7 +155,7 @@ static void acknowledge(struct supervisor *s, uint8_t i)
 static void shelve(struct supervisor *s, uint8_t i, float seconds)
 {
     struct alarm_state *a = &s->alarm[i];
-    memset(a, 0, sizeof *a); /* what holds when it comes back is news */
+    memset(a, 0, sizeof *a); /* whatever holds after the shelving counts as new */
     if (seconds > 0.0f)
         a->shelved_until_ms = s->time_ms + (uint32_t)(seconds * 1000.0f); /* at most a day */
     tell_alarm(s, i, EVENT_ALARM_SHELVED, seconds);

@@ -4,9 +4,10 @@
 
 #include "exchange/state.h"
 
-/* The k-th event of block n holds in its step, with that value. */
+/* Keeps the value of the k-th event of block n, which holds in its step. */
 void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value);
-/* Entry i is on an event of a block: its value when it was last raised; whether it holds. alarms_of_blocks.c */
+/* Return true if entry i is on an event of a block; the value of this event when it was last raised; and true if it
+ * holds. alarms_of_blocks.c */
 static inline bool alarm_is_of_block(const struct supervisor *s, uint8_t i)
 {
     return CONFIG_BLOCKS && (s->plan->alarm[i] & ALARM_OF_BLOCK);

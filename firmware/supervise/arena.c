@@ -5,16 +5,17 @@
 
 #include "exchange/arena_sizes.h"
 
-/* What has a place in the arena: the kinds above, then the blocks, then the histories. Their order never changes. */
+/* States with a place in the arena: the kinds of enum placed, then the blocks, then the histories. Their order
+ * never changes. */
 #define PLACED_BLOCKS (PLACED_KINDS + PLAN_BLOCKS)
 #define PLACES        (PLACED_BLOCKS + PLAN_POINTS)
 
 struct place {
     uint32_t from, to;     /* grains */
-    uint32_t kept, grains; /* bytes of the state that stay; grains it has from now on */
+    uint32_t kept, grains; /* bytes of the state that stay; grains of the new place */
 };
 
-/* Where the history of MV j stands, behind the blocks and those before it. */
+/* Returns the grain of the history of MV j, behind the blocks and the histories before it. */
 static uint32_t history_from(uint32_t behind_blocks, const uint16_t *ticks, uint8_t j)
 {
     for (uint8_t k = 0; k < j; k++)
@@ -93,8 +94,8 @@ void arena_place(struct supervisor *s, const struct plan *plan)
     struct place p;
     void *place[PLACED_KINDS];
     arena_count(plan, n);
-    /* What moves down goes first, the lowest before the others, then what moves up, the highest before the others: the
-     * order never changes, so nothing is overwritten that has still to move. */
+    /* States that move down go first, the lowest before the others; then those that move up, the highest before the
+     * others. The order of states never changes, so no state overwrites one that has still to move. */
     for (unsigned k = 0; k < PLACES; k++) {
         find_place(s, plan, n, k, &p);
         move_place(s, &p, true);

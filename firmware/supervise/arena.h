@@ -1,17 +1,18 @@
-/* The arena: where the states of channels, loops and blocks have their places while a plan is in force. Channels and the
- * like come first, kind by kind, as many of each as the configuration reaches (up to the last place it uses); then the
- * blocks, each with as much as its settings need, where the plan says; then the histories of applied inputs. What does not
- * fit is refused with the plan, with the bytes it needs. */
+/* The arena: the memory of the states of channels, loops and blocks while a plan is in force. First come channels
+ * and the like, kind by kind, as many of each as the configuration reaches (up to the last place it uses). Then
+ * come the blocks, each with as much as its settings need, where the plan says, and then the histories of applied
+ * inputs. If a plan does not fit, its check refuses it with the bytes it needs. */
 #ifndef REFLUX_SUPERVISE_ARENA_H
 #define REFLUX_SUPERVISE_ARENA_H
 
 #include "exchange/state.h"
 
-/* The states move to where the plan puts them; new ones are zero, those it has no place for are gone. A block stays whole
- * if it is of the same kind and size as before. */
+/* Moves the states to their places in the plan. New states are zero, and states without a place are gone. A block's
+ * state stays whole if the block has the same kind and size as before. */
 void arena_place(struct supervisor *s, const struct plan *plan);
 
-/* That of MV j, which has one. A history stays whole if it is as deep as before; else all of it is zero. */
+/* Returns the history of MV j, which must have one. Of a history, arena_place() keeps as many bytes as the old and
+ * the new depth have in common; the rest is zero. */
 struct applied_history *arena_history(const struct supervisor *s, uint8_t j);
 
 #endif

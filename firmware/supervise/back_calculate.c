@@ -8,7 +8,7 @@
 #include "supervise/setpoint_cascade.h"
 #include "supervise/test_signal.h"
 
-/* Directions in which the setpoint of loop i should not be pushed, because its own output is at a limit. */
+/* Returns the directions in which the setpoint of loop i should not move, because its own output is at a limit. */
 static uint8_t saturation(const struct supervisor *s, uint8_t i)
 {
     const struct loop_state *l = &s->loop[i];
@@ -21,7 +21,7 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
         num_t shortfall = mv_shortfall(&s->mv[p->mv]);
         up = up || num_lt(shortfall, num_zero());
         down = down || num_lt(num_zero(), shortfall);
-    } else { /* whether or not it has been told already */
+    } else { /* whether or not the inner loop has taken the setpoint already */
         num_t taken = setpoint_taken(s, p->inner, l->v);
         up = up || num_lt(taken, l->v);
         down = down || num_lt(l->v, taken);
@@ -36,7 +36,8 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
     return (uint8_t)((up ? INTEGRAL_CLAMP_UP : 0) | (down ? INTEGRAL_CLAMP_DOWN : 0));
 }
 
-/* Whoever acts for loop i is told what took effect of its output; its own controller follows another's. */
+/* Tells the block or controller that acts for loop i what took effect of its output. If a block acts, the loop's
+ * own controller follows. */
 static void tell_applied(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
 {
     if (loop_server(s, i) != PLAN_NONE) {
@@ -69,7 +70,7 @@ static void back_outer(struct supervisor *s, uint8_t i)
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
     const struct loop_state *inner = &s->loop[p->inner];
-    /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
+    /* The inner loop does not take this loop's output: it is not in cascade, or its own output reaches nothing. */
     l->downstream_inactive = inner->mode != LOOP_CASCADE || inner->downstream_inactive;
     if (l->downstream_inactive)
         l->v = setpoint_found(s, p->inner);
@@ -80,12 +81,13 @@ static void back_outer(struct supervisor *s, uint8_t i)
         return;
     }
     l->clamp = saturation(s, p->inner);
-    /* What the inner loop makes of it does not depend on whose turn comes first. */
+    /* The setpoint that the inner loop takes does not depend on whose turn comes first. */
     tell_applied(s, i, setpoint_taken(s, p->inner, l->v), l->clamp);
 }
 
-/* What compensated loops are told: v and the back-calculation of (applied - commanded). Where the compensator asks for more than
- * num_t holds, the command does not say by how much the output falls short of it; then that of the output itself. */
+/* Computes for compensated loops what took effect: v plus the back-calculation of (applied - commanded). Where the
+ * compensator asks for more than num_t holds, the command does not say by how much the output falls short of it.
+ * Then the back-calculation of the output itself counts. */
 static void back_compensated(struct supervisor *s, num_t *told)
 {
     const struct block_state *b = &s->block[SLOT_MATRIX];
@@ -123,7 +125,7 @@ void back_calculate_loops(struct supervisor *s)
     if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
         back_compensated(s, told);
     compensators_back_calculate(s, told);
-    /* Inner loops first: what an outer loop may do depends on them. */
+    /* Inner loops come first, because the limits of an outer loop depend on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];
         if (s->plan->loop[i].mv != PLAN_NONE)

@@ -11,7 +11,7 @@ _Static_assert(CONFIG_LOOPS <= 16, "excitation_state.modes has two bits for each
 /* Numbers that should be equal may differ by a few roundings: fraction of span. */
 #define ROUNDING num_from_float(1e-6f)
 
-/* As the events say them. */
+/* Words of the events. */
 static const char *const reason_words[EXCITE_REASONS] = {
     [EXCITE_FINE] = "",
     [EXCITE_TAKEN] = "taken",
@@ -28,7 +28,7 @@ static const char *const reason_words[EXCITE_REASONS] = {
     [EXCITE_WRONG] = "wrong",
 };
 
-static bool is_at_most(num_t a, num_t b) /* false where one is no number */
+static bool is_at_most(num_t a, num_t b) /* false if one is not a number */
 {
     return num_lt(a, b) || num_eq(a, b);
 }
@@ -40,7 +40,7 @@ uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
     return t->what == EXCITE_SETPOINT ? t->index : s->plan->owner[t->index];
 }
 
-/* The MV at the end of the loops from i on. */
+/* Returns the MV at the end of the chain of loops from i on. */
 static uint8_t mv_below(const struct plan *plan, uint8_t i)
 {
     /* At most CONFIG_LOOPS steps down a chain that plan_build() has proved free of rings. */
@@ -62,7 +62,7 @@ static uint32_t modes_now(const struct supervisor *s)
     return modes;
 }
 
-/* Without the signal. */
+/* Returns the command or setpoint without the test signal. */
 static num_t base_of(const struct supervisor *s, const struct excited *t)
 {
     if (t->what == EXCITE_SETPOINT)
@@ -70,7 +70,7 @@ static num_t base_of(const struct supervisor *s, const struct excited *t)
     return num_sub(s->mv[t->index].commanded, s->mv[t->index].excitation);
 }
 
-/* Its own limits, and those that hold for what it is added to. */
+/* Finds the limits of the test signal: its own, and those of the MV or setpoint to which it is added. */
 static void excitation_limits(const struct supervisor *s, const struct excited *t, num_t *lo,
                               num_t *hi)
 {
@@ -103,7 +103,7 @@ static bool is_within_limits(const struct supervisor *s, const struct excited *t
     return is_at_most(num_sub(lo, ROUNDING), least) && is_at_most(most, num_add(hi, ROUNDING));
 }
 
-/* ---- what is in its way ---- */
+/* ---- what ends it ---- */
 
 static bool pv_is_gone(const struct supervisor *s, uint8_t i)
 {
@@ -126,7 +126,7 @@ static enum excite_reason disturbance(const struct supervisor *s, const struct e
     uint8_t j = excited_mv(s, t), i = excited_loop(s, t);
     if (!s->mv[j].bound)
         return EXCITE_CHANNEL;
-    /* A setpoint: all loops below it as well. */
+    /* For a setpoint, all loops below count as well. */
     for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
         enum excite_reason reason = loop_disturbance(s, i, modes);
         if (reason != EXCITE_FINE)
@@ -152,7 +152,8 @@ static bool is_controller(const struct supervisor *s)
            STAGE_CONTROL;
 }
 
-/* It has turns, in which it could ask for an end. Others than controllers have one in every tick. */
+/* Returns true if the block has turns in which it could ask for an end. Blocks that are not controllers have a turn
+ * in every tick. */
 static bool has_turns(const struct supervisor *s, uint8_t n)
 {
     const struct record_plan *r = &s->plan->record[n];
@@ -172,8 +173,8 @@ static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
     s->excitation.answer[n] = (struct excite_answer){(uint8_t)state, (uint8_t)reason};
 }
 
-/* The own controller of a loop that is served has followed at the setpoint with the signal: it would answer to the change, if
- * it took over now. */
+/* Ends the test signal on a setpoint. If a block serves the loop, the loop's own controller has followed at the
+ * setpoint with the signal. It would react to the change if it took over now, so it follows once more. */
 static void end_on_setpoint(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
@@ -204,7 +205,7 @@ void excitation_end(struct supervisor *s, enum excite_reason reason)
               (uint8_t)reason);
 }
 
-/* Start-up or a block. */
+/* Returns who excites the plant, start-up or a block, or NULL. */
 static const char *who_excites(const struct supervisor *s)
 {
     return s->testing ? "commission" : supervisor_excited_by(s);
@@ -230,7 +231,7 @@ void excitation_end_by_hand(struct supervisor *s, uint8_t j)
         }
 }
 
-/* What the block of a record asks for; false: there is no such MV or setpoint. */
+/* Resolves a request of blockN. Returns false if there is no such MV or setpoint. */
 static bool resolve_target(const struct supervisor *s, uint8_t n, const struct block_excitation *a,
                            struct excited *t)
 {
@@ -261,7 +262,7 @@ static bool is_twice(const struct excited *t, uint8_t n)
     return false;
 }
 
-/* Collects what is asked for into target[]; returns how many, or BLOCK_EXCITES_MAX + 1 where something is wrong with it. */
+/* Collects the requests in target[]. Returns their number, or BLOCK_EXCITES_MAX + 1 if one of them is wrong. */
 static uint8_t resolve_targets(const struct supervisor *s, uint8_t n, const struct block_io *io,
                                struct excited *target)
 {
@@ -296,7 +297,7 @@ static enum excite_reason may_begin(const struct supervisor *s, const struct exc
     return reason;
 }
 
-/* The same as at the beginning. */
+/* Returns true if the targets are those of the first request. */
 static bool same_targets(const struct excitation_state *e, const struct excited *target,
                          uint8_t targets)
 {
@@ -306,7 +307,7 @@ static bool same_targets(const struct excitation_state *e, const struct excited 
     return targets == e->targets;
 }
 
-/* The values of this step; false: one is larger than was said, or no number. */
+/* Takes the values of this step. Returns false if one is larger than the amplitude, or not a number. */
 static bool take_values(struct supervisor *s, const struct block_io *io)
 {
     const struct excited *t = s->excitation.target;
@@ -366,8 +367,9 @@ void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *
         tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
         return;
     }
+    /* The block must let one step pass without a request. */
     if (e->answer[n].state == EXCITE_ENDED)
-        return; /* until it has let one step pass without asking */
+        return;
     bool holds = is_holder(s, slot);
     enum excite_reason reason = EXCITE_FINE;
     if (targets > BLOCK_EXCITES_MAX || (holds && !same_targets(e, target, targets)))
@@ -418,7 +420,7 @@ void excitation_add_asked(struct supervisor *s, uint8_t i)
     }
 }
 
-/* Every block but a controller has had its turn in this tick, if it has one. */
+/* Checks the commands. Every block but a controller has had its turn in this tick, if it has one. */
 static enum excite_reason command_disturbance(const struct supervisor *s)
 {
     const struct excitation_state *e = &s->excitation;

@@ -1,9 +1,9 @@
-/* Test signals that blocks ask for (block/excitation.h): who has the plant, what is excited, and what ends it. Within supervise
- * only.
+/* Test signals that blocks ask for (block/excitation.h): which block has the plant, what it excites, and what ends
+ * the excitation. Within supervise only.
  *
- * On an MV the signal is mv_state.excitation, as start-up's is: part of the command, of which back-calculation takes no
- * notice. On a setpoint it is loop_state.excited: part of the setpoint in force, of which ramp, filter, the outer loop and a
- * restart know nothing. */
+ * On an MV the signal is mv_state.excitation, as start-up's is. It is part of the command, but back-calculation
+ * ignores it. On a setpoint it is served_loop.excited. It is part of the setpoint in force, but ramp, filter, the
+ * outer loop and a restart ignore it. */
 #ifndef REFLUX_SUPERVISE_BLOCK_EXCITATION_H
 #define REFLUX_SUPERVISE_BLOCK_EXCITATION_H
 
@@ -11,27 +11,28 @@
 
 #if CONFIG_BLOCKS
 
-/* Before the step of the block in a slot: what became of its last asking; `ask` is cleared for the next. */
+/* Before the step of the block in a slot: gives it the answer to its last request, and clears `ask` for the next
+ * one. */
 void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
                      struct block_excitation *ask);
-/* After its step: what it asks for now. */
+/* After the block's step: takes its request. */
 void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io);
 
-/* Ends what there is, for all that is excited; does nothing where nothing is. */
+/* Ends the excitation of all targets; does nothing where nothing is excited. */
 void excitation_end(struct supervisor *s, enum excite_reason reason);
-/* ... if it is the block's in that slot. */
+/* Ends the excitation if it belongs to the block in that slot. */
 void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason);
-/* ... if MV j is excited: a hand has moved it. */
+/* Ends the excitation if MV j is excited, because somebody has moved the MV by hand. */
 void excitation_end_by_hand(struct supervisor *s, uint8_t j);
 
-/* The loop under test, or that acts on the MV under test, or PLAN_NONE. */
+/* Returns the loop under test, or the loop on the MV under test, or PLAN_NONE. */
 uint8_t excited_loop(const struct supervisor *s, const struct excited *t);
-/* The MV under test, or the one at the end of the loops from that under test on. */
+/* Returns the MV under test, or the MV at the end of the chain of loops below the setpoint under test. */
 uint8_t excited_mv(const struct supervisor *s, const struct excited *t);
 
-/* In a tick, before any loop has its turn: modes, channels, interlocks, sequences. */
+/* In a tick, before any loop has its turn: checks modes, channels, interlocks and sequences. */
 void excitation_watch(struct supervisor *s);
-/* Loop i has its setpoint, within its limits: adds to it what is asked for. */
+/* Adds the test signal to the setpoint of loop i, which is already within its limits. */
 void excitation_add_asked(struct supervisor *s, uint8_t i);
 static inline void excitation_add(struct supervisor *s, uint8_t i)
 {
@@ -39,8 +40,8 @@ static inline void excitation_add(struct supervisor *s, uint8_t i)
     if (s->excitation.targets)
         excitation_add_asked(s, i);
 }
-/* Commands are there, limits have not been applied yet: one that comes to a limit ends it, and so does a block that has had no
- * turn. */
+/* After the commands and before the limits: ends the excitation if a command comes to a limit, or if its block has
+ * had no turn. */
 void excitation_check_commands(struct supervisor *s);
 
 #else

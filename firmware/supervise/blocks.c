@@ -26,7 +26,7 @@ static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot
 
 /* ---- settings ---- */
 
-/* Settings were checked with the plan: what remains is an interval no block can keep. */
+/* The plan's check covered the settings: only an interval that the block cannot keep remains to be reported. */
 void block_give_settings(struct supervisor *s, uint8_t slot, bool retune)
 {
     struct block_instance b;
@@ -41,7 +41,7 @@ void block_begin(struct supervisor *s, uint8_t i)
     block_give_settings(s, i, false);
 }
 
-/* Settings that have waited. */
+/* Gives the block the settings that have waited. */
 static void give_new_settings(struct supervisor *s, uint8_t i)
 {
     if (s->block[i].retune)
@@ -53,8 +53,8 @@ bool block_same_settings(const struct supervisor *s, const struct plan *old, uin
 {
     const struct block_kind *kind = kind_of(s, slot);
     struct block_instance before, now;
-    if (!kind->same ||
-        s->plan->tick_s != s->tick_s) /* `old` may be the plan itself, with another tick */
+    /* `old` may be the same plan with another tick */
+    if (!kind->same || s->plan->tick_s != s->tick_s)
         return false;
     plan_block_setup(old, slot, &before);
     plan_block_setup(s->plan, slot, &now);
@@ -73,7 +73,7 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
 
 /* ---- step, follow and back-calculation ---- */
 
-/* All that a loop's own controller looks at; the rest is of blocks with a record. */
+/* Fills in all that a loop's own controller looks at. The other fields are for blocks with a number (blockN). */
 static void fill_io(struct supervisor *s, uint8_t i, struct block_io *io)
 {
     struct loop_state *l = &s->loop[i];
@@ -94,7 +94,7 @@ void block_step(struct supervisor *s, uint8_t i)
     give_new_settings(s, i);
 }
 
-/* Its frame is not below that of new settings. */
+/* This function is not inlined, so that its frame does not add to the frame of new settings. */
 NOT_INLINE static void follow_output(struct supervisor *s, uint8_t i, num_t *v, uint8_t *limited)
 {
     struct block_io io;
@@ -113,7 +113,7 @@ void block_follow(struct supervisor *s, uint8_t i)
 
 void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
 {
-    uint8_t limited; /* not its limits, but those of the block that acts */
+    uint8_t limited; /* unused: the limits of the block that acts count */
     give_new_settings(s, i);
     follow_output(s, i, &v, &limited);
 }

@@ -1,6 +1,7 @@
 #include "supervise/calibration.h"
 
-/* A transmitter of 4 to 20 mA reports its failure with 3.6 mA or less, or 21 mA or more (NAMUR NE 43): fractions of the span. */
+/* A transmitter of 4 to 20 mA reports its failure with 3.6 mA or less, or 21 mA or more (NAMUR NE 43): fractions of
+ * the span. */
 #define FAILURE_LO (-0.025f)
 #define FAILURE_HI 1.0625f
 

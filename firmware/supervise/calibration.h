@@ -4,7 +4,7 @@
 
 #include "exchange/calibration.h"
 
-/* Whether a calibrated reading of measurement i may be true. */
+/* Returns true if a calibrated reading of measurement i may be true. */
 bool calibration_believes(const struct plan *plan, uint8_t i, float value);
 
 #endif

@@ -14,13 +14,14 @@ static bool is_compensator(const struct supervisor *s, uint8_t slot)
     return served_is(s, slot, STAGE_COMPENSATE);
 }
 
-/* It runs in this tick. */
+/* Returns true if the block is a compensator that runs in this tick. */
 static bool compensates(const struct supervisor *s, uint8_t slot)
 {
     return is_compensator(s, slot) && !s->block[slot].off && s->block[slot].acting;
 }
 
-/* For each member what last went into it, as far as that took effect, and what it gave: behind the state of its kind. */
+/* For each member: the last input, as far as it took effect, and the last output. They stand behind the state of
+ * the kind. */
 struct passed {
     num_t in, out;
 };
@@ -34,8 +35,8 @@ static struct passed *passed_by(const struct supervisor *s, uint8_t slot)
     return end - members;
 }
 
-/* Its members' signals, by loop, as what goes in; of one that does not take part, its present output, or that it has not
- * moved. */
+/* Gathers the signals of its members, by loop, as inputs. The input of a member that does not take part is its
+ * present output, or 0 for differences. */
 static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t *signal,
                            bool differences, struct served_io *g)
 {
@@ -52,7 +53,8 @@ static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t
     }
 }
 
-/* What it gave holds for those that take part. Otherwise it gives up. */
+/* Checks the outputs of the members that take part. The block gives up if one is not a number, or if it says so
+ * itself. */
 static bool gave_signals(struct supervisor *s, uint8_t slot, const struct served_io *g)
 {
     const char *reason = g->io.requests.gives_up;
@@ -86,7 +88,7 @@ static uint8_t driving_members(const struct supervisor *s, uint8_t slot)
     return acting;
 }
 
-/* They begin, even where they left and came back between two ticks. */
+/* Returns the members that begin in this tick, also those that left and came back between two ticks. */
 static uint8_t joining_members(const struct supervisor *s, uint8_t slot)
 {
     const struct record_plan *r = served_record(s, slot);
@@ -147,7 +149,7 @@ static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
     (kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, slot), &g.io);
     s->block[slot].must_follow = false;
     if (!gave_signals(s, slot, &g)) {
-        s->block[slot].must_follow = false; /* v stays: what goes in is what comes out */
+        s->block[slot].must_follow = false; /* v stays, because inputs pass through unchanged */
         return;
     }
     for (uint8_t k = 0; k < r->members; k++) {
@@ -167,7 +169,7 @@ void compensators_transfer(struct supervisor *s, num_t *v)
             find_inputs(s, slot, v);
             continue;
         }
-        /* It goes on: those before it have to give what it was given. */
+        /* The compensator continues: those before it must give the inputs that it had. */
         const struct record_plan *r = served_record(s, slot);
         for (uint8_t k = 0; k < r->members; k++)
             if (s->block[slot].acting & (1u << k))
@@ -204,7 +206,8 @@ void compensators_step(struct supervisor *s, num_t *u)
             step_compensator(s, slot, u);
 }
 
-/* Where it asks for more than num_t holds, the command does not say by how much the output falls short of it. */
+/* Returns true if it asks for more than num_t holds. Then the command does not say by how much the output falls
+ * short of it. */
 static bool beyond_numbers(const struct supervisor *s, uint8_t slot)
 {
     for (uint8_t k = 0; k < served_record(s, slot)->members; k++)
@@ -214,7 +217,8 @@ static bool beyond_numbers(const struct supervisor *s, uint8_t slot)
     return false;
 }
 
-/* whole[loop]: what took effect of what it gave; less[loop]: by how much that is other. The same of what went in, then. */
+/* Takes whole[loop], the part of its output that took effect, and less[loop], the difference from its output.
+ * Returns the same of its inputs in both arrays. */
 static void back_compensator(struct supervisor *s, uint8_t slot, num_t *whole, num_t *less)
 {
     const struct record_plan *r = served_record(s, slot);

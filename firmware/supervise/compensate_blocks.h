@@ -1,30 +1,31 @@
-/* Compensators with a record (blockN): between the loops' controllers and their MVs, a list in the order of the slots, behind
- * the static decoupler, whose loops they do not share. Within supervise only.
+/* Compensators with a number (blockN) stand between the loops' controllers and their MVs. They form a list in the
+ * order of the slots, behind the static decoupler, with which they share no loops. Within supervise only.
  *
- * Forwards each takes what its members' controllers gave, or what the compensators before it made of that, and gives MVs (less
- * feedforward). Backwards, from the end, each turns what became of the MVs into what became of the controllers' outputs. One
- * whose members, or which of them act, or whose settings have changed finds the inputs for the outputs that are there, and so
- * do those before it with the same loops; no other is touched.
+ * Forwards, each compensator takes the outputs of its members' controllers, or of the compensators before it, and
+ * gives MVs (less feedforward). Backwards, from the end of the list, each turns what took effect of the MVs into
+ * what took effect of the controllers' outputs. If the members of a compensator, the set of those that act, or its
+ * settings change, it finds the inputs for the present outputs. So do the compensators before it with the same
+ * loops; no other is touched.
  *
- * One that gives up, is switched off or gives what is no number: its members' MVs stay for that tick, and from the next on
- * what goes into it comes out, which begins with a bumpless transfer. */
+ * If a compensator gives up, is switched off or gives an output that is not a number, its members' MVs stay for
+ * that tick. From the next tick on its inputs pass through it unchanged, which begins with a bumpless transfer. */
 #ifndef REFLUX_SUPERVISE_COMPENSATE_BLOCKS_H
 #define REFLUX_SUPERVISE_COMPENSATE_BLOCKS_H
 
 #include "exchange/state.h"
 
-/* A command beyond this, in spans, may have ended with the range of num_t. */
+/* A command beyond this, in spans, may have reached the end of num_t's range. */
 #define COMMAND_MAX 100.0f
 
 #if CONFIG_BLOCKS
 
-/* Which loops need a bumpless transfer because a compensator of theirs does: bit i. */
+/* Returns the loops that need a bumpless transfer because one of their compensators does: bit i. */
 uint32_t compensators_regroup(struct supervisor *s);
-/* v[loop]: for those loops outputs found, less feedforward; controllers' outputs then. */
+/* Turns v[loop] of those loops from the outputs found, less feedforward, into the controllers' outputs. */
 void compensators_transfer(struct supervisor *s, num_t *v);
-/* u[loop]: the controllers' outputs; MVs, less feedforward, then. */
+/* Turns u[loop] from the controllers' outputs into the MVs, less feedforward. */
 void compensators_step(struct supervisor *s, num_t *u);
-/* told[loop]: what took effect of the controllers' outputs, set for members. */
+/* Writes to told[loop], for members, what took effect of the controllers' outputs. */
 void compensators_back_calculate(struct supervisor *s, num_t *told);
 
 #else

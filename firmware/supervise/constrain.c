@@ -10,8 +10,8 @@ static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
     return (float)((uint32_t)s->time_ms - s->interlock[k].heard_ms) <= seconds * 1000.0f;
 }
 
-/* The condition of entry k now. It begins on any number that is good by the plant, whatever came before it or stands in
- * for it; it ends only on a valid one. */
+/* Returns the condition of entry k now. It begins on any number that the plant calls good, whatever came before it
+ * or stands in for it; it ends only on a valid one. */
 static bool interlock_condition(const struct supervisor *s, uint8_t k)
 {
     const struct interlock_config *c = &s->plan->config.interlock[k];
@@ -29,7 +29,7 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
     bool bad = !m->bound || !m->seen || m->lost || !quality_usable(m->quality);
     if (c->on_bad && bad)
         return true;
-    /* The last number stands for as long as a value is held. */
+    /* The last number counts for as long as a value is held. */
     return !good && m->bound && m->delivered && outside && state->pending &&
            heard_within(s, k, s->plan->config.measurement[i].sensor_hold_s);
 }
@@ -49,8 +49,8 @@ bool interlock_begins(const struct supervisor *s, uint8_t j)
     return false;
 }
 
-/* A missing sample does not begin the delay anew, when others are heard meanwhile; it takes one past the limit to end
- * the delay. */
+/* Returns true if the delay goes on although the sample is missing: a reading past the limit came within the last
+ * delay_s. The interlock becomes active only while its condition holds. */
 static bool interlock_waits(const struct supervisor *s, uint8_t k)
 {
     const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
@@ -58,7 +58,7 @@ static bool interlock_waits(const struct supervisor *s, uint8_t k)
            heard_within(s, k, s->plan->config.interlock[k].delay_s);
 }
 
-/* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
+/* Applies interlocks last, over limits, rates and manual alike, so that nothing overrides them. */
 static void run_interlocks(struct supervisor *s)
 {
     bool interlocked[CHANNEL_MAX] = {false};
@@ -97,8 +97,8 @@ static void run_interlocks(struct supervisor *s)
     }
 }
 
-/* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
- * it finds it at the nearest limit. Returns whether it stays. */
+/* An interlock may have left the output outside lo..hi. In manual the output stays there until somebody moves it;
+ * whatever moves it finds it at the nearest limit. Returns true if it stays. */
 static bool stays_beyond(struct mv_state *o, num_t lo, num_t hi, bool acts)
 {
     num_t nearest = num_clamp(o->constrained, lo, hi);
@@ -111,14 +111,14 @@ static bool stays_beyond(struct mv_state *o, num_t lo, num_t hi, bool acts)
     return false;
 }
 
-/* The limits of a loop hold for what reaches its output, after decoupler and feedforward. An output found outside enters
- * them at the loop's rate, at once where there is none. */
+/* Narrows lo..hi to the limits of a loop, which hold for its output after decoupler and feedforward. An output
+ * found outside enters them at the loop's rate, or at once where there is no rate. */
 static void loop_limits(const struct supervisor *s, uint8_t i, num_t at, num_t *lo, num_t *hi)
 {
     const struct loop_config *l = &s->plan->config.loop[i];
     num_t least = num_from_float(l->own.out_lo), most = num_from_float(l->own.out_hi);
     if (l->own.out_rate_per_s > 0.0f) {
-        /* A step of num_t at least: it arrives. */
+        /* The step is at least one of num_t, so that the output arrives. */
         num_t reach = num_max(num_from_float(l->own.out_rate_per_s * s->plan->tick_s),
                               num_from_float(1.0f / 16777216.0f));
         least = num_min(least, num_add(at, reach));
@@ -133,7 +133,7 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
     struct mv_state *o = &s->mv[j];
     const struct mv_config *c = &s->plan->config.mv[j];
     if (s->state == SUPERVISOR_SAFE || !o->bound) {
-        /* What is not there waits at its safe value too, and begins there when it comes. */
+        /* An MV that the plant lacks waits at its safe value too, and begins there when it comes. */
         o->constrained = o->manual = span_to_fraction(c->safe, c->lo, c->hi);
         return;
     }
@@ -149,11 +149,12 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
     }
     if (stays_beyond(o, lo, hi, acts))
         return;
-    /* What is not sent now is not sent later either, when the limits are wider again. */
+    /* A value that is not sent now is not sent later either, when the limits are wider again. */
     o->manual = num_clamp(o->manual, lo, hi);
     if (acts && loop_drives(s, i) && !plan_kind(s->plan, i)->positions)
         loop_limits(s, i, o->constrained, &lo, &hi);
-    /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
+    /* The ramp starts from the present output, whatever put it there. It keeps wide numbers, so that slow rates do
+     * not stall. */
     if (!num_eq(ramp_position(&o->rate), o->constrained))
         ramp_reset(&o->rate, o->constrained);
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));

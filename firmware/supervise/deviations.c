@@ -3,7 +3,7 @@
 #include "exchange/span.h"
 #include "supervise/blocks.h"
 
-/* Whether the alarm comes or goes. */
+/* Runs the timer. Returns true if the alarm comes or goes. */
 static bool lasting_changes(struct lasting *l, bool holds, float delay_s, uint64_t time_ms)
 {
     if (holds && !l->holds)
@@ -32,8 +32,9 @@ static void run_deviation(struct supervisor *s, uint8_t i)
     const struct config *c = &s->plan->config;
     const struct measurement_state *m = &s->measurement[s->plan->loop[i].pv];
     bool acts = loop_acts(s, i) && c->deviation.width > 0.0f && !has_own_deviation(s, i);
+    /* The deviation is unknown, or an interlock is the reason and has its own alarm. */
     if (acts && (!m->bound || !m->seen || m->alarm || loop_interlocked(s, i)))
-        return; /* it cannot be seen, or an interlock is the reason and has its own alarm */
+        return;
     float width = l->deviation.lasting.active ? 0.8f * c->deviation.width : c->deviation.width;
     num_t distance = num_abs(num_sub(m->value, l->setpoint));
     bool far = acts && num_lt(num_from_float(width), distance);
@@ -45,7 +46,7 @@ static void run_deviation(struct supervisor *s, uint8_t i)
               num_to_float(distance) * (mc->hi - mc->lo), 0);
 }
 
-/* What stands in for a lost reading is uncertain too, but the loss itself has its own alarm. */
+/* The value that stands in for a lost reading is uncertain too, but the loss itself has its own alarm. */
 static void run_doubt(struct supervisor *s, uint8_t i)
 {
     struct measurement_state *m = &s->measurement[i];

@@ -4,7 +4,7 @@
 #include "supervise/raised.h"
 #include "supervise/served_io.h"
 
-/* The loops on its MVs go on from the outputs they find. */
+/* Makes the loops on its MVs continue from the outputs they find. */
 static void loops_make_room(struct supervisor *s, uint8_t slot)
 {
     const struct record_plan *r = served_record(s, slot);
@@ -26,7 +26,7 @@ static bool inputs_there(const struct served_io *g, uint8_t inputs)
     return true;
 }
 
-/* An input has gone bad: what its kind has declared. Returns whether it goes on. */
+/* Does what the kind has declared for a bad input. Returns true if the element goes on. */
 static bool stands_bad_input(struct supervisor *s, uint8_t slot)
 {
     const struct record_plan *r = served_record(s, slot);
@@ -45,7 +45,7 @@ static bool stands_bad_input(struct supervisor *s, uint8_t slot)
     return true;
 }
 
-/* What it adds is a number for each MV. */
+/* Returns true if the element adds a number to each MV. */
 static bool gave_corrections(const struct served_io *g, uint8_t points)
 {
     for (uint8_t k = 0; k < points; k++)
@@ -98,7 +98,7 @@ void elements_step(struct supervisor *s)
         struct served_io g;
         served_gather(s, slot, &g);
         bool there = inputs_there(&g, served_record(s, slot)->inputs);
-        if (!there && b->running) { /* no number, no correction */
+        if (!there && b->running) { /* without a number there is no correction */
             b->running = false;
             raised_forget(s, slot);
             loops_make_room(s, slot);

@@ -9,7 +9,7 @@ void estimates_keep(struct supervisor *s)
         const struct measurement_config *c = &s->plan->config.measurement[i];
         if (!plan_is_estimate(s->plan, i))
             continue;
-        /* Held or made up itself it stands in for nothing. */
+        /* An estimate that is held or substituted itself stands in for nothing. */
         m->estimate.stands_in =
             m->bound && m->seen && m->fault == MEASUREMENT_FINE && quality_usable(m->quality);
         m->estimate.value = span_to_eu(m->value, c->lo, c->hi);

@@ -7,7 +7,7 @@
 #include "exchange/numbered_setup.h"
 #include "supervise/block_excitation.h"
 
-/* Parts of a configuration count whole, unused bytes too, as in its checksum. */
+/* Compares parts of a configuration as a whole, unused bytes too, as the checksum does. */
 static bool same_bytes(const void *a, const void *b, size_t n)
 {
     return memcmp(a, b, n) == 0;
@@ -60,7 +60,7 @@ void excitation_meet_plan(struct supervisor *s, const struct plan *next)
     struct excitation_state *e = &s->excitation;
     if (e->holder && !plan_keeps(s, next))
         excitation_end(s, EXCITE_PLAN);
-    /* Another kind has not asked for anything yet. */
+    /* A block of another kind has not asked for anything yet. */
     for (uint8_t n = 0; s->plan && n < CONFIG_BLOCKS; n++)
         if (!same_bytes(s->plan->config.block[n].kind, next->config.block[n].kind,
                         CHANNEL_NAME_SIZE))

@@ -1,12 +1,12 @@
-/* What a plan that is about to come into force makes of a block's test signal. Within supervise only. */
+/* Effect of a plan that is about to come into force on a block's test signal. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_EXCITATION_PLAN_H
 #define REFLUX_SUPERVISE_EXCITATION_PLAN_H
 
 #include "exchange/state.h"
 
 #if CONFIG_BLOCKS
-/* Ends it where the plan changes the block, or a loop, MV or PV that it is about, or the base tick. The states have their old
- * places still. */
+/* Ends the excitation if the plan changes the block, an excited loop, MV or PV, or the base tick. The states must
+ * still have their old places. */
 void excitation_meet_plan(struct supervisor *s, const struct plan *next);
 #else
 #define excitation_meet_plan(s, next) ((void)(next))

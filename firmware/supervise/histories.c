@@ -69,7 +69,7 @@ void histories_fit(struct supervisor *s, const struct plan *next)
     }
 }
 
-/* What is older than it has been kept is as the oldest. */
+/* Values from before the old depth become the oldest value that is known. */
 static void deepen(struct applied_history *h, uint16_t depth)
 {
     for (uint16_t k = h->depth; k < depth; k++)

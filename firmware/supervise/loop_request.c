@@ -11,7 +11,7 @@ static num_t output_fraction(const struct supervisor *s, unsigned j, float value
     return span_to_fraction(value, o->lo, o->hi);
 }
 
-/* Both channels of a loop, and of every loop below it, are there. */
+/* Returns true if the PV and the MV of a loop, and the PVs of every loop below it, are bound. */
 static bool loop_bound(const struct supervisor *s, uint8_t i)
 {
     /* At most CONFIG_LOOPS steps down a chain that plan_build has proved free of rings. */
@@ -51,7 +51,7 @@ static bool request_mode(struct supervisor *s, const struct request *r)
     }
     bool from_manual = l->mode == LOOP_MANUAL;
     if (l->mode == LOOP_CASCADE) {
-        l->target = loop_own_setpoint(l); /* stay where the outer loop left it */
+        l->target = loop_own_setpoint(l); /* the setpoint stays where the outer loop left it */
         if (CONFIG_BLOCKS)
             setpoint_rest(l, l->target);
     }
@@ -94,7 +94,7 @@ static bool request_output(struct supervisor *s, const struct request *r)
         name = s->plan->config.loop[r->loop].name;
         /* The output of an outer loop follows the inner one until that is in cascade. */
         bool inactive = p->mv == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
-        /* By hand a loop's output can be moved without its measurement. */
+        /* A loop's output can be moved by hand without its measurement. */
         bool there = p->mv == PLAN_NONE ? loop_bound(s, r->loop) : s->mv[p->mv].bound;
         if (l->mode != LOOP_MANUAL || inactive || !there) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);

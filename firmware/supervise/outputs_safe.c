@@ -5,7 +5,7 @@
 #include "exchange/span.h"
 #include "supervise/block_excitation.h"
 
-/* It may be a name in a plan that is written over later. */
+/* Copies the reason, because it may be a name in a plan that is overwritten later. */
 static void keep_reason(struct supervisor *s, const char *reason)
 {
     strncpy(s->safe_reason, reason, sizeof s->safe_reason - 1);
@@ -25,7 +25,7 @@ void outputs_take_safe(struct supervisor *s, const char *reason)
         o->commanded = o->constrained = o->applied = o->manual;
         o->excitation = num_zero();
         o->sent = false;
-        o->interlocked = o->beyond = false; /* until the next tick says so */
+        o->interlocked = o->beyond = false; /* until the next tick finds it so */
         o->not_following = o->alarm = false;
     }
     if (s->state != SUPERVISOR_SAFE)

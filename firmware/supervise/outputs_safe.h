@@ -1,10 +1,10 @@
-/* The lower half of the safe state: loops and outputs, not what runs above them. Within supervise only. */
+/* The lower half of the safe state: loops and outputs, without sequences above them. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_OUTPUTS_SAFE_H
 #define REFLUX_SUPERVISE_OUTPUTS_SAFE_H
 
 #include "exchange/state.h"
 
-/* All loops manual, all outputs at their safe values. reason: kept for whoever asks later. */
+/* Puts all loops into manual and all outputs to their safe values. reason: kept for later queries. */
 void outputs_take_safe(struct supervisor *s, const char *reason);
 
 #endif

@@ -5,11 +5,11 @@
 #include "exchange/state.h"
 
 #if CONFIG_BLOCKS
-/* Where a block may put one in its step; NULL while another waits. */
+/* Returns the place where a block may put a proposal in its step; NULL while another one waits. */
 struct block_proposal *proposal_room(struct supervisor *s);
-/* What the block in that slot has waiting holds no longer. */
+/* Withdraws a waiting proposal of the block in that slot. */
 void proposal_withdraw(struct supervisor *s, uint8_t slot);
-/* It has made the step, and goes on. */
+/* Hands over the proposal of a block that has made its step, and has not given up. */
 void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io);
 #endif
 

@@ -7,7 +7,7 @@
 #include "base/elapsed.h"
 #include "supervise/restart_sequence.h"
 
-/* The format, and that of num_t. */
+/* Identifies the format of the record, and of num_t. */
 #define MAGIC (NUM_IS_FIXED ? 0x52535134u : 0x52534634u)
 
 static uint32_t checksum(const struct restart_record *record)
@@ -44,7 +44,7 @@ static void outputs_back(struct supervisor *s, const struct restart_record *reco
         if (!s->plan->config.mv[j].name[0] || !o->bound)
             continue;
         o->manual = o->commanded = o->constrained = o->applied = record->mv[j];
-        o->beyond = true; /* where it was outside its limits, an interlock had left it there */
+        o->beyond = true; /* if it was outside its limits, an interlock had left it there */
     }
     restart_offsets_back(s, &record->sequence);
     s->state = SUPERVISOR_RUN;
@@ -94,8 +94,9 @@ void restart_try(struct restart *r, struct supervisor *s)
     bool in_time =
         s->time_ms >= record->time_ms && elapsed_ms(s->time_ms, record->time_ms) <= limit_ms;
     bool same = s->plan->identity == record->identity;
+    /* Somebody acts already, or there is nothing to restore. */
     if (s->state == SUPERVISOR_RUN || !record->acting || (same && policy == RESTART_SAFE))
-        r->pending = false; /* somebody acts already, or nothing is to come back */
+        r->pending = false;
     else if (!in_time)
         refuse_restart(r, s, same ? "time" : "configuration");
     else if (restart_in_sequence(&record->sequence))
@@ -113,8 +114,9 @@ void restart_try(struct restart *r, struct supervisor *s)
     interlocks_back(s, record);
     for (uint8_t k = 0; policy == RESTART_RESUME && k < s->plan->n_order; k++)
         loop_back(s, record, s->plan->order[k]);
+    /* A restored cascade has found another value. */
     for (uint8_t i = 0; policy == RESTART_RESUME && i < s->placed[PLACED_LOOPS]; i++)
-        s->loop[i].v = record->v[i]; /* a cascade that came back has found another */
+        s->loop[i].v = record->v[i];
     event_put(s->events, s->time_ms, EVENT_RESTART_DONE, NULL, (float)policy, (uint8_t)policy);
 }
 
@@ -123,7 +125,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     struct restart_record *record = r->record;
     if (!record || r->pending)
         return;
-    /* A reset half-way leaves a checksum that is wrong. */
+    /* A reset half-way leaves a wrong checksum. */
     record->identity = s->plan->identity;
     record->acting = s->state == SUPERVISOR_RUN;
     record->testing = s->testing;
@@ -140,7 +142,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
         record->v[i] = s->loop[i].v;
     }
     for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++)
-        /* A test signal does not come back. */
+        /* A test signal is not restored. */
         record->mv[j] =
             num_eq(s->mv[j].excitation, num_zero()) ? s->mv[j].constrained : s->mv[j].manual;
     restart_keep_sequence(&record->sequence, s);

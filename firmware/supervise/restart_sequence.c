@@ -19,7 +19,7 @@ void restart_tell_interrupted(struct supervisor *s, const struct restart_sequenc
         sequence_interrupted(s, kept->kind, kept->step);
 }
 
-/* With another configuration their names are not known any more. */
+/* With another configuration the names of the measurements are unknown. */
 void restart_offsets_gone(struct supervisor *s, const struct restart_sequence *kept, bool same)
 {
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)

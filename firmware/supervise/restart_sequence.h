@@ -1,4 +1,5 @@
-/* What a restart keeps of sequences and of the offsets of measurements that they have switched on. Within supervise only. */
+/* The part of the restart's record about sequences, and about the measurement offsets that they have switched on.
+ * Within supervise only. */
 #ifndef REFLUX_SUPERVISE_RESTART_SEQUENCE_H
 #define REFLUX_SUPERVISE_RESTART_SEQUENCE_H
 
@@ -6,15 +7,16 @@
 
 #if CONFIG_STEPS
 struct restart_sequence {
-    uint16_t offsets; /* switched on, a bit for each measurement */
-    uint8_t kind;     /* enum sequence_kind under way; SEQUENCE_NONE none */
+    uint16_t offsets; /* offsets that are switched on, a bit for each measurement */
+    uint8_t kind;     /* enum sequence_kind under way; SEQUENCE_NONE = none */
     uint8_t step;
 };
 
-/* A sequence was under way; offsets were on. */
+/* Return true if a sequence was under way; true if offsets were on. */
 bool restart_in_sequence(const struct restart_sequence *kept);
 bool restart_with_offsets(const struct restart_sequence *kept);
-/* Events: the sequence does not go on; the offsets are off again. same: the configuration is the same, so their names are known. */
+/* Report with events that the sequence does not go on, and that the offsets are off again. same: the configuration
+ * is the same, so the names are known. */
 void restart_tell_interrupted(struct supervisor *s, const struct restart_sequence *kept);
 void restart_offsets_gone(struct supervisor *s, const struct restart_sequence *kept, bool same);
 /* Switches the offsets on again. */

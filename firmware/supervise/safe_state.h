@@ -4,10 +4,10 @@
 
 #include "exchange/state.h"
 
-/* All loops manual, all outputs at their safe values, in the midst of a run. */
+/* Puts all loops into manual and all outputs to their safe values, in the midst of a run. */
 void supervisor_outputs_safe(struct supervisor *s, const char *reason);
 
-/* Takes a safe state that something has ended once more, for the same reason. */
+/* Takes the safe state again, for the same reason, if something has ended it. */
 void supervisor_stay_safe(struct supervisor *s);
 
 #endif

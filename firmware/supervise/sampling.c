@@ -2,12 +2,12 @@
 
 #include <string.h>
 
-/* How long ago the sample came that is to be had now, ms. *turn: the base tick of that, since the plant began. */
+/* Returns how long ago the newest sample came, ms. *turn gets the base tick of that, since the plant began. */
 static uint64_t came_ago_ms(const struct supervisor *s, uint8_t i, uint32_t *turn)
 {
     const struct measurement_config *c = &s->plan->config.measurement[i];
     uint32_t tick_ms = sampling_tick_ms(s->plan);
-    /* The nearest: a plant's clock need not hit the base tick to the millisecond. */
+    /* The nearest tick counts, because a plant's clock need not hit the base tick to the millisecond. */
     uint64_t now = (s->time_ms + tick_ms / 2u) / tick_ms;
     uint32_t since = (uint32_t)((now + c->analyser.every - c->analyser.phase) % c->analyser.every);
     *turn = (uint32_t)(now - since);
@@ -20,7 +20,8 @@ bool sampling_is_due(struct supervisor *s, uint8_t i)
     uint32_t turn;
     uint64_t ago_ms = came_ago_ms(s, i, &turn);
     bool news = !m->seen || turn != m->analyser.turn;
-    if (news) { /* also the first after lost ticks, or after a start: what stands there is of that turn */
+    /* The first reading after lost ticks or after a start counts as well, because it belongs to that turn. */
+    if (news) {
         m->analyser.turn = turn;
         m->analyser.sample_ms = ago_ms < s->time_ms ? s->time_ms - ago_ms : 0;
     }

@@ -6,13 +6,13 @@
 
 #if CONFIG_ANALYSERS
 bool sampling_is_due(struct supervisor *s, uint8_t i);
-/* Whether a reading is looked at in this tick, which has its time already: the first of its turn, and each as long as
- * none of the turn is valid. */
+/* Returns true if the tick, whose time is already set, looks at a reading: the first of its turn, and each one as
+ * long as none of the turn is valid. */
 static inline bool sampling_due(struct supervisor *s, uint8_t i, const struct measurement_config *c)
 {
     return sampling_every(c) <= 1 || sampling_is_due(s, i);
 }
-/* Tells of the loops whose divisor is no multiple of their measurement's `every`, where the plan before did not have it so. */
+/* Reports loops whose divisor is no multiple of their measurement's `every`, if that was not so in the plan before. */
 void sampling_tell(struct supervisor *s, const struct plan *old);
 #else
 #define sampling_due(s, i, c) true

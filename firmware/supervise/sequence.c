@@ -7,7 +7,7 @@
 #include "exchange/span.h"
 #include "supervise/outputs_safe.h"
 
-/* An output within this of where a row has put it is there, fraction of span. */
+/* An output this near to the value of a row counts as having reached it, fraction of span. */
 #define THERE 0.001f
 
 static const struct step_config *row_of(const struct supervisor *s, uint8_t k)
@@ -51,8 +51,9 @@ void sequence_safe(struct supervisor *s, const char *reason)
 
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step)
 {
+    /* Somebody has started another one already. */
     if (sequence_active(&s->sequence) || step >= CONFIG_STEPS)
-        return; /* somebody has begun anew already */
+        return;
     s->sequence.kind = kind;
     s->sequence.step = step;
     stop_at(s, SEQUENCE_ABORTED, SEQUENCE_RESTART, "");
@@ -64,14 +65,14 @@ void sequence_place(struct supervisor *s, const struct plan *old)
         abort_now(s, SEQUENCE_CONFIGURATION, "");
 }
 
-/* ---- what it watches ---- */
+/* ---- guards and outputs ---- */
 
 static bool condition_is_met(const struct step_config *c, float value)
 {
     return c->until == STEP_ABOVE ? value > c->limit : value < c->limit;
 }
 
-/* A guard is kept by a valid reading on the right side and by nothing else. */
+/* Only a valid reading on the right side keeps a guard. */
 static void run_guards(struct supervisor *s, uint32_t passed_ms)
 {
     struct sequence *q = &s->sequence;
@@ -96,7 +97,7 @@ static void run_guards(struct supervisor *s, uint32_t passed_ms)
     }
 }
 
-/* An interlock keeps output j from where the last row that moved it has put it. */
+/* Returns true if an interlock keeps output j away from the value of the last row that moved it. */
 static bool kept_away(const struct supervisor *s, uint8_t j)
 {
     const struct sequence *q = &s->sequence;
@@ -111,7 +112,7 @@ static bool kept_away(const struct supervisor *s, uint8_t j)
            num_lt(num_from_float(THERE), num_abs(num_sub(wanted, o->constrained)));
 }
 
-/* Holds the sequence when what its rows have set up has not stayed so. */
+/* Holds the sequence if the loops and outputs that its rows have set do not stay so. */
 static void watch(struct supervisor *s)
 {
     const struct sequence *q = &s->sequence;
@@ -147,7 +148,7 @@ static void watch(struct supervisor *s)
         hold(s, SEQUENCE_NO_READING, row_of(s, q->step)->measurement);
 }
 
-/* ---- what a step waits for ---- */
+/* ---- the condition of a step ---- */
 
 static void forget_condition(struct sequence *q)
 {
@@ -155,7 +156,7 @@ static void forget_condition(struct sequence *q)
     q->window = false;
 }
 
-/* The reading meets the condition, so far. */
+/* Returns true if the reading meets the condition so far. */
 static bool meets(struct sequence *q, const struct step_config *c, float value)
 {
     if (c->until != STEP_STEADY)
@@ -164,14 +165,14 @@ static bool meets(struct sequence *q, const struct step_config *c, float value)
         q->lo = q->hi = value;
     q->lo = value < q->lo ? value : q->lo;
     q->hi = value > q->hi ? value : q->hi;
-    if (q->hi - q->lo > c->limit) { /* counts anew from here */
+    if (q->hi - q->lo > c->limit) { /* the count begins anew */
         q->lo = q->hi = value;
         forget_condition(q);
     }
     return true;
 }
 
-/* Only what lies between valid readings counts, a base tick at most for each. */
+/* Counts only the time between valid readings, a base tick at most for each. */
 static bool reading_meets(struct supervisor *s, const struct step_config *c, uint32_t passed_ms)
 {
     struct sequence *q = &s->sequence;
@@ -209,7 +210,7 @@ static bool condition(struct supervisor *s, uint32_t passed_ms)
 
 /* ---- from row to row ---- */
 
-/* The row begins, or begins again. */
+/* Begins the row, or begins it again. */
 static void enter(struct sequence *q, uint8_t step)
 {
     q->state = SEQUENCE_RUNNING;
@@ -246,8 +247,9 @@ static void begin_row(struct supervisor *s)
         tell_sequence(s, EVENT_SEQUENCE_STEP, sequence_kind_text(q->kind));
     if (c->until == STEP_CONFIRM)
         q->state = SEQUENCE_CONFIRM;
+    /* The guard counts from the first tick on, without grace. */
     if (c->action == STEP_GUARD && c->wait_s == 0)
-        run_guards(s, 0); /* without grace from the first tick on */
+        run_guards(s, 0);
 }
 
 static bool goes(const struct sequence *q)
@@ -278,7 +280,7 @@ static void run_timeout(struct supervisor *s)
         return;
     bool held = q->state == SEQUENCE_HELD;
     if (held && (c->otherwise != STEP_ABORT))
-        return; /* what holds it is stronger */
+        return; /* the reason that holds it is stronger */
     q->reason = SEQUENCE_TIMEOUT;
     tell_sequence(s, EVENT_SEQUENCE_TIMEOUT, about);
     if (c->otherwise == STEP_ABORT)
@@ -309,7 +311,7 @@ void sequence_run(struct supervisor *s)
         run_timeout(s);
 }
 
-/* ---- what people ask ---- */
+/* ---- commands of operators ---- */
 
 static bool anything_acts(const struct supervisor *s)
 {
@@ -335,7 +337,8 @@ static bool begin(struct supervisor *s, enum sequence_kind kind)
     return true;
 }
 
-/* What a person has looked at and allowed again. What was only interrupted goes on where it was. */
+/* Continues a sequence that an operator has looked at and allowed again. A row that was only interrupted continues
+ * where it was. */
 static void go_on(struct supervisor *s)
 {
     struct sequence *q = &s->sequence;
@@ -369,7 +372,7 @@ static bool command(struct supervisor *s, const struct request *r)
         if (held)
             go_on(s);
         return held;
-    case SEQUENCE_DO_CONFIRM: /* of what was shown, not of what came since */
+    case SEQUENCE_DO_CONFIRM: /* of the row that was shown, not of a later one */
         if (q->state != SEQUENCE_CONFIRM || r->output != q->step)
             return false;
         q->confirmed = true;

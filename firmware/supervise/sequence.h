@@ -1,17 +1,16 @@
 /* Sequences: start-up and shut-down as a table of rows, step<k>.* of the configuration.
  *
- * Each row does one thing and then waits for one (docs/sequences.md). Rows of one sequence follow each other in the
- * order of the table; those that wait for nothing run in one tick. What a step waits for counts only while the
- * reading is valid.
+ * Each row does one action and then waits for one condition (docs/sequences.md). Rows of one sequence follow each
+ * other in the order of the table; rows without a wait run in one tick. The condition of a row counts only while
+ * the reading is valid.
  *
- *     idle, done, aborted --> running <--> confirm (waits for a person)
+ *     idle, done, aborted --> running <--> confirm (waits for the operator)
  *                               | ^
  *                               v |
- *                              held        by a person, or because something went wrong; goes on by a person only
+ *                              held        by the operator, or because of a fault; only the operator continues it
  *     running, confirm, held --> done | aborted (safe state)
  *
- * A guard holds from its row on until the sequence ends or a row drops it, also while the sequence is held.
- */
+ * A guard holds from its row on until the sequence ends or a row drops it, also while the sequence is held. */
 #ifndef REFLUX_SUPERVISE_SEQUENCE_H
 #define REFLUX_SUPERVISE_SEQUENCE_H
 
@@ -19,15 +18,15 @@
 #include "exchange/state.h"
 
 #if CONFIG_STEPS
-/* In the tick, between requests and control: guards, the condition of the step, further steps. */
+/* In the tick, between requests and control: runs guards, the condition of the step, and further steps. */
 void sequence_run(struct supervisor *s);
-/* REQUEST_SEQUENCE. */
+/* Carries out a REQUEST_SEQUENCE. */
 void sequence_request(struct supervisor *s, const struct request *r);
-/* A new plan is in force. */
+/* Aborts the sequence if a new plan that is now in force disturbs it. */
 void sequence_place(struct supervisor *s, const struct plan *old);
-/* The safe state has been taken: a sequence under way ends. */
+/* Ends a sequence under way, because the safe state has been taken. */
 void sequence_safe(struct supervisor *s, const char *reason);
-/* It ran when the board was reset, and does not go on. */
+/* Reports a sequence that ran when the board was reset, and does not go on. */
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step);
 
 #else
@@ -37,7 +36,7 @@ void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step);
 #define sequence_safe(s, reason) ((void)(reason))
 #endif
 
-/* detail of the sequence's events: reason and kind in one byte. */
+/* Returns the detail of the sequence's events: reason and kind in one byte. */
 static inline uint8_t sequence_detail(uint8_t kind, uint8_t reason)
 {
     return (uint8_t)(kind << 4 | reason);

@@ -1,4 +1,4 @@
-/* What a row of a sequence does, as if an operator had asked for it. */
+/* Does the action of a row of a sequence, as if an operator had asked for it. */
 #include "supervise/sequence_act.h"
 #include "exchange/span.h"
 #include "supervise/loop_request.h"
@@ -52,7 +52,7 @@ void measurement_offset(struct supervisor *s, uint8_t i, bool on)
     if (m->offset.on == on)
         return;
     m->offset.on = on;
-    /* What stands in for a reading is no reading: nothing to correct. */
+    /* A value that stands in for a reading is no reading, so there is nothing to correct. */
     num_t step = num_from_float((on ? -c->offset.eu : c->offset.eu) / (c->hi - c->lo));
     if (m->seen && !m->alarm) {
         m->value = num_add(m->value, step);

@@ -31,7 +31,7 @@ static bool same_signals(const struct block_signal *a, const struct block_signal
     return true;
 }
 
-/* Of lists that are the same. */
+/* Compares the spans of the signals of a block whose lists of signals are the same. */
 static bool same_spans(const struct plan *a, const struct plan *b, uint8_t slot)
 {
     struct block_setup x, y;
@@ -54,11 +54,12 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
            same_spans(old, s->plan, slot);
 }
 
-/* A kind that does not compare settings itself has them compared byte by byte. */
+/* Returns true if the settings have the same effect. If the kind does not compare settings itself, they are
+ * compared byte by byte. */
 static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
-    if (plan_named(old, n) != plan_named(s->plan, n)) /* another place, another table */
+    if (plan_named(old, n) != plan_named(s->plan, n)) /* another place means another table */
         return false;
     if (served_kind(s, slot)->same)
         return block_same_settings(s, old, slot);
@@ -72,7 +73,8 @@ static bool plan_has(const struct plan *plan, uint8_t slot, enum block_stage sta
     return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
 }
 
-/* What stands between these loops and their MVs, or is added there, has changed: they go on from the outputs they find. */
+/* Makes loops continue from the outputs they find, because the blocks between them and their MVs, or the values
+ * added there, have changed. */
 static void loops_moved(struct supervisor *s, const struct plan *of, uint8_t slot)
 {
     const struct record_plan *r = &of->record[slot - SLOT_RECORDS];
@@ -84,7 +86,7 @@ static void loops_moved(struct supervisor *s, const struct plan *of, uint8_t slo
             s->loop[s->plan->owner[r->point[k]]].moved = true;
 }
 
-/* The terms of an element are the same ones, though their settings may be others. */
+/* Returns true if the terms of an element are the same ones, though their settings may differ. */
 static bool same_terms(const struct plan *plan, const struct plan *old, uint8_t slot)
 {
     const struct record_plan *r = &plan->record[slot - SLOT_RECORDS];
@@ -101,15 +103,16 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     bool same = same_record(s, old, slot);
     switch_off_forget_terms(s, old, slot, same_terms(s->plan, old, slot));
-    if (!same) { /* of whatever was here before */
+    if (!same) { /* clear everything of the block that was here before */
         job_give_up(&s->work[n]);
         s->served[n].on_pending = false;
         raised_forget(s, slot);
         if (old)
             loops_moved(s, old, slot);
     }
+    /* A kind that the build lacks is reported when it is loaded. */
     if (b->kind == PLAN_NONE)
-        return; /* what a build lacks is told when it is loaded */
+        return;
     if (!same) {
         b->off = b->stepped = b->retune = b->running = false;
         b->acting = 0;
@@ -136,7 +139,7 @@ static void come_on(struct supervisor *s, uint8_t slot)
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     s->served[n].on_pending = false;
-    if (!served_is(s, slot, STAGE_CONTROL)) /* what made it give up may be in its state */
+    if (!served_is(s, slot, STAGE_CONTROL)) /* the reason for giving up may be in its state */
         block_give_settings(s, slot, false);
     s->block[slot].off = false;
     s->block[slot].must_follow = true;
@@ -145,8 +148,8 @@ static void come_on(struct supervisor *s, uint8_t slot)
               0);
 }
 
-/* The main loop may be in the midst of a piece of the block's work, which the tick has interrupted. Its state is cleared only
- * after the end of that piece. */
+/* The main loop may be in the midst of a piece of the block's work, which the tick has interrupted. The tick clears
+ * the block's state only after the end of that piece. */
 static void come_on_when_idle(struct supervisor *s, uint8_t slot)
 {
     if (job_is_working(&s->work[slot - SLOT_RECORDS]))
@@ -212,8 +215,8 @@ void serve_check_inputs(struct supervisor *s)
 
 /* ---- steps ---- */
 
-/* It has given a number, or has been found bad: an estimator does not wait for a sensor that is dead from the start. An analyser is
- * waited for until its first turn. */
+/* Returns true if the input has given a number, or has been found bad: an estimator does not wait for a sensor that
+ * is dead from the start. It waits for an analyser until the analyser's first turn. */
 static bool input_has_come(const struct supervisor *s, uint8_t input)
 {
     if (input & INPUT_IS_MV)
@@ -233,7 +236,7 @@ static void give_points(struct supervisor *s, uint8_t slot, const struct served_
         const struct measurement_config *m = &s->plan->config.measurement[i];
         struct reading reading = {span_to_eu(g->point[k], m->lo, m->hi),
                                   (enum quality)g->point_quality[k]};
-        /* It is there from when its inputs have come, and as long as they are bound. */
+        /* A point is bound once all inputs of its block have come, and stays so as long as they are bound. */
         s->measurement[i].bound = there || s->measurement[i].bound;
         validate_measurement(s, i, &reading);
     }
@@ -281,7 +284,7 @@ void serve_follow(struct supervisor *s)
     }
 }
 
-/* The loops' own controllers act now, in this tick. */
+/* Steps the loops' own controllers, which act now, in this tick. */
 static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
 {
     const struct record_plan *r = served_record(s, slot);
@@ -290,7 +293,8 @@ static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
             block_step(s, r->member[k]);
 }
 
-/* An output of a hundred spans is a controller that runs away: in floating point it would go on to infinity. */
+/* Returns true if the outputs are plausible. An output of a hundred spans means a controller that runs away: in
+ * floating point it would go on to infinity. */
 static bool gives_numbers(const struct served_io *g, uint8_t members)
 {
     for (uint8_t k = 0; k < members; k++)
@@ -315,7 +319,8 @@ void serve_step(struct supervisor *s, uint8_t i)
         raised_forget(s, slot);
         return;
     }
-    if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
+    /* The last step had no back-calculation yet: as if nothing had limited its outputs. */
+    if (s->block[slot].stepped)
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     served_step(s, slot, &g);
     if (!g.io.requests.gives_up && !gives_numbers(&g, r->members))
@@ -345,7 +350,7 @@ void serve_back_calculate(struct supervisor *s)
         struct served_io g;
         served_gather(s, slot, &g);
         if (b->off || !g.io.members.acting || b->must_follow) {
-            b->must_follow = !b->off; /* before it acts again */
+            b->must_follow = !b->off; /* it follows before it acts again */
             continue;
         }
         if (!b->stepped || !loop_due(s, r->member[0], s->ticks + 1u))

@@ -1,9 +1,9 @@
-/* Blocks with a record (blockN): estimators, and controllers that serve loops in place of the loops' own. Within supervise
- * only.
+/* Blocks with a number (blockN): estimators, and controllers that serve loops in place of the loops' own. Within
+ * supervise only.
  *
- * A loop that a block serves keeps its own controller, which follows, and takes over without a bump when the block gives up:
- * by itself, because an input is bad, or because it is switched off. It stays so until the block is switched on
- * (REQUEST_BLOCK) or comes into force anew. */
+ * A loop that a block serves keeps its own controller, which follows. This controller takes over without a bump
+ * when the block gives up by itself or because an input is bad, or when somebody switches it off. It acts until the
+ * block is switched on (REQUEST_BLOCK) or comes into force anew. */
 #ifndef REFLUX_SUPERVISE_SERVE_H
 #define REFLUX_SUPERVISE_SERVE_H
 
@@ -11,23 +11,24 @@
 
 #if CONFIG_BLOCKS
 
-/* A plan has come into force. old: the one before, or NULL. */
+/* Places the blocks after a plan has come into force. old: the plan before, or NULL. */
 void serve_place(struct supervisor *s, const struct plan *old);
-/* What comes next may come from another plant, or hours later: estimators begin anew. */
+/* Makes estimators begin anew, because the next readings may come from another plant, or hours later. */
 void serve_forget(struct supervisor *s);
-/* After the plant's measurements: the estimators, whose points are validated like those. */
+/* After the plant's measurements: runs the estimators, and validates their points likewise. */
 void serve_estimate(struct supervisor *s);
-/* Before loops take over: blocks without a good input give up. */
+/* Before loops take over: makes blocks without a good input give up. */
 void serve_check_inputs(struct supervisor *s);
-/* After loops have taken over, and whenever none of its members acts: the blocks that have to follow do. */
+/* After loops have taken over, and whenever none of its members acts: gives follow to the blocks that need it. */
 void serve_follow(struct supervisor *s);
-/* It has to follow before its next step. */
+/* Requires the block to follow before its next step. */
 void serve_must_follow(struct supervisor *s, uint8_t slot);
-/* Loop i has had its turn; if it is the last of its block, that runs. */
+/* Loop i has had its turn: if it is the last of its block, runs the block. */
 void serve_step(struct supervisor *s, uint8_t i);
-/* What became of the last steps, when it is known for all loops (loop_state.served.applied). */
+/* Tells the blocks what took effect of their last steps, when it is known for all loops
+ * (loop_state.served.applied). */
 void serve_back_calculate(struct supervisor *s);
-/* Switches a block off or on; false: there is none, or nothing is to be switched. */
+/* Switches a block off or on. Returns false if there is no such block, or it cannot be switched. */
 bool serve_switch(struct supervisor *s, uint8_t n, bool on);
 
 #else

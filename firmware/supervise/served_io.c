@@ -18,7 +18,7 @@ uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool mea
     const struct measurement_state *m = &s->measurement[input];
     if (!m->bound || !m->seen)
         return QUALITY_MISSING;
-    /* What stands in for a reading tells an estimator nothing. */
+    /* A value that stands in for a reading tells an estimator nothing. */
     return measured && m->fault != MEASUREMENT_FINE ? QUALITY_BAD : (uint8_t)m->quality;
 }
 
@@ -31,7 +31,7 @@ uint8_t served_bad_input(const struct supervisor *s, uint8_t slot)
     return PLAN_NONE;
 }
 
-/* Since the last valid reading was sampled. */
+/* Returns the time since the last valid reading was sampled. */
 static float input_age_s(const struct supervisor *s, uint8_t input)
 {
     return input & INPUT_IS_MV ? 0.0f : elapsed_ms(s->time_ms, sampling_at_ms(s, input)) / 1000.0f;
@@ -97,7 +97,8 @@ static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
     if (!job_is_asked(work)) {
-        io->requests.work_wanted = job_is_working(work); /* given up in the midst of a piece */
+        /* The work was given up in the midst of a piece. */
+        io->requests.work_wanted = job_is_working(work);
         return;
     }
     io->requests.work_done = job_take(work, s->events, s->time_ms);
@@ -135,7 +136,7 @@ static const char *input_name(const struct supervisor *s, uint8_t input)
 void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k)
 {
     served_give_up(s, slot, input_name(s, served_record(s, slot)->input[k]));
-    /* Not the name, which is in a plan that is written over later. */
+    /* The index is kept and not the name, because the plan with the name is overwritten later. */
     s->served[slot - SLOT_RECORDS].gave_up = NULL;
     s->served[slot - SLOT_RECORDS].input = k;
     raised_forget(s, slot);

@@ -1,4 +1,4 @@
-/* What a block with a record (blockN) is given and gives, whatever its stage. Within supervise only. */
+/* Inputs and outputs of a block with a number (blockN), whatever its stage. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_SERVED_IO_H
 #define REFLUX_SUPERVISE_SERVED_IO_H
 
@@ -6,7 +6,7 @@
 
 #if CONFIG_BLOCKS
 
-/* Member by member, input by input, point by point. */
+/* Arrays for struct block_io, with an entry for each member, input or point. */
 struct served_io {
     struct block_io io;
     num_t setpoint[BLOCK_MEMBERS_MAX], in[BLOCK_MEMBERS_MAX], out[BLOCK_MEMBERS_MAX];
@@ -32,7 +32,7 @@ static inline const struct record_plan *served_record(const struct supervisor *s
     return &s->plan->record[slot - SLOT_RECORDS];
 }
 
-/* The slot behind the last record in use. */
+/* Returns the slot behind the last blockN in use. */
 static inline uint8_t served_end(const struct supervisor *s)
 {
     return (uint8_t)(SLOT_RECORDS + s->plan->records);
@@ -43,27 +43,30 @@ static inline bool served_is(const struct supervisor *s, uint8_t slot, enum bloc
     return s->block[slot].kind != PLAN_NONE && served_kind(s, slot)->stage == stage;
 }
 
-/* Its members as they stand, with their present outputs and which of them drive; its inputs; points without a value. */
+/* Gathers the present state of its members, with their outputs and the set of those that drive; its inputs; and
+ * points without a value. */
 void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g);
 
-/* enum quality of an input. measured: what stands in for a reading is bad. */
+/* Returns the enum quality of an input. measured: a value that stands in for a reading is bad. */
 uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool measured);
-/* Which of its inputs is the first that is not usable, or PLAN_NONE. */
+/* Returns the first of its inputs that is not usable, or PLAN_NONE. */
 uint8_t served_bad_input(const struct supervisor *s, uint8_t slot);
 
-/* Its step, with the result of its work, what became of its test signals and room for a proposal; its events are told. */
+/* Makes its step, with the result of its work, the answer to its test signals and room for a proposal. Reports its
+ * events. */
 void served_step(struct supervisor *s, uint8_t slot, struct served_io *g);
-/* What it has asked for in a step that counts: work, test signals, a proposal. */
+/* Grants the requests of a step that counts: work, test signals, a proposal, a switch-off. */
 void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g);
 
-/* It is off from now on. The loops' own controllers act; of a compensator: its members' outputs pass through it as they are,
- * which begins with a bumpless transfer. */
+/* Switches the block off from now on. The loops' own controllers act. The inputs of a compensator pass through it
+ * unchanged, which begins with a bumpless transfer. */
 void served_give_up(struct supervisor *s, uint8_t slot, const char *reason);
-/* The same for want of its k-th input. */
+/* Switches the block off because its k-th input is bad. */
 void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k);
 
 #define SERVED_NO_NUMBER "not_a_number" /* reason for giving up */
-/* In floating point a block may have come apart: what is no number must reach nobody. */
+/* Returns true for a finite number. In floating point a block may diverge, and a value that is not a number must
+ * reach nobody. */
 static inline bool served_is_number(num_t x)
 {
     return float_is_finite(num_to_float(x));

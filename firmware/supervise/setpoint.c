@@ -1,4 +1,4 @@
-/* Limits, ramp and filter of setpoints, and where they come from in each mode. */
+/* Limits, ramp and filter of setpoints, and the source of a setpoint in each mode. */
 #include "supervise/setpoint.h"
 #include "exchange/block_settings.h"
 #include "exchange/span.h"
@@ -23,8 +23,8 @@ void setpoint_advance(struct supervisor *s, uint8_t i)
     excitation_add(s, i);
 }
 
-/* In manual the setpoint waits where automatic will begin: at the measurement, unless the operator wants
- * his own setpoint kept and a jump there. */
+/* In manual the setpoint waits where automatic will begin. That is at the measurement, unless the operator wants
+ * the given setpoint kept and a jump to it. */
 void setpoint_idle(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];

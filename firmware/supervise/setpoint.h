@@ -4,13 +4,14 @@
 
 #include "exchange/state.h"
 
-/* What an outer loop finds that is to drive it: where it goes on without a bump. */
+/* Returns the output that an outer loop finds before it drives loop i: from there it continues without a bump. */
 num_t setpoint_found(const struct supervisor *s, uint8_t i);
-/* The loop's turn, in auto or cascade: the next value of ramp and filter, or what the outer loop gives. */
+/* In the loop's turn, in auto or cascade: takes the next value of ramp and filter, or the setpoint of the outer
+ * loop. */
 void setpoint_advance(struct supervisor *s, uint8_t i);
-/* In manual. */
+/* In manual: keeps the setpoint ready for automatic. */
 void setpoint_idle(struct supervisor *s, uint8_t i);
-/* That with which the loop leaves manual, for its mode. */
+/* Sets the setpoint with which the loop leaves manual, for its mode. */
 void setpoint_start(struct supervisor *s, uint8_t i);
 
 #endif

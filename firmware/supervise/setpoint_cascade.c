@@ -1,10 +1,11 @@
-/* The setpoint that an outer loop gives, which may act on the estimate of a block. */
+/* The setpoint that an outer loop gives. The outer loop may act on the estimate of a block. */
 #include "supervise/setpoint_cascade.h"
 #include "exchange/block_settings.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
 
-/* What holds for the loop below `outer` when the estimate that `outer` acts on is lost; NULL: it acts on no such estimate. */
+/* Returns the rules for the loop below `outer` when `outer` loses the estimate it acts on; NULL if it acts on no
+ * such estimate. */
 static const struct block_return *return_of(const struct supervisor *s, uint8_t outer)
 {
     uint8_t pv = s->plan->loop[outer].pv, n = s->plan->writer[pv];
@@ -21,14 +22,14 @@ static const struct block_return *return_of(const struct supervisor *s, uint8_t 
     return back;
 }
 
-/* It acts on a measurement that is not good. */
+/* Returns true if the outer loop acts on a measurement that is not good. */
 static bool is_doubtful(const struct supervisor *s, uint8_t outer)
 {
     return loop_acts(s, outer) && s->measurement[s->plan->loop[outer].pv].quality != QUALITY_GOOD;
 }
 
-/* In cascade the ramp stands at the last setpoint that came from a good measurement, and the filter at the one with which the cascade
- * began: neither is needed for anything else. */
+/* In cascade the ramp stands at the last setpoint that came from a good measurement, and the filter at the setpoint
+ * with which the cascade began, because neither is needed for anything else. */
 num_t setpoint_taken(const struct supervisor *s, uint8_t i, num_t given)
 {
     uint8_t outer = s->plan->loop[i].outer;

@@ -1,4 +1,4 @@
-/* The same as setpoint_cascade.c on a board without blocks, which has no estimates. */
+/* Replaces setpoint_cascade.c on a board without blocks, which has no estimates. */
 #include "supervise/setpoint_cascade.h"
 
 void setpoint_from_outer(struct supervisor *s, uint8_t i)

@@ -1,4 +1,4 @@
-/* Requests, channels, and what is asked of the tick from outside. The tick itself is in tick.c, plans in activate.c. */
+/* Requests, channels, and calls to the tick from outside. The tick itself is in tick.c, plans are in activate.c. */
 #include "supervise/supervisor.h"
 
 #include <string.h>
@@ -48,7 +48,7 @@ void supervisor_bind_mv(struct supervisor *s, uint8_t index)
 void supervisor_go_safe(struct supervisor *s, const char *reason)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
-        /* What comes next may come from another plant, or hours later: filters begin anew. */
+        /* The next readings may come from another plant, or hours later: filters begin anew. */
         s->measurement[i].seen = s->measurement[i].valid = s->measurement[i].delivered = false;
         s->measurement[i].quality = QUALITY_MISSING;
     }
@@ -61,13 +61,13 @@ void supervisor_go_safe(struct supervisor *s, const char *reason)
 
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
 {
-    if (j < s->placed[PLACED_MVS]) /* another plan may have taken it away */
+    if (j < s->placed[PLACED_MVS]) /* another plan may have removed the output */
         s->mv[j].excitation = fraction;
 }
 
 bool supervisor_request(struct supervisor *s, const struct request *r)
 {
-    if (r->plan != s->plan->serial) { /* another may stand in that place */
+    if (r->plan != s->plan->serial) { /* another loop or output may be in that place */
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "plan", r->value, 0);
         return false;
     }

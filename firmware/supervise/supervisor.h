@@ -1,19 +1,18 @@
 /* The supervisor: one plan in force, the state of its channels and loops, and the tick that moves them.
  *
- * All functions run in the tick context. Other contexts talk to it through requests, and read snapshots
- * under hal_tick_lock.
+ * All functions run in the tick context. Other contexts talk to it through requests, and read snapshots under
+ * hal_tick_lock.
  *
  * A tick, top to bottom (architecture: docs/tick.md)
- *     validate      readings -> fractions of span; bad ones held, then their loops go to manual
- *     requests      modes, setpoints, manual outputs asked for since the last tick
- *     sequence      what the next rows of a sequence ask for
+ *     validate      readings to fractions of span; bad ones are held, then their loops go to manual
+ *     requests      modes, setpoints and manual outputs asked for since the last tick
+ *     sequence      the actions of the next rows of a sequence
  *     control       due loops, outer before inner
  *     compensate    static decoupler over the loops that act
- *     feed forward  added to the outputs of acting loops
- *     excite        a test signal on top, from whoever owns the excitation
+ *     feed forward  added to the outputs of loops that act
+ *     excite        a test signal on top, from whoever holds the plant
  *     constrain     operating limits, rates, interlocks, safe state
- * and back-calculation with what was applied. Report and actuation are the caller's.
- */
+ * Back-calculation with the applied values ends the tick. Report and actuation are the caller's. */
 #ifndef REFLUX_SUPERVISE_SUPERVISOR_H
 #define REFLUX_SUPERVISE_SUPERVISOR_H
 
@@ -23,33 +22,34 @@
 #include "supervise/safe_state.h"
 #include "supervise/sequence.h"
 
-/* Safe state, no plan yet: supervisor_take_plan comes before anything else. */
+/* Starts in the safe state without a plan: supervisor_take_plan comes before anything else. */
 void supervisor_init(struct supervisor *s, struct event_queue *events);
 
-/* Puts a new plan into force; it must live until the next one. Loops keep mode and state where name,
- * measurement and output are the same (settings change without a bump), others start in manual. */
+/* Puts a new plan into force; *plan must live until the next one. Loops keep mode and state if name, measurement
+ * and output are the same (settings change without a bump); others start in manual. */
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
-/* CONFIG_APPLIED: once for all plans of one tick. */
+/* Reports CONFIG_APPLIED, once for all plans of one tick. */
 void supervisor_tell_plan(struct supervisor *s);
 
-/* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
+/* Tell which configured channels the plant has: supervisor_unbind clears them all, and the others bind one channel
+ * each. */
 void supervisor_unbind(struct supervisor *s);
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index);
 void supervisor_bind_mv(struct supervisor *s, uint8_t index);
 
-/* The safe state (safe_state.h), and readings are forgotten: what comes next may come from another plant. */
+/* Takes the safe state (safe_state.h) and forgets readings, because the next ones may come from another plant. */
 void supervisor_go_safe(struct supervisor *s, const char *reason);
 
-/* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
- * while no plant is there. Whether mode, setpoint or output are now as asked; an event says so too. */
+/* Carries out one request. Call it before supervisor_control (after supervisor_validate, so that it meets this
+ * sample), or while no plant is there. Returns true if the request is fulfilled; an event says so too. */
 bool supervisor_request(struct supervisor *s, const struct request *request);
 
-/* Test signal on output j from the next tick on, fraction of span; it stays until it is changed, and is taken
- * away with the safe state. Whoever excites has found out that nobody else does. */
+/* Puts a test signal on output j from the next tick on, fraction of span. It stays until it is changed, and the
+ * safe state ends it. The caller has made sure that nobody else excites the plant. */
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction);
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input);
-/* Sequence, control, compensate, feed forward, constrain, and back-calculation. */
+/* Runs sequence, control, compensate, feed forward, constrain, and back-calculation. */
 void supervisor_control(struct supervisor *s);
 
 #endif

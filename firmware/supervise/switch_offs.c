@@ -25,7 +25,7 @@ struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
     return &w->content;
 }
 
-/* "ff1", "block3.term2" */
+/* Writes the name of an element: "ff1", "block3.term2". */
 static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
 {
     uint8_t block = (uint8_t)(element / ELEMENT_TERMS), k = (uint8_t)(element % ELEMENT_TERMS);
@@ -75,7 +75,7 @@ void switch_off_forget_element(struct supervisor *s, uint8_t k)
     forget(s, switch_off_element(k));
 }
 
-/* Rows with a value for each term: do both records have the same k-th ones? */
+/* Returns true if both blocks have the same k-th values in the rows that have a value for each term. */
 static bool same_term(const struct block_kind *kind, const uint8_t *a, const uint8_t *b, uint8_t k)
 {
     for (uint8_t i = 0; i < kind->parameters; i++) {

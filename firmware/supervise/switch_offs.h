@@ -1,20 +1,20 @@
-/* Feedforward elements that blocks have switched off (block/proposal.h): silent from the next tick on, until a plan brings other
- * settings for them. */
+/* Feedforward elements that blocks have switched off (block/proposal.h): they are silent from the next tick on,
+ * until a plan brings other settings for them. */
 #ifndef REFLUX_SUPERVISE_SWITCH_OFFS_H
 #define REFLUX_SUPERVISE_SWITCH_OFFS_H
 
 #include "exchange/state.h"
 
 #if CONFIG_BLOCKS
-/* Where a block may put one in its step; NULL while its last one waits. */
+/* Returns the place where a block may put a switch-off in its step; NULL while its last one waits. */
 struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot);
-/* It has made the step, and goes on. */
+/* Hands over the switch-off of a block that has made its step, and has not given up. */
 void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io);
-/* Before elements are computed: those act again whose switch-off was overruled. */
+/* Before elements run: lets those act again whose switch-off was overruled. */
 void switch_offs_lift(struct supervisor *s);
-/* A plan brings other settings for ffK, from 0: it acts. */
+/* Lets ffK, from 0, act again, because a plan brings other settings for it. */
 void switch_off_forget_element(struct supervisor *s, uint8_t k);
-/* The same for a block with a record and those of its terms that have other settings; all of them where it is another block. */
+/* Lets those terms of blockN act again that have other settings; all of them if it is another block. */
 void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same);
 #else
 #define switch_offs_lift(s)             ((void)(s))

@@ -24,7 +24,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
 {
     if (input->time_ms < s->time_ms) {
         alarms_time_back(s);
-        /* Delays count in a time that is no more: they begin anew. */
+        /* Delays begin anew, because the time in which they counted is no longer valid. */
         for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
             s->interlock[k].pending = false;
     }
@@ -43,7 +43,8 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
     serve_estimate(s);
 }
 
-/* A new plan may name channels the plant does not have, or with another unit: nothing acts on those. */
+/* Puts loop i into manual if the plant lacks its channels, because a new plan may name channels that the plant does
+ * not have, or has with another unit. */
 static void drop_unbound(struct supervisor *s, uint8_t i)
 {
     const struct loop_plan *p = &s->plan->loop[i];
@@ -53,9 +54,9 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     loop_to_manual(s, i);
 }
 
-/* What feedforward k looks at, fraction of span; false: there is nothing to look at yet, or it is switched off. Of a manipulated variable it is
- * what the tick before has made of it, whatever moved it: limits, interlocks and hands included. So no correction depends
- * on the order in which loops or corrections are computed. */
+/* Reads the source of ffK, fraction of span. Returns false if it has no value yet, or if the element is switched
+ * off. For an MV it is the value that was applied in the tick before, whatever moved it: limits, interlocks and
+ * hands included. So no correction depends on the order in which loops or corrections are computed. */
 static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
 {
     uint8_t from = s->plan->feedforward[k].from;
@@ -66,7 +67,7 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
     return output ? s->mv[from].bound : s->measurement[from].seen;
 }
 
-/* `before`: what was added in the tick before, for each loop. */
+/* Computes the corrections. `before` gets those of the tick before, for each loop. */
 static void feed_forward(struct supervisor *s, num_t *before)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
@@ -79,9 +80,10 @@ static void feed_forward(struct supervisor *s, num_t *before)
         num_t d = num_zero(), added;
         bool runs = feedforward_input(s, k, &d), ran = b->running;
         if (!runs && !ran)
-            continue; /* no number yet: no correction */
+            continue; /* without a number there is no correction */
         struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
-        /* New or gone, or what it looks at is: it begins at rest, and the loop makes room for it or fills its place. */
+        /* If the element or its source is new or gone, the element begins at rest, and the loop makes room for it
+         * or fills its place. */
         l->moved = l->moved || runs != ran;
         b->running = runs;
         if (!runs)
@@ -135,8 +137,8 @@ static void make_commands(struct supervisor *s)
         uint8_t i = s->plan->owner[j];
         bool drives = i != PLAN_NONE && loop_drives(s, i);
         num_t wanted = drives ? num_add(u[i], s->loop[i].feedforward) : s->mv[j].manual;
-        num_t most = num_from_float(
-            NUM_MAX_MAGNITUDE); /* in floating point too, so that it is finite in EU */
+        /* The limit holds in floating point too, so that the command is finite in EU. */
+        num_t most = num_from_float(NUM_MAX_MAGNITUDE);
         s->mv[j].commanded = num_clamp(num_add(wanted, s->mv[j].excitation), num_neg(most), most);
     }
 }

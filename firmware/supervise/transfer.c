@@ -7,7 +7,8 @@
 #include "supervise/compensate_blocks.h"
 #include "supervise/serve.h"
 
-/* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
+/* Returns the value of output j that a loop finds when it takes over: the limits for acting loops count from here
+ * on. */
 static num_t output_found(const struct supervisor *s, uint8_t j)
 {
     const struct mv_config *c = &s->plan->config.mv[j];
@@ -15,8 +16,8 @@ static num_t output_found(const struct supervisor *s, uint8_t j)
                      span_to_fraction(c->max, c->lo, c->hi));
 }
 
-/* Which loops take part in the compensator now. A change to one of them concerns them all: then those loops are returned,
- * else none. */
+/* Finds the loops that take part in the static decoupler now. A change to one of them concerns them all: then the
+ * function returns these loops, and otherwise none. */
 static uint8_t regroup(struct supervisor *s)
 {
     struct block_state *b = &s->block[SLOT_MATRIX];
@@ -40,7 +41,7 @@ static uint8_t regroup(struct supervisor *s)
     return changed ? acting : 0;
 }
 
-/* In most ticks no loop joins, and no loop's output gets another meaning. */
+/* Returns true in most ticks: no loop joins, and no loop's output gets another meaning. */
 static bool nothing_moves(const struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
@@ -49,10 +50,10 @@ static bool nothing_moves(const struct supervisor *s)
     return true;
 }
 
-/* Loops that act from this tick on, and all loops of the compensator when its members change, take over the
- * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
- * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
- * their feedforward calls for in this tick: the output they find has the one before in it. */
+/* Transfers the loops that act from this tick on, and all loops of the compensator when its members change, to the
+ * outputs they find: v = D^-1 (output - feedforward). Loops that acted before keep their transients, because a
+ * derivative that dies away must not become part of the integral when another loop comes or goes. For them the
+ * feedforward of the tick before counts, because the output they find contains that one, not the one of this tick. */
 static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t together,
                            uint32_t compensated)
 {
@@ -64,7 +65,7 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         bool moves = l->transfer_pending || l->moved;
         v[i] = l->v;
         if (p->used && p->mv != PLAN_NONE && (moves || together || compensated))
-            /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
+            /* The value is the one last sent, or just asked for by hand. A read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
             v[i] = num_sub(output_found(s, p->mv), moves ? l->feedforward : before[i]);
     }

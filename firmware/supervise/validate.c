@@ -11,7 +11,8 @@
 #include "supervise/setpoint_cascade.h"
 #include "supervise/watch.h"
 
-/* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
+/* Returns true if the reading has not moved for too long. Counts from the last change of the number that the plant
+ * delivered. */
 static bool frozen(struct measurement_state *m, float value, float limit_s, uint64_t came_ms)
 {
     if (!m->delivered || value != m->last) {
@@ -22,8 +23,8 @@ static bool frozen(struct measurement_state *m, float value, float limit_s, uint
     return limit_s > 0.0f && elapsed_ms(came_ms, m->changed_ms) >= limit_s * 1000.0f;
 }
 
-/* Further from the last valid value than the process can have come since. A spike is over with the next
- * reading; a true jump is valid once there was time for it. */
+/* Returns true if the reading is further from the last valid value than the process can have moved since. A spike
+ * is over with the next reading; a true jump is valid once there was time for it. */
 static bool too_fast(const struct measurement_state *m, float value, float limit, uint64_t came_ms)
 {
     if (limit == 0.0f || !m->valid)
@@ -32,7 +33,7 @@ static bool too_fast(const struct measurement_state *m, float value, float limit
     return way > limit * (elapsed_ms(came_ms, m->valid_ms) / 1000.0f);
 }
 
-/* value: the reading, calibrated. came_ms: plant time at which the sample came. */
+/* Judges a reading. value: the reading, calibrated. came_ms: plant time at which the sample came. */
 static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r,
                                     float value, uint64_t came_ms)
 {
@@ -45,7 +46,7 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
         return MEASUREMENT_FLAGGED;
     if (!float_is_finite(value))
         return MEASUREMENT_NOT_A_NUMBER;
-    /* Interlocks look at this: a number that the plant does not call good must not release one. */
+    /* Interlocks look at `raw`: a number that the plant does not call good must not release one. */
     m->raw = value - measurement_offset_in_force(m, c);
     bool still = frozen(m, r->value, c->frozen_s, came_ms);
     if (!calibration_believes(s->plan, i, value))
@@ -58,22 +59,24 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
     return fast ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
 }
 
-/* A usable value, read or made up. */
+/* Takes a usable value, read or substituted. */
 static void take(struct measurement_state *m, const struct measurement_config *c, float value,
                  enum quality quality)
 {
     num_t x = span_to_fraction(value, c->lo, c->hi);
+    /* Nothing older is worth keeping. */
     if (!m->seen || !quality_usable(m->quality))
-        lag_reset(&m->filter, x); /* nothing older is worth remembering */
+        lag_reset(&m->filter, x);
+    /* A substituted value comes in every tick, which is not the filter's interval. */
     if (m->fault != MEASUREMENT_FINE && sampling_every(c) > 1)
-        lag_reset(&m->filter, x); /* made up in every tick: not what the filter counts */
+        lag_reset(&m->filter, x);
     m->value = lag_step(&m->filter, x);
     m->seen = true;
     m->quality = quality;
 }
 
-/* What it is inferred from, EU: what went to an output, or its read-back, one tick late; or an estimate as it was at the
- * end of the last tick, if it was valid then. */
+/* Reads the source of an inferred value, EU: the value applied to an output, or its read-back, one tick late; or an
+ * estimate as it was at the end of the last tick, if it was valid then. */
 static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
 {
     uint8_t j = s->plan->infer[i];
@@ -86,8 +89,8 @@ static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
     return s->mv[j].bound;
 }
 
-/* The number comes from elsewhere now, and may be another one. Loops that act on it go on from their outputs: the difference between a
- * sensor and what stands in for it is no change of the process. */
+/* The number comes from another source now, and may differ. Loops that act on it continue from their outputs,
+ * because the difference between a sensor and the value that stands in for it is no change of the process. */
 static void set_inferred(struct supervisor *s, uint8_t i, bool inferred, float value)
 {
     struct measurement_state *m = &s->measurement[i];
@@ -151,7 +154,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         supervisor_outputs_safe(s, c->name);
 }
 
-/* No loop acts on an estimate that has been uncertain for longer than `hold`. */
+/* Keeps loops from an estimate that has been uncertain for longer than `hold`. */
 static void keep_from_loops(struct supervisor *s, uint8_t i)
 {
     struct measurement_state *m = &s->measurement[i];
@@ -165,7 +168,7 @@ static void keep_from_loops(struct supervisor *s, uint8_t i)
         supervisor_outputs_safe(s, c->name);
 }
 
-/* False: it is none. */
+/* Takes an uncertain estimate. Returns false if the reading is none. */
 static bool take_uncertain_estimate(struct supervisor *s, uint8_t i, enum quality quality)
 {
     struct measurement_state *m = &s->measurement[i];
@@ -192,13 +195,14 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     if (!m->bound) {
-        /* Nobody looks at it: what it was before says nothing of what comes when it is bound again. */
+        /* Nobody looks at an unbound measurement, and its old value says nothing about the values after it is bound
+         * again. */
         m->quality = QUALITY_MISSING;
         m->valid = m->delivered = false;
         return;
     }
     if (!sampling_due(s, i, c))
-        return; /* its value stands, as good as it was */
+        return; /* its value and quality stay as they are */
     uint64_t came_ms = sampling_ms(s, m, c);
     float value = calibrated(c, r->value);
     m->fault = (uint8_t)judge(s, i, r, value, came_ms);
@@ -223,7 +227,8 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     }
 }
 
-/* Control works with what was really applied from the first difference on; people are told after follow_s. */
+/* Reports following. Control works with the value that was really applied from the first difference on; the
+ * operator hears of it after follow_s. */
 static void report_following(struct supervisor *s, uint8_t j, bool differs, float value)
 {
     struct mv_state *o = &s->mv[j];
@@ -248,7 +253,7 @@ void validate_readback_sent(struct supervisor *s, uint8_t j, const struct readin
         near_span(r->value, c->lo, c->hi)) {
         o->readback = span_to_fraction(r->value, c->lo, c->hi);
         num_t gap = num_abs(num_sub(o->readback, o->constrained));
-        /* Half the band to come back in: noise at its edge is not news every tick. */
+        /* It must come back within half the band, so that noise at the edge is not reported in every tick. */
         float band = o->not_following ? 0.5f * c->readback_band : c->readback_band;
         differs = num_lt(num_from_float(band), gap);
     }

@@ -1,12 +1,12 @@
-/* Verbs of blocks with a record, in the tick. Within supervise only. */
+/* Verbs of blocks with a number (blockN), in the tick. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_VERBS_H
 #define REFLUX_SUPERVISE_VERBS_H
 
 #include "exchange/state.h"
 
-/* The block of a REQUEST_VERB is there, and its kind has the verb. */
+/* Returns true if the block of a REQUEST_VERB exists, and its kind has the verb. */
 bool verb_exists(const struct supervisor *s, const struct request *r);
-/* Has the block do it; events tell that it has, or why it has not. */
+/* Runs the verb. Events report that it ran, or why the block refused. */
 bool verb_run(struct supervisor *s, const struct request *r);
 
 #endif

@@ -4,9 +4,9 @@
 
 #include "exchange/sampling.h"
 
-#define YOUNG        3u    /* readings after the first */
-#define FAR          0.1f  /* of the span */
-#define AGREE        0.25f /* of the distance from the first reading */
+#define YOUNG        3u    /* readings after the first valid one */
+#define FAR          0.1f  /* distance, fraction of the span */
+#define AGREE        0.25f /* distance, fraction of the distance from the first reading */
 #define TWIN_CHANGES 10u
 
 static float apart(float a, float b)
@@ -19,7 +19,7 @@ bool watch_first_is_wrong(struct supervisor *s, uint8_t i, float value, float be
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     float jump = apart(value, m->last_valid);
-    /* One that is too fast may be a spike; two that agree are not. */
+    /* One reading that is too fast may be a spike; two that agree are not. */
     bool wrong = too_fast ? apart(value, before) < AGREE * jump : jump > FAR * (c->hi - c->lo);
     if (!m->watch.young || !wrong)
         return false;
@@ -38,7 +38,7 @@ void watch_age(struct measurement_state *m, float value)
         m->watch.young--;
 }
 
-/* A number came for it in this tick, and another one than before. */
+/* Returns true if a new number came in this tick that differs from the one before. */
 static bool changed(const struct supervisor *s, uint8_t i)
 {
     const struct measurement_state *m = &s->measurement[i];
