@@ -1,4 +1,4 @@
-/* What everyone may know about a channel: its name, unit, span and the quality of a reading. */
+/* Sizes of the names and units of channels, the number of channels, and the quality of a reading. */
 #ifndef REFLUX_BASE_CHANNEL_H
 #define REFLUX_BASE_CHANNEL_H
 
@@ -9,10 +9,11 @@
 #define CHANNEL_UNIT_SIZE 12 /* bytes with the terminating zero */
 
 #ifndef CHANNEL_MAX
-#define CHANNEL_MAX 16 /* measurements, and as many manipulated variables, a board can bind */
+/* Largest number of measurements, and of manipulated variables, that a board binds. */
+#define CHANNEL_MAX 16
 #endif
 
-/* Quality of one reading, worst wins. Also the byte on the plant link. */
+/* Quality of one reading; the worst one wins. The plant link sends it as a byte. */
 enum quality {
     QUALITY_GOOD = 0,
     QUALITY_UNCERTAIN = 1, /* usable, but held, clipped or inferred */

@@ -6,7 +6,7 @@
 
 #define POLYNOMIAL 0xEDB88320u /* 0x04C11DB7 with its bits in the order in which they are sent */
 
-/* What eight steps of the division make of a byte: the sum, without carries, of what they make of its bits. */
+/* Remainder of a byte after eight steps of the division: the sum, without carries, of the remainders of its bits. */
 #define OF_BYTE(i)                                                                                 \
     (((i)&0x80u ? POLYNOMIAL : 0u) ^ ((i)&0x40u ? 0x76DC4190u : 0u) ^                              \
      ((i)&0x20u ? 0x3B6E20C8u : 0u) ^ ((i)&0x10u ? 0x1DB71064u : 0u) ^                             \
@@ -17,7 +17,7 @@
 #define SIXTEEN(i, by)                                                                             \
     FOUR(i, by), FOUR((i) + 4u * (by), by), FOUR((i) + 8u * (by), by), FOUR((i) + 12u * (by), by)
 
-/* Takes the lowest byte of crc off, with the message's byte already in it. */
+/* Divides by one byte: shifts the lowest byte out of crc, to which the caller has added the byte of the message. */
 #if CRC32_TABLE == 256
 static const uint32_t of_byte[256] = {
     SIXTEEN(0x00u, 1u), SIXTEEN(0x10u, 1u), SIXTEEN(0x20u, 1u), SIXTEEN(0x30u, 1u),
@@ -49,7 +49,7 @@ static ALWAYS_INLINE uint32_t divided(uint32_t crc)
 #error CRC32_TABLE: 0, 16 or 256 entries
 #endif
 
-/* As they stand in a message: the first byte is the lowest. */
+/* Reads four bytes in the order of a message: the first byte is the lowest. */
 static ALWAYS_INLINE uint32_t four_bytes(const uint8_t *p)
 {
     uint32_t x;
@@ -59,7 +59,7 @@ static ALWAYS_INLINE uint32_t four_bytes(const uint8_t *p)
     return x;
 }
 
-/* Four bytes at a time: a step needs the lowest byte alone, so that those above it may be added early. */
+/* The loop takes four bytes at a time. A step needs the lowest byte alone, so the bytes above it may be added early. */
 uint32_t crc32_update(uint32_t crc, const void *data, size_t n)
 {
     const uint8_t *p = data;

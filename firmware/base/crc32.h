@@ -6,13 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Entries of the look-up table, 4 bytes of flash each: 256, 16 (half bytes) or none. The values are the same; what each size
- * costs in a tick is measured by tools/bench (tests/bench/results.md). A board says its own in its limits. */
+/* Entries of the look-up table, 4 bytes of flash each: 256, 16 (half bytes) or none. All sizes give the same checksums. tools/bench
+ * measures the cost of each size in a tick (tests/bench/results.md). A board sets its own size in its limits. */
 #ifndef CRC32_TABLE
 #define CRC32_TABLE 256
 #endif
 
-/* CRC of n bytes. Start with crc = 0; to go on over a second part, pass the previous result. */
+/* Returns the CRC of n bytes. Start with crc = 0. To continue over a second part, pass the previous result. */
 uint32_t crc32_update(uint32_t crc, const void *data, size_t n);
 
 #endif

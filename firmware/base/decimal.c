@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#define SHIFT_MAX 28 /* ten times as much fits uint32_t */
+#define SHIFT_MAX 28 /* bits in one shift: 10 * 2^28 fits uint32_t */
 
 #define MANTISSA_BITS 24
 #define EXPONENT_MIN  (-149) /* of the last bit of the smallest float */
@@ -19,7 +19,7 @@ static void tidy(struct decimal *d)
         d->more = d->digit[--d->n] != 0 || d->more;
 }
 
-/* Times 2^k, at most SHIFT_MAX: from the last digit to the first. */
+/* Multiplies by 2^k, k at most SHIFT_MAX, from the last digit to the first. */
 static void shift_left(struct decimal *d, unsigned k)
 {
     uint32_t carry = 0;
@@ -34,8 +34,8 @@ static void shift_left(struct decimal *d, unsigned k)
     tidy(d);
 }
 
-/* Divided by 2^k, at most SHIFT_MAX: long division. Behind the last digit every round halves what is left at least
- * once, so there are at most k of them. */
+/* Divides by 2^k, k at most SHIFT_MAX, by long division. After the last digit, every round halves the remainder at least
+ * once, so at most k rounds follow. */
 static void shift_right(struct decimal *d, unsigned k)
 {
     uint32_t rest = 0;
@@ -55,7 +55,7 @@ static void shift_right(struct decimal *d, unsigned k)
     tidy(d);
 }
 
-/* Times 2^k. */
+/* Multiplies by 2^k. */
 static void shift(struct decimal *d, int k)
 {
     for (; k > SHIFT_MAX; k -= SHIFT_MAX)
@@ -85,7 +85,7 @@ void decimal_of_float(struct decimal *d, float x)
     shift(d, (int)exponent - 1 + EXPONENT_MIN);
 }
 
-/* Whether n digits are nearer from above. */
+/* Returns whether d rounds up to n digits. */
 static bool rounds_up(const struct decimal *d, unsigned n)
 {
     if (n >= d->n)
@@ -113,7 +113,7 @@ void decimal_round(struct decimal *d, unsigned n)
     tidy(d);
 }
 
-/* The nearest whole number, of two the even one; below 10^9. */
+/* Returns the nearest whole number, of two equally near ones the even one. d is below 10^9. */
 static uint32_t nearest_whole(const struct decimal *d)
 {
     uint32_t x = 0;
@@ -133,7 +133,7 @@ float decimal_to_float(struct decimal *d)
     if (d->n && d->point > 39) { /* at least 1e39 */
         bits = 0x7F800000u;
     } else if (d->n && d->point >= -45) { /* smaller ones are nearer to 0 */
-        /* To 0.5 .. 1 times 2^exponent. 8 is less than 10: the point comes nearer with every shift. */
+        /* Scales to 0.5 .. 1 times 2^exponent. The point comes nearer with every shift, because 8 is less than 10. */
         while ((k = d->point ? -3 * d->point : d->digit[0] < 5) != 0) {
             shift(d, k);
             exponent -= k;

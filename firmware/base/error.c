@@ -32,7 +32,7 @@ static const char *const table[] = {
 _Static_assert(sizeof(table) / sizeof(table[0]) == (unsigned)(-ERR_LAST) + 1u,
                "every error code has a text");
 
-/* Compared before negated: the negative of the smallest int does not exist. */
+/* Returns whether the code has a row. It compares before anything negates, because the smallest int has no negative. */
 static int known(enum err code)
 {
     return code <= ERR_OK && code >= ERR_LAST;

@@ -46,7 +46,7 @@ const char *err_name(enum err code);
 /* One-line description for people, never NULL. */
 const char *err_text(enum err code);
 
-/* A function whose frame must not become part of its caller's, below which the stack is deep. */
+/* Marks a function whose frame must not become part of its caller's, because the stack below the caller is deep. */
 #if defined(__GNUC__)
 #define NOT_INLINE __attribute__((noinline))
 #else

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Level, name, zero, text: one pointer for each event. */
+/* Each event is one text: level, name, zero, description. So it takes one pointer. */
 #define INFO    "\0"
 #define WARNING "\1"
 #define ALARM   "\2"
@@ -37,7 +37,7 @@ bool event_may_repeat(uint8_t code)
     bool of_test = code >= EVENT_SEQUENCE_STEP && code <= EVENT_TRIAL_FAILED;
     enum event_level level = event_level(code);
     if (level == EVENT_WARNING || level == EVENT_ALARM)
-        return !of_test && code != EVENT_WRONG_KEY; /* which counts itself */
+        return !of_test && code != EVENT_WRONG_KEY; /* WRONG_KEY carries a count of its own */
     return code == EVENT_LINK_UP || code == EVENT_MEASUREMENT_GOOD || code == EVENT_INTERLOCK_OFF ||
            code == EVENT_FOLLOWING || code == EVENT_ALARM_OFF || code == EVENT_DEVIATION_OVER ||
            code == EVENT_DOUBTFUL_OVER || code == EVENT_BLOCK_EVENT;

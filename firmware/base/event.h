@@ -1,5 +1,5 @@
-/* Events: what happened, when in plant time, to whom. Written by either context into its own queue,
- * printed by the console as `! <time> <level> <CODE> <subject> <text>`. */
+/* Events: a code, the plant time and the subject. The tick writes events into a queue, the main loop into the history.
+ * The console prints them as `! <time> <level> <CODE> <subject> <text>`. */
 #ifndef REFLUX_BASE_EVENT_H
 #define REFLUX_BASE_EVENT_H
 
@@ -19,7 +19,8 @@ enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM, EVENT_ACTION };
 enum event_code {
     EVENT_LIST(EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_NO_CODE)
         EVENT_COUNT,
-    EVENT_CHANNEL_WRITTEN = EVENT_COUNT, /* for texts that a board without blocks never reaches */
+    /* For code that a board without blocks never reaches. */
+    EVENT_CHANNEL_WRITTEN = EVENT_COUNT,
     EVENT_BLOCK_EVENT = EVENT_COUNT
 };
 #else
@@ -28,7 +29,7 @@ enum event_code {
 };
 #endif
 
-/* Bit of the code of an entry of the history that is the latest of a run: its value says how many there were. */
+/* Bit in the code of a history entry that is the latest of a run of repeats. Its value is their number. */
 #define EVENT_REPEATED 0x80u
 _Static_assert(EVENT_COUNT <= EVENT_REPEATED, "codes leave that bit free");
 
@@ -39,19 +40,21 @@ struct event {
     uint8_t code;     /* enum event_code */
     uint8_t detail;   /* meaning by code: a mode, an error code as -code */
     char subject[CHANNEL_NAME_SIZE];
-    uint16_t boot; /* low bits of the boot it belongs to; filled in by the history */
+    uint16_t boot; /* low bits of the start it belongs to; the history fills it in */
     float value;   /* meaning by code; EU where there is a channel */
 };
 
-const char *event_name(uint8_t code); /* "LINK_UP"; "?" out of range */
-const char *event_text(uint8_t code); /* what the value means, in words */
+/* Returns the name, "LINK_UP"; "?" out of range. */
+const char *event_name(uint8_t code);
+/* Returns the description, which also says what the value means; "?" out of range. */
+const char *event_text(uint8_t code);
 enum event_level event_level(uint8_t code);
 const char *event_level_name(enum event_level level);
-/* Returns whether the event may come again and again, with nothing in its value that a count could not stand for. */
+/* Returns whether the event may repeat often, and a count may replace its value. */
 bool event_may_repeat(uint8_t code);
 
 #ifndef EVENT_QUEUE_SIZE
-#define EVENT_QUEUE_SIZE 64 /* power of two: all that one tick can say */
+#define EVENT_QUEUE_SIZE 64 /* power of two; room for all events of one tick */
 #endif
 
 struct event_queue {
@@ -60,12 +63,12 @@ struct event_queue {
     uint32_t lost; /* events that found no room */
 };
 
-/* subject may be NULL; what is too long is cut. */
+/* Returns an event. subject may be NULL; a subject that is too long is cut. */
 struct event event_make(uint64_t time_ms, enum event_code code, const char *subject, float value,
                         uint8_t detail);
 
 void event_queue_init(struct event_queue *queue);
-/* subject may be NULL. Never waits: a full queue counts the loss. */
+/* Puts an event into the queue; subject may be NULL. The function never waits: it counts a loss where the queue is full. */
 void event_put(struct event_queue *queue, uint64_t time_ms, enum event_code code,
                const char *subject, float value, uint8_t detail);
 

@@ -1,9 +1,9 @@
-/* Every event: name, text, level. The order gives the codes, which the history in retained memory keeps for as long as the
- * firmware is the same. The macros say which boards have an event: one whose cause a board's limits leave out keeps its code there,
- * without a name; those of blocks have no code either.
+/* Every event: name, text, level. The order gives the codes. The history in retained memory keeps them for as long as the firmware
+ * is the same. The macros say which boards have an event. Where a board's limits leave out the cause of an event, the event keeps
+ * its code but has no name; events of blocks then have no code either.
  *
- * The text says what the value of the event means. Actions are what somebody asked for at the console: kept in the history, not
- * announced. */
+ * The text says what the value of the event means. Actions are requests from the console: the history keeps them, and the console
+ * does not announce them. */
 #ifndef REFLUX_BASE_EVENT_LIST_H
 #define REFLUX_BASE_EVENT_LIST_H
 

@@ -64,13 +64,13 @@ bool jobs_wait(const struct jobs *jobs)
     return false;
 }
 
-/* The tick may give it up, and has it begin anew, at any time. */
+/* Does one piece. The tick may give the job up, or ask for it again, at any time. */
 static bool do_piece(struct job *j)
 {
     j->working = true;
     uint32_t number = j->number;
     atomic_signal_fence(memory_order_seq_cst);
-    bool open = is_open(j); /* the tick may end it from here on */
+    bool open = is_open(j); /* the tick may end the job from here on */
     bool ended = open && !j->piece(j->context);
     atomic_signal_fence(memory_order_seq_cst);
     if (ended && j->number == number)

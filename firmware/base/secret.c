@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Past the words; NULL where `at` does not begin with them. */
+/* Returns the text after the words; NULL where `at` does not begin with them. */
 static const char *after(const char *at, const char *words)
 {
     size_t n = strlen(words);

@@ -1,11 +1,11 @@
-/* Finds the access key in a console line: `unlock KEY`, `key NEW`, `set console.key NEW`. Whatever shows or keeps lines asks
+/* Finds the access key in a console line: `unlock KEY`, `key NEW`, `set console.key NEW`. All code that shows or keeps lines calls
  * this first. */
 #ifndef REFLUX_BASE_SECRET_H
 #define REFLUX_BASE_SECRET_H
 
 #include <stddef.h>
 
-/* Index of the first character that nobody may read; the length of the line when it holds no key. */
+/* Returns the index of the first character that nobody may read; the length of the line where it holds no key. */
 size_t secret_from(const char *line);
 
 #endif

@@ -14,7 +14,7 @@
 #include "base/assertion.h"
 
 struct spsc {
-    _Atomic uint32_t written, read; /* counts since start; wrap harmlessly */
+    _Atomic uint32_t written, read; /* items since the start; a wrap does no harm */
     uint32_t size;
 };
 

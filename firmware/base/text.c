@@ -47,7 +47,7 @@ void text_hex(struct text *t, uint32_t x, unsigned digits)
     }
 }
 
-/* A thousandth of it, by halves of 16 bits: nothing else here divides 64 bits. */
+/* Divides x by 1000, in parts of 16 bits, because nothing else here divides 64 bits. */
 static uint64_t divide_by_1000(uint64_t x, unsigned *rest)
 {
     uint64_t result = 0;
@@ -82,8 +82,8 @@ void text_seconds(struct text *t, uint64_t ms)
     }
 }
 
-/* As the %g of a C library: powers of ten beside a number that would begin with five zeros or is longer than
- * `digits`. */
+/* Writes a number as %g of a C library does. It takes a power of ten where the number would begin with five zeros or would
+ * be longer than `digits`. */
 static void put_decimal(struct text *t, const struct decimal *d, int digits)
 {
     int power = d->n ? d->point - 1 : 0;
@@ -102,7 +102,7 @@ static void put_decimal(struct text *t, const struct decimal *d, int digits)
     }
 }
 
-/* Begins a number with its sign. False: it is none, and `none` says so. */
+/* Begins a number with its sign and makes *x positive. Returns false, and writes `none`, where *x is not finite. */
 static bool begin_number(struct text *t, float *x)
 {
     if (!float_is_finite(*x)) {
@@ -124,7 +124,7 @@ void text_float(struct text *t, float x)
     int digits = 6;
     if (!begin_number(t, &x))
         return;
-    /* Six digits are enough for most numbers people type; nine always are. */
+    /* Six digits are enough for most numbers that people type; nine are always enough. */
     for (; digits < 9; digits++) {
         decimal_of_float(&d, x);
         decimal_round(&d, (unsigned)digits);
@@ -161,7 +161,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* Takes digits into *d; the point moves with them until it has been met. */
+/* Appends digits to *d. whole: they stand before the point, so d->point rises with them. */
 static const char *take_digits(const char *s, struct decimal *d, bool whole)
 {
     for (; is_digit(*s); s++) {

@@ -1,7 +1,7 @@
-/* Text in and out. Nothing of the C library's printf and scanf is used: eight kilobytes on the target, and each
- * library writes numbers its own way. These are the digits of glibc's %g.
+/* Text in and out. The code does not use printf and scanf of the C library, because they take eight kilobytes on the
+ * target and each library writes numbers its own way. The digits are those of glibc's %g.
  *
- * struct text writes into a caller's buffer, always terminated; what does not fit is cut and `cut` set.
+ * struct text writes into a caller's buffer, which is always terminated. A text that does not fit is cut, and `cut` is set.
  */
 #ifndef REFLUX_BASE_TEXT_H
 #define REFLUX_BASE_TEXT_H
@@ -23,23 +23,23 @@ void text_str(struct text *t, const char *s);
 void text_char(struct text *t, char c);
 void text_u32(struct text *t, uint32_t x);
 void text_hex(struct text *t, uint32_t x, unsigned digits);
-/* Shortest text of at most 9 significant digits; reads back as the same float. */
+/* Writes 6 to 9 significant digits, the fewest that read back as the same float; `none` where x is not finite. */
 void text_float(struct text *t, float x);
-/* Four digits, for people: does not read back as the same float. */
+/* Writes four significant digits, for people. They do not always read back as the same float. */
 void text_float4(struct text *t, float x);
-/* Nine digits, always: one conversion, reads back as the same float. */
+/* Writes nine significant digits, with a single conversion. They read back as the same float. */
 void text_float9(struct text *t, float x);
-/* Milliseconds as seconds with three decimals: 1230.500 */
+/* Writes milliseconds as seconds with three decimals: 1230.500 */
 void text_seconds(struct text *t, uint64_t ms);
-/* A name and its value with a blank before each; `-` for an empty text. */
+/* Writes a name and its value with a blank before each; `-` for an empty text. */
 void text_named_str(struct text *t, const char *name, const char *value);
 void text_named_u32(struct text *t, const char *name, uint32_t value);
 void text_named_float(struct text *t, const char *name, float value);
 
-/* A decimal number and nothing else: [+-]digits[.digits][e[+-]digits], at most 40 characters. No hex, inf,
- * nan, blanks. Correctly rounded. ERR_PARSE, or ERR_RANGE where it exceeds a float. */
+/* Reads a decimal number and nothing else: [+-]digits[.digits][e[+-]digits], at most 40 characters. It takes no hex, inf,
+ * nan or blanks, and rounds correctly. ERR_PARSE; ERR_RANGE where the number exceeds a float. */
 MUST_CHECK enum err text_parse_float(const char *s, float *x);
-/* Digits only. ERR_PARSE, ERR_RANGE above 2^32 - 1. */
+/* Reads digits only. ERR_PARSE; ERR_RANGE above 2^32 - 1. */
 MUST_CHECK enum err text_parse_u32(const char *s, uint32_t *x);
 
 #endif

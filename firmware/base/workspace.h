@@ -1,12 +1,11 @@
-/* Large memory for a while: one region that the board sets aside, leased whole and by name (start-up's tests and analysis,
- * covariances, searches).
+/* Workspace: one large region of memory that the board sets aside, leased whole and by name, for a while. Start-up's tests and
+ * analysis, covariances and searches use it.
  *
- * Whoever holds it says which command frees it, and changes that as it goes on; who asks meanwhile is told both. Without such a
- * command the lease has ended: what is in the region may still be read, and shown, by its last holder, until it is leased
- * for something else.
+ * The holder says which command frees the region, and changes that command as it goes on. A refusal names the holder and the
+ * command. A lease without a command has ended: the last holder may still read and show the contents until the next lease.
  *
- * Leased in the main loop alone, so that nobody loses what he is printing: under hal_tick_lock, or for now, where only the holder's own
- * tick looks at it; the holder may change the command in the tick, too. */
+ * Only the main loop leases the region, so that nobody loses contents that he is printing. It holds hal_tick_lock, or leases with
+ * workspace_lease_for_now(), where only the holder's own tick looks at the lease. The holder may change the command in the tick. */
 #ifndef REFLUX_BASE_WORKSPACE_H
 #define REFLUX_BASE_WORKSPACE_H
 
@@ -25,46 +24,47 @@
 struct workspace {
     void *memory; /* aligned for everything */
     uint32_t bytes;
-    const char *holder;         /* NULL: nobody has had it yet */
+    const char *holder;         /* present or last holder; NULL: there was none yet */
     const char *volatile frees; /* the command that frees it; NULL: the lease has ended */
     uint32_t lease;             /* counts leases */
-    bool renewed;               /* the present one lasts as long as it is renewed */
-    volatile uint8_t ticks;     /* since it was */
+    bool renewed;               /* the present lease ends unless the holder renews it */
+    volatile uint8_t ticks;     /* ticks since the last renewal */
 };
 
 void workspace_init(struct workspace *w, void *memory, uint32_t bytes);
 
-/* The region of this firmware, for those who are not handed it: the kinds of blocks. NULL: there is none. */
+/* Publishes the region of this firmware, for the kinds of blocks, to which nobody hands it. workspace_shared() returns it; NULL:
+ * there is none. */
 void workspace_share(struct workspace *w);
 struct workspace *workspace_shared(void);
 
-/* *memory gets the region, for a holder of that name, which goes on living. Who holds it already goes on with it. ERR_BUSY: somebody
- * else does (workspace_refusal() says who); ERR_MEMORY: it is smaller than `bytes`. */
+/* Leases the region to a holder of that name and puts it into *memory. The text of the name must stay valid. A holder that has the
+ * lease already keeps it. ERR_BUSY: somebody else has it (workspace_refusal() says who); ERR_MEMORY: it is smaller than `bytes`. */
 MUST_CHECK enum err workspace_lease(struct workspace *w, const char *holder, const char *frees,
                                     uint32_t bytes, void **memory);
-/* From now on that command frees it; NULL: the lease has ended, and what is there may be overwritten by the next. Nothing
- * where another holds it. */
+/* Sets the command that frees the region. NULL ends the lease: the next holder may overwrite the contents. The function does nothing
+ * where another holds the region. */
 void workspace_frees(struct workspace *w, const char *holder, const char *frees);
-/* Is what is in it still this holder's? */
+/* Returns whether the contents still belong to this holder. */
 bool workspace_holds(const struct workspace *w, const char *holder);
 
-/* For a holder that may vanish without a word, as a block does with its settings: the lease ends when it was not renewed for
- * WORKSPACE_TICKS ticks. *lease is its number, by which two blocks of a kind tell which of them has it. Errors as workspace_lease;
- * ERR_BUSY also where the same name has it. */
+/* Leases the region to a holder that may vanish without a word, as a block does with its settings. The lease ends if nobody renews it
+ * for WORKSPACE_TICKS ticks. *lease is its number, by which two blocks of a kind see which of them has it. Errors as
+ * workspace_lease(); ERR_BUSY also where the same name has it. */
 #define WORKSPACE_TICKS 2
 MUST_CHECK enum err workspace_lease_for_now(struct workspace *w, const char *holder,
                                             const char *frees, uint32_t bytes, uint32_t *lease,
                                             void **memory);
-/* The tick of the holder. Whether that lease still stands. */
+/* Renews a lease, in the tick of the holder. Returns whether that lease still stands. */
 bool workspace_renew(struct workspace *w, uint32_t lease);
 void workspace_end(struct workspace *w, uint32_t lease);
-/* Once a tick, after all who renew have had their turn. */
+/* Ends a lease that was not renewed in time. Call once a tick, after all holders have had their turn. */
 void workspace_tick(struct workspace *w);
 
-/* After ERR_BUSY: "start-up has it; `commission abort` frees it". */
+/* Writes the reason of ERR_BUSY: "start-up has it; `commission abort` frees it". */
 void workspace_refusal(const struct workspace *w, struct text *t);
 
-/* At the start of the firmware: its region, for all. Returns w. */
+/* Initialises and publishes the region at the start of the firmware. Returns w. */
 static inline struct workspace *workspace_start(struct workspace *w, void *memory, uint32_t bytes)
 {
     workspace_init(w, memory, bytes);
@@ -74,7 +74,7 @@ static inline struct workspace *workspace_start(struct workspace *w, void *memor
 #else
 struct workspace {
 };
-/* NULL: the board has none. */
+/* Returns NULL: the board has none. */
 #define workspace_start(w, memory, bytes) ((void)(w), (void)(memory), (struct workspace *)NULL)
 #define workspace_tick(w)                 ((void)(w))
 #endif
