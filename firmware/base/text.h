@@ -23,7 +23,8 @@ void text_str(struct text *t, const char *s);
 void text_char(struct text *t, char c);
 void text_u32(struct text *t, uint32_t x);
 void text_hex(struct text *t, uint32_t x, unsigned digits);
-/* Writes 6 to 9 significant digits, the fewest that read back as the same float; `none` where x is not finite. */
+/* Writes x rounded to 6 digits, or to as many more, up to 9, as it takes to read back as the same float. Zeros at the end are left
+ * away. Writes `none` where x is not finite. */
 void text_float(struct text *t, float x);
 /* Writes four significant digits, for people. They do not always read back as the same float. */
 void text_float4(struct text *t, float x);
