@@ -1,10 +1,10 @@
-/* Why a plant on the line is not taken: detail of EVENT_PLANT_REFUSED, and of `alarm` while it lasts. */
+/* Reasons why the firmware refuses a plant on the line: the detail of EVENT_PLANT_REFUSED, and of `alarm` while the refusal lasts. */
 #ifndef REFLUX_IO_PLANT_FAULT_H
 #define REFLUX_IO_PLANT_FAULT_H
 
 #include <stdint.h>
 
-/* What the value of the event is stands behind each. */
+/* The comment behind each reason is the value of the event. */
 enum plant_fault {
     PLANT_FINE,
     PLANT_TOO_LARGE, /* channels of a kind */
@@ -14,13 +14,13 @@ enum plant_fault {
     PLANT_PAGE,      /* page asked for */
     PLANT_SPAN,      /* page */
     PLANT_SAME_NAME, /* page */
-    PLANT_NO_PAGE,   /* page; it is asked for again and again */
+    PLANT_NO_PAGE,   /* page, for which the firmware goes on asking */
     PLANT_SHAPE,     /* measurements in the sample */
-    PLANT_ROLE,      /* type of the message; a plant that is there stays */
+    PLANT_ROLE,      /* type of the message; a connected plant stays connected */
     PLANT_FAULTS
 };
 
-/* In words; "?" out of range. */
+/* Returns the reason in words; "?" out of range. */
 const char *plant_fault_text(uint8_t fault);
 
 #endif

@@ -8,9 +8,9 @@
 #include "hal/identity.h"
 #include "hal/uart.h"
 
-/* A page asked for so often, which takes as long as silence, is told as missing. */
+/* Requests for a page after which the link reports it as missing. They take as long as LINK_SILENCE_MS. */
 #define ASKS_TOLD (1 + LINK_SILENCE_MS / LINK_HELLO_MS)
-/* Board time between two refusals that are told: a line may bring any number of plants a second. */
+/* Shortest board time between two reported refusals, because a line may bring any number of plants a second. */
 #define TOLD_APART_MS 1000u
 
 _Static_assert(LINK_CHANNELS_ROOM <= IO_CHANNELS_MAX, "the largest sample has room in hal/io.h");
@@ -96,7 +96,8 @@ static void ask_or_finish(struct plant_link *link, uint64_t now_ms)
               (float)link->tick_ms / 1000.0f, 0);
 }
 
-/* Said once, answered by keep_time() at the pace of greeting (both sides answering at once would never end). */
+/* Reports another protocol version once. keep_time() answers at the pace of greeting, because two sides that answer at once would
+ * never end. */
 static void other_version(struct plant_link *link, uint8_t version)
 {
     if (!link->version_told)
@@ -108,7 +109,7 @@ static void other_version(struct plant_link *link, uint8_t version)
     }
 }
 
-/* Whatever it goes on saying, it stays refused until its HELLO is another, or it has been silent. Said once. */
+/* Refuses the plant and reports that once. The refusal lasts until the plant sends another HELLO or falls silent. */
 static void refuse_plant(struct plant_link *link, enum plant_fault fault, float value,
                          uint64_t now_ms)
 {
@@ -116,7 +117,7 @@ static void refuse_plant(struct plant_link *link, enum plant_fault fault, float 
     link->state = IO_DOWN;
     link->generation++;
     if (link->refusal_reported && (uint32_t)now_ms - link->told_ms < TOLD_APART_MS) {
-        link->hello = 0; /* looked at again, and told when there is time for it */
+        link->hello = 0; /* its next HELLO is judged again, and reported when the time has passed */
         return;
     }
     link->refusal_reported = true;
@@ -124,11 +125,11 @@ static void refuse_plant(struct plant_link *link, enum plant_fault fault, float 
     tell_refused(link, fault, value);
 }
 
-/* Notes what a plant announces with its HELLO; m is all zero where that could not be read. */
+/* Keeps the announcement of a HELLO. *m is all zero where the HELLO could not be read. */
 static void meet_plant(struct plant_link *link, const struct link_hello *m)
 {
     if (link->state == IO_READY)
-        link->generation++; /* the plant is another one now: what was bound is void */
+        link->generation++; /* another plant has come: the bindings are void */
     link->state = IO_GREETING;
     link->version_told = link->role_told = link->odd = link->odd_told = false;
     link->refused = PLANT_FINE;
@@ -149,18 +150,18 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
         other_version(link, m.version);
         return;
     }
-    /* The same announcement in all it says; a plant that announces something else is another one. */
+    /* The checksum covers the whole announcement. A plant that announces something else is another plant. */
     uint32_t hello = crc32_update(0, f->payload, f->n);
     if (hello == link->hello && link->refused) {
         link->stats.refused++;
         return;
     }
     if (hello == link->hello && link->state == IO_READY) {
-        send_ready(link, now_ms); /* ours was lost */
+        send_ready(link, now_ms); /* our READY was lost */
         return;
     }
     if (hello == link->hello && link->state == IO_GREETING)
-        return; /* questions are on their way */
+        return; /* a page request is on its way */
     link->hello = hello;
     meet_plant(link, &m);
     uint8_t most = m.n_measurements > m.n_outputs ? m.n_measurements : m.n_outputs;
@@ -174,7 +175,7 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
         ask_or_finish(link, now_ms);
 }
 
-/* Puts a text with its zero behind the others; counts on where there is no room. */
+/* Appends a text with its zero to the others. Where there is no room, only the count rises. */
 static void keep_text(struct plant_link *link, const char *text)
 {
     size_t n = strlen(text) + 1u;
@@ -183,7 +184,7 @@ static void keep_text(struct plant_link *link, const char *text)
     link->text_n = (uint16_t)(link->text_n + n);
 }
 
-/* An earlier page of the same kind has this name: a channel is bound by it. */
+/* Returns whether an earlier page of the same kind has this name, by which a channel is bound. */
 static bool name_taken(const struct plant_link *link, const char *name, bool manipulated)
 {
     for (uint8_t k = manipulated ? link->count[0] : 0; k < link->next_page; k++)
@@ -210,7 +211,7 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     bool manipulated = link->next_page >= link->count[0];
     enum err err = unpack_page(f, &m);
     if (!err && m.index != link->next_page)
-        return; /* answer to a question asked twice, or before the plant greeted anew */
+        return; /* answer to a repeated request, or to one before the plant greeted anew */
     enum plant_fault fault = page_fault(link, err, &m, manipulated);
     if (fault) {
         link->stats.refused++;
@@ -219,8 +220,8 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     }
     link->text_at[link->next_page] = (link_place)link->text_n;
     keep_text(link, m.name);
-    keep_text(link,
-              strcmp(m.unit, "-") == 0 ? "" : m.unit); /* "-": none; configured as an empty text */
+    /* "-" means no unit, which the configuration has as an empty text. */
+    keep_text(link, strcmp(m.unit, "-") == 0 ? "" : m.unit);
     if (manipulated)
         link->safe[link->next_page - link->count[0]] = m.safe;
     plant_spans_keep(&link->spans, link->next_page, m.lo, m.hi);
@@ -232,8 +233,8 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
         ask_or_finish(link, now_ms);
 }
 
-/* Dropped. A plant that goes on like that is controlled by nobody, and hears our keep-alives all the same: after as
- * long as silence lasts it is refused, and our HELLO takes it to its safe values. */
+/* Drops a sample of the wrong shape. Nobody controls a plant that goes on sending such samples, although it hears our
+ * keep-alives. After LINK_SILENCE_MS the link refuses the plant, and our HELLO takes it to its safe values. */
 static void odd_sample(struct plant_link *link, const struct frame *f, uint64_t now_ms)
 {
     float measurements = f->n > SAMPLE_COUNT_AT ? (float)f->payload[SAMPLE_COUNT_AT] : 0.0f;
@@ -254,7 +255,7 @@ static bool on_sample(struct plant_link *link, const struct frame *f, uint64_t n
 {
     struct link_sample m;
     if (link->state != IO_READY)
-        return false; /* the plant will hear our hello */
+        return false; /* the plant will hear our HELLO */
     if (unpack_sample(f, &m) != ERR_OK || m.n_measurements != link->count[0] ||
         (m.n_readback != 0 && m.n_readback != link->count[1])) {
         odd_sample(link, f, now_ms);
@@ -294,7 +295,7 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
                   elapsed_ms(now_ms, link->heard_ms) / 1000.0f, 0);
     }
     if (link->refused && now_ms - link->heard_ms > LINK_SILENCE_MS) {
-        link->refused = PLANT_FINE; /* it has gone; who comes now is looked at anew */
+        link->refused = PLANT_FINE; /* the plant has gone; the next one is judged anew */
         link->count[0] = link->count[1] = 0;
     }
     bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;
@@ -306,7 +307,7 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         keep_alive(link, now_ms);
 }
 
-/* HELLO of its role, and none of what only controllers send. */
+/* Returns whether a plant may have sent the frame: a HELLO has the role of a plant, and no frame is one that only controllers send. */
 static bool from_a_plant(const struct frame *f)
 {
     if (f->type == LINK_HELLO)
@@ -317,7 +318,7 @@ static bool from_a_plant(const struct frame *f)
 static bool on_frame(struct plant_link *link, const struct frame *f, uint64_t now_ms,
                      struct io_sample *sample)
 {
-    if (!from_a_plant(f)) { /* no sign of life either: what is heard may be ourselves */
+    if (!from_a_plant(f)) { /* no sign of life either, because the frame may be our own echo */
         link->stats.refused++;
         if (!link->role_told)
             tell_refused(link, PLANT_ROLE, (float)f->type);
@@ -350,7 +351,7 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct plant_link *link = context;
     struct frame f;
-    for (;;) { /* ends when the receive ring is empty: it is finite, and a sample returns at once */
+    for (;;) { /* ends when the receive ring, which is finite, is empty; a sample returns at once */
         uint32_t begun = hal_cycles();
         bool taken = link->rx_at < link->rx_n, complete = false;
         while (link->rx_at < link->rx_n && !complete) {
@@ -393,7 +394,7 @@ static uint32_t generation(const void *context)
     return ((const struct plant_link *)context)->generation;
 }
 
-/* Only what has been heard of: in the midst of greeting, or of a refused plant, none. */
+/* Returns the number of announced channels; 0 during the greeting, and for a refused plant. */
 static uint8_t port_count(const void *context, bool manipulated)
 {
     const struct plant_link *link = context;
@@ -420,7 +421,7 @@ static uint32_t tick_ms(const void *context)
 static enum err port_command(void *context, const struct io_command *c, uint64_t now_ms)
 {
     struct plant_link *link = context;
-    struct link_command m; /* not cleared: the outputs behind n_outputs are not looked at */
+    struct link_command m; /* not cleared, because nobody reads the outputs after n_outputs */
     struct frame f;
     if (link->state != IO_READY)
         return ERR_STATE;

@@ -1,5 +1,5 @@
 /* Controller side of the plant link (docs/plant-link.md): hal/io.h implemented on frames over a serial line.
- * Lives in the tick context. */
+ * All functions run in the tick context. */
 #ifndef REFLUX_IO_PLANT_LINK_H
 #define REFLUX_IO_PLANT_LINK_H
 
@@ -11,11 +11,11 @@
 #include "link/messages.h"
 
 #ifndef LINK_RX_BLOCK
-#define LINK_RX_BLOCK 64 /* bytes taken from the port at a time */
+#define LINK_RX_BLOCK 64 /* bytes that one read takes from the port */
 #endif
 #ifndef LINK_TEXT_BYTES
-#define LINK_TEXT_BYTES                                                                            \
-    (2 * LINK_CHANNELS_ROOM * (CHANNEL_NAME_SIZE + CHANNEL_UNIT_SIZE)) /* never short */
+/* Room for the longest names and units of all channels. */
+#define LINK_TEXT_BYTES (2 * LINK_CHANNELS_ROOM * (CHANNEL_NAME_SIZE + CHANNEL_UNIT_SIZE))
 #endif
 
 #if LINK_TEXT_BYTES <= 0xFF
@@ -24,7 +24,7 @@ typedef uint8_t link_place;
 typedef uint16_t link_place;
 #endif
 
-/* Spans that the plant announces, by page: only people look at them, and only where there is start-up. */
+/* Spans that the plant announces, by page. Only people look at them, and only on boards with automatic start-up. */
 #if COMMISSION_CHANNELS
 struct plant_spans {
     float lo[2 * LINK_CHANNELS_ROOM], hi[2 * LINK_CHANNELS_ROOM]; /* EU */
@@ -52,32 +52,32 @@ struct plant_link {
     uint32_t generation;
     uint32_t session;       /* ours */
     uint32_t plant_session; /* the plant's, of the present or last exchange */
-    uint32_t hello;         /* checksum of its HELLO: what it announces */
+    uint32_t hello;         /* checksum of the plant's HELLO, its whole announcement */
     uint16_t sequence;
-    uint64_t heard_ms, sent_ms,
-        asked_ms; /* board time of the last good frame, any frame out, question out */
+    /* Board time of the last good frame received, of the last frame sent, and of the last HELLO or page request sent. */
+    uint64_t heard_ms, sent_ms, asked_ms;
     uint8_t next_page;
     uint8_t count[2]; /* measurements, manipulated variables */
     uint32_t tick_ms;
     char name[LINK_PLANT_NAME_SIZE];
     uint16_t text_n;
-    link_place text_at
-        [2 *
-         LINK_CHANNELS_ROOM]; /* by page: where name and unit stand in text, a zero after each */
+    /* Index in text, by page: the name and the unit stand there, a zero after each. */
+    link_place text_at[2 * LINK_CHANNELS_ROOM];
     float safe[LINK_CHANNELS_ROOM];
     struct plant_spans spans;
     char text[LINK_TEXT_BYTES];
-    enum plant_fault refused; /* why the plant with this `hello` is not taken */
-    uint32_t told_ms,
-        odd_ms; /* board time, low word: of the last refusal told; of the first odd sample in a row */
-    uint8_t asks;          /* for next_page */
-    bool refusal_reported; /* there was one */
-    bool odd, odd_told;    /* the last sample was not of the shape announced; that has been said */
+    enum plant_fault refused; /* reason to refuse the plant with this `hello` */
+    /* Low word of the board time: of the last refusal reported, and of the first odd sample in a row. */
+    uint32_t told_ms, odd_ms;
+    uint8_t asks;          /* requests for next_page */
+    bool refusal_reported; /* told_ms is valid */
+    /* The last sample was not of the announced shape; an event has reported that. */
+    bool odd, odd_told;
     bool role_told;
     struct frame_decoder decoder;
     uint8_t rx[LINK_RX_BLOCK];
     uint8_t rx_n, rx_at;
-    uint32_t reception; /* counts of hal_cycles() spent so far on the frame that is coming in */
+    uint32_t reception; /* counts of hal_cycles() spent on the incoming frame so far */
     uint16_t heard_sequence;
     bool version_told;
     struct {

@@ -1,6 +1,7 @@
 #include "io/sample_gate.h"
 
-#define POLLS 64u /* bounded: a sample costs the line milliseconds, a look here microseconds */
+/* Most polls in one call. A sample takes the line milliseconds, a poll takes microseconds. */
+#define POLLS 64u
 
 static bool keep_back(struct sample_gate *g, const struct io_port *io, uint64_t now_ms,
                       struct io_sample *sample)

@@ -1,7 +1,7 @@
-/* Where a sample waits for work that is due (base/job.h).
+/* Sample gate: a sample waits here for a job that is due (base/job.h).
  *
- * A plant in lockstep stops its time meanwhile, and at most sends the same sample again, which is not answered either. One
- * that sends the next does not wait: then the sample before is looked at without the work's result. */
+ * A plant in lockstep stops its time meanwhile. At most it sends the same sample again, which gets no answer either. A plant that
+ * sends the next sample does not wait. The tick then takes the sample before, without the result of the job. */
 #ifndef REFLUX_IO_SAMPLE_GATE_H
 #define REFLUX_IO_SAMPLE_GATE_H
 
@@ -10,17 +10,17 @@
 
 #if JOBS_MAX
 struct sample_gate {
-    struct io_sample held; /* where `holds` */
+    struct io_sample held; /* valid while `holds` */
     bool holds;
 };
 
-/* Instead of io->poll(): the next sample that is to be looked at now. wait: one that comes now must wait. Called until false, in
- * the tick context. */
+/* Gets the next sample for the tick, in place of io->poll(). wait: a sample that comes now must wait. Call in the tick context until
+ * it returns false. */
 bool sample_gate_poll(struct sample_gate *g, const struct io_port *io, bool wait, uint64_t now_ms,
                       struct io_sample *sample);
-/* The plant that sent it is gone. */
+/* Forgets the waiting sample, because the plant that sent it is gone. */
 void sample_gate_forget(struct sample_gate *g);
-/* A sample waits. */
+/* Returns whether a sample waits. */
 static inline bool sample_gate_holds(const struct sample_gate *g)
 {
     return g->holds;

@@ -16,7 +16,7 @@ void samples_forget(struct samples *s, uint64_t now_ms)
     *s = (struct samples){.seen_ms = now_ms, .time_ms = time_ms};
 }
 
-/* Board time with samples and no tick that is borne, ms. */
+/* Returns the longest allowed board time with samples and without a tick, ms. */
 static uint32_t stall_limit_ms(float tick_s, uint32_t miss_limit)
 {
     float limit = ((float)miss_limit + 1.0f) * tick_s * 1000.0f;
@@ -25,22 +25,21 @@ static uint32_t stall_limit_ms(float tick_s, uint32_t miss_limit)
     return limit < 2e9f ? (uint32_t)limit : 2000000000u;
 }
 
-/* A sample that makes no tick, gap_ms after the one before. Whether that has gone on for too long. */
+/* Counts a sample that makes no tick and came gap_ms after the one before. Returns whether that has gone on for too long. */
 static bool stalls(struct samples *s, const struct io_sample *sample, uint64_t gap_ms, float tick_s,
                    uint32_t miss_limit)
 {
     uint32_t limit = stall_limit_ms(tick_s, miss_limit), half = limit / 2u;
-    /* Between two samples the plant may have withheld the next for hours, which it may; so a gap counts for half of
-     * what is borne, at most. */
+    /* A plant is allowed to withhold a sample for hours. So a gap counts for half of the limit at most. */
     s->idle_ms += gap_ms < half ? (uint32_t)gap_ms : half;
-    /* The same sample again is answered as often as it comes: only the clock limits that. */
+    /* A repeated sample gets its answer as often as it comes. Only the clock limits that. */
     bool again = sample->number == s->number || (s->idle && sample->number == s->idle_number);
     s->idle += !again;
     s->idle_number = sample->number;
     return s->idle_ms >= limit || s->idle > miss_limit;
 }
 
-/* By plant time alone. */
+/* Judges a sample by plant time alone. */
 static enum sample_verdict on_plant_time(const struct samples *s, const struct io_sample *sample,
                                          float tick_s, uint32_t miss_limit,
                                          struct event_queue *events)
@@ -48,7 +47,7 @@ static enum sample_verdict on_plant_time(const struct samples *s, const struct i
     if (!s->any)
         return SAMPLE_TICK;
     if (sample->time <= s->time_ms) {
-        if (!s->stalled) /* said for them all */
+        if (!s->stalled) /* while stalled, SAMPLE_STALLED reports them all */
             say(s, events, EVENT_SAMPLE_TWICE, (float)sample->number);
         return SAMPLE_NO_TICK;
     }
