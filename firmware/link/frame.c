@@ -7,9 +7,9 @@
 #define HEADER_SIZE 3 /* type, sequence */
 #define CRC_SIZE    4
 
-/* Stuffs in place: each zero of the body wire[1 .. n] becomes the distance to the next one, or to the delimiter behind
- * the body; the first distance goes to wire[0]. Bodies are shorter than 254 bytes, so no distance can reach 0xFF and the
- * overhead is always one byte. From the end, because what is written is a distance to what comes later. */
+/* Stuffs in place: each zero of the body wire[1 .. n] becomes the distance to the next zero, or to the delimiter behind
+ * the body. The first distance goes to wire[0]. Bodies are shorter than 254 bytes, so no distance can reach 0xFF and the
+ * overhead is always one byte. The loop runs from the end, because each distance leads to a later byte. */
 /*@ requires 1 <= n <= FRAME_BODY_MAX && \valid(wire + (0 .. n));
   @ assigns wire[0 .. n];
   @*/
@@ -29,8 +29,8 @@ static void stuff(uint8_t *wire, size_t n)
     wire[0] = (uint8_t)next;
 }
 
-/* Undoes stuff(): the distances among wire[0 .. n - 1] become zeros again, and the body is what stands behind wire[0].
- * Returns whether they lead from the first byte to the end, as they must. */
+/* Undoes stuff(): the distances among wire[0 .. n - 1] become zeros again, and the body begins after wire[0]. Returns
+ * whether the distances lead from the first byte to the end, as they must. */
 /*@ requires 0 < n < FRAME_WIRE_MAX && \valid(wire + (0 .. n - 1));
   @ assigns wire[0 .. n - 1];
   @*/
@@ -84,7 +84,7 @@ void frame_decoder_reset(struct frame_decoder *decoder)
     decoder->count.overlong = 0;
 }
 
-/* Judges the n stuffed bytes that stand before a delimiter. */
+/* Judges the n stuffed bytes before a delimiter. Returns whether they are a good frame. */
 /*@ requires 0 < n < FRAME_WIRE_MAX && \valid(decoder) && \valid(frame);
   @ requires \separated(decoder, frame);
   @ assigns decoder->buffer[0 .. FRAME_WIRE_MAX - 1], decoder->count, *frame;
@@ -113,7 +113,7 @@ static bool complete_frame(struct frame_decoder *decoder, size_t n, struct frame
     return true;
 }
 
-/* A delimiter has come: what was collected is over. */
+/* Ends the collected bytes at a delimiter. Returns whether they are a good frame. */
 /*@ requires \valid(decoder) && \valid(frame) && \separated(decoder, frame);
   @ requires decoder->n < FRAME_WIRE_MAX;
   @ assigns *decoder, *frame;
@@ -131,7 +131,7 @@ static bool delimited(struct frame_decoder *decoder, struct frame *frame)
         return false;
     }
     if (n == 0) {
-        return false; /* delimiters in a row: a sender may begin with one to flush noise from the line */
+        return false; /* a sender may begin with a delimiter to flush noise from the line */
     }
     return complete_frame(decoder, n, frame);
 }

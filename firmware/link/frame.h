@@ -4,7 +4,7 @@
  *
  * Numbers are little-endian. The CRC-32 (base/crc32.h) covers type, sequence and payload. Consistent Overhead
  * Byte Stuffing (Cheshire and Baker 1999) removes every zero byte, so 0x00 can only be the end of a frame and
- * a receiver that joins in the middle is back in step after one. Specified in docs/plant-link.md.
+ * a receiver that joins in the middle is in step after one frame. docs/plant-link.md specifies the format.
  */
 #ifndef REFLUX_LINK_FRAME_H
 #define REFLUX_LINK_FRAME_H
@@ -16,15 +16,15 @@
 #include "base/error.h"
 
 #ifndef FRAME_PAYLOAD_MAX
-#define FRAME_PAYLOAD_MAX                                                                          \
-    240 /* a small board takes shorter ones; longer frames are skipped and counted */
+/* Bytes of the longest payload. A small board takes less. The decoder skips and counts longer frames. */
+#define FRAME_PAYLOAD_MAX 240
 #endif
 #define FRAME_BODY_MAX (3 + FRAME_PAYLOAD_MAX + 4) /* 247: one COBS block */
 #define FRAME_WIRE_MAX (FRAME_BODY_MAX + 2)        /* overhead byte and delimiter */
 
 struct frame {
     uint8_t type;
-    uint16_t sequence; /* the sender's own counter, rises by one a frame, wraps */
+    uint16_t sequence; /* counter of the sender, which rises by one per frame and wraps */
     uint8_t n;         /* bytes of payload */
     uint8_t payload[FRAME_PAYLOAD_MAX];
 };
@@ -51,15 +51,16 @@ struct frame_decoder {
     } count;
 };
 
+/* Drops the frame under way and sets the counters to 0. */
 /*@ requires \valid(decoder);
   @ assigns decoder->n, decoder->overlong, decoder->count;
   @ ensures decoder->n == 0;
   @*/
-void frame_decoder_reset(struct frame_decoder *decoder); /* counters too */
+void frame_decoder_reset(struct frame_decoder *decoder);
 
-/* Takes bytes up to the end of the first frame, good or not, or all n, and returns how many it took: the caller comes
- * back with the rest. *delivered: the last of them completed a good frame, which is then in *frame. Anything else is
- * dropped and counted; bytes after the next delimiter are in step again. */
+/* Takes bytes up to the end of the first frame, good or not, or all n. Returns the number of bytes it took; the caller
+ * calls again with the rest. *delivered: the last byte completed a good frame, which is in *frame. The decoder drops and
+ * counts anything else, and is in step again after the next delimiter. */
 /*@ requires \valid(decoder) && \valid(frame) && \valid(delivered) && \valid_read(bytes + (0 .. n - 1));
   @ requires \separated(decoder, frame, delivered, bytes + (0 .. n - 1));
   @ requires decoder->n < FRAME_WIRE_MAX;
@@ -71,7 +72,7 @@ void frame_decoder_reset(struct frame_decoder *decoder); /* counters too */
 size_t frame_decode_bytes(struct frame_decoder *decoder, const uint8_t *bytes, size_t n,
                           struct frame *frame, bool *delivered);
 
-/* The same for one byte; returns whether it completed a good frame. */
+/* Takes one byte. Returns whether it completed a good frame, which is then in *frame. */
 /*@ requires \valid(decoder) && \valid(frame) && \separated(decoder, frame);
   @ requires decoder->n < FRAME_WIRE_MAX;
   @ assigns *decoder, *frame;

@@ -8,7 +8,7 @@
 #define READY_SIZE        4
 #define SAMPLE_HEAD_SIZE  14
 #define COMMAND_HEAD_SIZE 14
-#define VALUE_SIZE        5 /* f32 and one byte beside it */
+#define VALUE_SIZE        5 /* an f32 and one byte */
 #define COMMAND_SAFE      0x01u
 #define HELLO_FIXED_SIZE  2 /* version and role stand first in every version of the protocol */
 
@@ -17,7 +17,7 @@ _Static_assert(SAMPLE_HEAD_SIZE + 2 * LINK_CHANNELS_ROOM * VALUE_SIZE <= FRAME_P
                "the largest message fits a frame");
 _Static_assert(sizeof(float) == sizeof(uint32_t), "float is IEEE-754 binary32");
 
-/* A cursor over a payload. Lengths are checked before anything is read, so it needs no checks of its own. */
+/* Cursor over a payload. It needs no checks of its own, because the callers check lengths before they read. */
 struct cursor {
     uint8_t *position;
 };
@@ -54,7 +54,7 @@ static void put_f32(struct cursor *c, float x)
     put_u32(c, bits);
 }
 
-/* Always a terminating zero, always zeros after it: the same message gives the same bytes. */
+/* Puts a text with a terminating zero and zeros up to the end, so that the same message gives the same bytes. */
 static void put_text(struct cursor *c, const char *text, size_t size)
 {
     size_t i = 0;
@@ -93,7 +93,7 @@ static float get_f32(struct reader *r)
     return x;
 }
 
-/* Printable ASCII up to a terminating zero; what the sender left behind the zero is not looked at. */
+/* Gets printable ASCII up to a terminating zero, and ignores the bytes after it. Returns whether the text is valid. */
 static bool get_text(struct reader *r, char *text, size_t size)
 {
     bool ended = false;
@@ -292,7 +292,7 @@ enum err unpack_ready(const struct frame *f, struct link_ready *m)
     return ERR_OK;
 }
 
-/* Whether the quality bytes of n readings are known ones. */
+/* Returns whether the quality bytes of n readings are known. */
 static bool qualities_known(const uint8_t *payload, unsigned n)
 {
     for (unsigned i = 0; i < n; i++) {
@@ -306,8 +306,8 @@ static bool qualities_known(const uint8_t *payload, unsigned n)
 static void get_readings(struct reader *r, struct link_reading *reading, uint8_t n)
 {
     for (uint8_t i = 0; i < n; i++) {
-        reading[i].value = get_f32(
-            r); /* one that is no number says so: the measurement's fault is `not a number` */
+        /* A value that is no number passes: the fault of the measurement is then `not a number`. */
+        reading[i].value = get_f32(r);
         reading[i].quality = get_u8(r);
     }
 }

@@ -1,4 +1,4 @@
-/* Plant link, upper half: what the frames say. One struct, one pack and one unpack function a message.
+/* Plant link, upper half: the messages in the frames. Each message has a struct, a pack and an unpack function.
  * P = plant (the simulator, or real hardware speaking the protocol), C = controller (the firmware).
  *
  * pack_*: fill frame->type, n and payload (the caller sets sequence). Texts are cut to their field, counts
@@ -6,9 +6,9 @@
  * unpack_*: ERR_FRAME when type, length, counts, flags, or texts (no terminating zero, bytes outside printable
  * ASCII, no channel name) are wrong; ERR_NOT_FINITE for a span, safe value or driven output that is no number;
  * ERR_RANGE for an empty span, a safe value outside it, a plant tick of 0, more channels in a HELLO than
- * LINK_CHANNELS_MAX. A reading that is not finite
- * passes as 0 with quality made QUALITY_BAD: a broken sensor is not a broken frame. On error *m is unchanged,
- * but for a HELLO: with ERR_VERSION m->version and m->role are filled in, the rest is 0; with ERR_RANGE all of it.
+ * LINK_CHANNELS_MAX. A reading that is not finite passes as it is, because a broken sensor is not a broken frame.
+ * On error *m is unchanged, except for a HELLO: ERR_VERSION fills in m->version and m->role, the rest is 0; ERR_RANGE
+ * fills in everything.
  */
 #ifndef REFLUX_LINK_MESSAGES_H
 #define REFLUX_LINK_MESSAGES_H
@@ -18,15 +18,15 @@
 #include "link/frame.h"
 
 #define LINK_VERSION 1
-#define LINK_SILENCE_MS                                                                            \
-    2000 /* no valid frame for this long, by one's own clock: the other side is gone */
-#define LINK_KEEP_ALIVE_MS   500 /* send something at least this often */
-#define LINK_HELLO_MS        250 /* repeat a greeting this often until answered */
+/* Silence after which the other side counts as gone: no valid frame for this long by the receiver's own clock. */
+#define LINK_SILENCE_MS      2000
+#define LINK_KEEP_ALIVE_MS   500 /* longest time without a frame sent */
+#define LINK_HELLO_MS        250 /* time between greetings until the other side answers */
 #define LINK_PLANT_NAME_SIZE 24
-#define LINK_CHANNELS_MAX    16 /* of each kind: the protocol */
+#define LINK_CHANNELS_MAX    16 /* channels of each kind in the protocol */
 #ifndef LINK_CHANNELS_ROOM
-#define LINK_CHANNELS_ROOM                                                                         \
-    LINK_CHANNELS_MAX /* of each kind: the longest sample and command this build takes */
+/* Channels of each kind in the longest sample and command that this build takes. */
+#define LINK_CHANNELS_ROOM LINK_CHANNELS_MAX
 #endif
 
 enum link_message {
@@ -39,7 +39,7 @@ enum link_message {
     LINK_KEEP_ALIVE = 7    /* both, no payload */
 };
 
-#define SAMPLE_COUNT_AT 12 /* byte of a SAMPLE's payload that says how many measurements follow */
+#define SAMPLE_COUNT_AT 12 /* index of n_measurements in the payload of a SAMPLE */
 
 enum link_role { LINK_ROLE_PLANT = 1, LINK_ROLE_CONTROLLER = 2 };
 
@@ -67,7 +67,7 @@ struct link_page {
     char unit[CHANNEL_UNIT_SIZE];
 };
 
-/* payload: session u32 (the plant's, as it greeted) */
+/* payload: session u32 (from the HELLO of the plant) */
 struct link_ready {
     uint32_t session;
 };
@@ -88,8 +88,8 @@ struct link_sample {
 
 /* payload: number u32, time_ms u64, flags u8 (bit 0: safe state), n_outputs u8, then value f32 + drive u8 */
 struct link_command {
-    uint32_t number;  /* of the sample it answers */
-    uint64_t time_ms; /* of that sample */
+    uint32_t number;  /* number of the sample that the command answers */
+    uint64_t time_ms; /* plant time of that sample */
     bool safe;
     uint8_t n_outputs;
     struct {
