@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#define LASTED 0x100u      /* bit of the count: this start has lasted */
+#define LASTED 0x100u      /* bit of the count: this start has lasted EARLY_RESETS_MS */
 #define CHECK  0x53524552u /* "RERS" */
 
 static void keep_count(struct early_resets_record *record, uint32_t count)

@@ -5,10 +5,11 @@
 
 #include "base/crc32.h"
 
-/* Not 0: records of nothing but zeros are none. Changes with the layout of a record and the meaning of codes. */
+/* Start of the checksum. It is not 0, so that a record of zeros is invalid. It changes with the layout of a record and the meaning of
+ * codes. */
 #define SALT (0x45564D00u + EVENT_COUNT)
 
-/* Characters of a subject are ',' to '~', which are 83, or its end: five of them make a word. */
+/* A subject has 84 symbols: the 83 characters ',' to '~', and its end. Five symbols make a word. */
 #define SYMBOLS   84u
 #define FIVE      5u
 #define BEFORE    '+'

@@ -1,7 +1,7 @@
 /* The history: the last EVENT_HISTORY events and actions, in memory that survives a reset. Main loop only.
  *
- * Each record carries its own checksum, so that a reset in the middle of a write costs that record alone and what a
- * loss of power left behind is not taken for events.
+ * Each record carries its own checksum. A reset in the middle of a write therefore costs that record alone, and random
+ * contents after a loss of power do not count as events.
  */
 #ifndef REFLUX_SERVICE_EVENT_LOG_H
 #define REFLUX_SERVICE_EVENT_LOG_H
@@ -21,39 +21,39 @@ struct event_record {
     uint32_t time_low; /* plant time, ms: 48 bits */
     uint16_t time_high;
     uint16_t boot;
-    uint16_t
-        round; /* sequence / EVENT_HISTORY, low bits; sequence counts events since the last loss of power */
+    /* Low bits of sequence / EVENT_HISTORY. The sequence number counts events since the last loss of power. */
+    uint16_t round;
     uint8_t code, detail;
     uint32_t checksum;
 };
 
 struct event_log {
     struct event_record *record; /* record[sequence % EVENT_HISTORY] */
-    uint32_t count;              /* sequence of the next one */
-    uint16_t boot;               /* of this start, low bits */
+    uint32_t count;              /* sequence number of the next event */
+    uint16_t boot;               /* low bits of the number of this start */
 };
 
-/* Takes over what the records hold of earlier starts. */
+/* Takes over the records of earlier starts. */
 void event_log_init(struct event_log *log, struct event_record *record, uint32_t boot);
 void event_log_put(struct event_log *log, const struct event *event);
-/* Puts another event in the place of the one with that sequence number, which must still be there; it is then of this
- * start. */
+/* Replaces the event with that sequence number, which must still be in the history. The new event belongs to this start. */
 void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event);
-#ifndef EVENT_LOG_JOINS /* whether repeats take two entries; 0: each takes one of its own */
+#ifndef EVENT_LOG_JOINS
+/* 1: a run of repeats takes two entries. 0: each repeat takes an entry of its own. */
 #define EVENT_LOG_JOINS 1
 #endif
-/* Where the event with that sequence number repeats one of the last hour of this start, it becomes the latest of the run, with
- * their count as its value (EVENT_REPEATED), and the one that was the latest goes. Returns whether one before it has gone: all
- * from there on have moved up by one. */
+/* Joins the event with that sequence number to a run, where it repeats an event of the last hour of this start. It becomes the
+ * latest of the run (EVENT_REPEATED), with the count of the run as its value, and the latest one before it is removed. Returns
+ * whether an event was removed; all later events then have moved up by one. */
 #if EVENT_LOG_JOINS
 bool event_log_join(struct event_log *log, uint32_t sequence);
 #else
 #define event_log_join(log, sequence) ((void)(log), (void)(sequence), false)
 #endif
-/* The event with that sequence number; false when it is not there (any more). Characters that are in no name and in no
- * word of an event come back as '?'. */
+/* Gets the event with that sequence number. Returns false when it is not in the history. A character of the subject that no
+ * record can hold comes back as '?'. */
 bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event);
-/* Sequence of the oldest one that may still be there. */
+/* Returns the sequence number of the oldest event that may still be in the history. */
 uint32_t event_log_oldest(const struct event_log *log);
 
 #endif

@@ -1,12 +1,12 @@
-/* Repeats of an event take one entry of the history (event_log_join). */
+/* Joins repeats of an event to a run in the history (event_log_join). */
 #include <string.h>
 
 #include "service/event_log.h"
 
-/* A run ends when nothing of it has come for so long of plant time. */
+/* Longest plant time between two events of a run, ms. */
 #define RUN_GAP_MS 3600000u
 
-/* What stands behind it is of this start. */
+/* Removes an event. All events after it must be of this start, because event_log_replace() gives them its number. */
 static void take_out(struct event_log *log, uint32_t sequence)
 {
     struct event e;

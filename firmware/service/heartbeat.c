@@ -26,7 +26,7 @@ bool heartbeat_due(struct heartbeat *h, uint64_t now_ms, uint32_t turns)
         h->turned_ms = now_ms;
     }
     if (now_ms - h->tick_ms >= h->timeout_ms / 4u)
-        h->late = 0; /* no tick has come since: there is time again */
+        h->late = 0; /* no tick has come since, so there is time again */
     if (h->late == HEARTBEAT_LATE || now_ms - h->turned_ms >= h->timeout_ms / 2u)
         return false;
     if (h->fed && now_ms - h->fed_ms < h->timeout_ms / HEARTBEAT_RATE)

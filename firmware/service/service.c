@@ -26,7 +26,7 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
     event_log_init(&s->history,
                    hal_retained(HAL_RETAINED_EVENTS, EVENT_HISTORY * sizeof(struct event_record)),
                    hal_boot_id());
-    s->announced = s->history.count; /* earlier starts have announced theirs */
+    s->announced = s->history.count; /* earlier starts have announced their events */
     struct config_fault fault;
     tables_begin();
     tables_watch(TABLES_OF_PLAN, &s->plan[0].config);
@@ -42,7 +42,7 @@ const struct plan *service_plan(const struct service *s)
     return &s->plan[s->newest];
 }
 
-/* The scratch plan, when none waits. */
+/* Returns the index of the plan that is not the newest: the scratch plan, when no plan waits. */
 static uint8_t other(const struct service *s)
 {
     return s->newest ^ 1u;
@@ -55,8 +55,8 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop)
     return supervisor_mode(s->supervisor, loop);
 }
 
-/* Before the scratch plan is written: rows that wait to be printed are of the plan in force from here on, where it has
- * the same columns; else they are given up. */
+/* Frees the scratch plan of telemetry rows that wait to be printed. Rows with the same columns move to the plan in force; the
+ * function drops and counts the others. */
 static void release_rows(struct service *s)
 {
     struct spsc *q = &s->telemetry.index;
@@ -65,7 +65,7 @@ static void release_rows(struct service *s)
     for (uint32_t k = 0; k < n; k++)
         stale += s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == old;
     bool same = stale && telemetry_same_columns(old, plan);
-    /* A row of the old plan is never behind one of the new. */
+    /* Rows of the old plan always come before rows of the new one. */
     for (; stale; stale--) {
         if (same) {
             s->telemetry.slot[read++ & (TELEMETRY_QUEUE_SIZE - 1u)].plan = plan;
@@ -138,13 +138,13 @@ void service_fault_name(const struct config_fault *fault, struct text *t)
     text_str(t, fault->field);
 }
 
-/* The scratch plan is built from it, and may come into force. */
+/* Builds the scratch plan from the configuration and checks that it may come into force. */
 static enum err build_next(struct service *s, const struct config *config,
                            struct config_fault *fault)
 {
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
-    /* Room for one more, come what may. */
+    /* The request that puts the plan into force needs room in the queue. */
     if (!spsc_can_write(&s->requests.index) || s->newest != s->in_force)
         return ERR_BUSY;
     release_rows(s);
@@ -152,7 +152,7 @@ static enum err build_next(struct service *s, const struct config *config,
     enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
     if (err)
         return err;
-    /* A table that is in force already stays where it is: whoever has looked it up there need not be told. */
+    /* A table that is in force already keeps its place, so that pointers to it stay valid. */
     tables_share(&plan->config, &service_plan(s)->config);
     if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
         *fault =
@@ -190,14 +190,15 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     s->newest = other(s);
     s->tick_known = service_plant_tick_s(s) > 0.0f;
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
-    err = service_request(s, &apply); /* there is room: this context alone writes the queue */
+    err =
+        service_request(s, &apply); /* there is room, because only this context writes the queue */
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
             s->expected_mode[i] = LOOP_MANUAL;
     return err;
 }
 
-/* In a frame of its own: the stack below plan_set_tick() is deep. */
+/* Reports CONFIG_REFUSED. The function has a frame of its own, because the stack below plan_set_tick() is deep. */
 NOT_INLINE static void tell_refusal(struct service *s, const struct config_fault *fault,
                                     float value)
 {
@@ -207,8 +208,8 @@ NOT_INLINE static void tell_refusal(struct service *s, const struct config_fault
     event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, name, value, 0);
 }
 
-/* With tick.base 0 a number of ticks is an interval of the plant that was there when it was set. Another plant would make another
- * interval of it, without a word. */
+/* Returns whether a setting counts ticks, and which one. With tick.base 0 such a setting is an interval of the plant at which somebody
+ * set it. Another plant would silently make another interval of it. */
 static bool counts_ticks(const struct config *c, struct config_fault *fault)
 {
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -226,7 +227,7 @@ static bool counts_ticks(const struct config *c, struct config_fault *fault)
     return false;
 }
 
-/* The plan leaves its base tick open, and has another one than the plant announces. */
+/* Returns whether the configuration leaves the base tick open and the plan has another one than the plant announces. */
 static bool plan_is_unfit(const struct service *s, const struct plan *plan)
 {
     float tick_s = service_plant_tick_s(s);
@@ -253,7 +254,7 @@ static void fit_plan(struct service *s, struct plan *plan)
     if (plan_set_tick(plan, tick_s, &fault) == ERR_OK)
         return;
     tell_refusal(s, &fault, tick_s);
-    (void)!plan_set_tick(plan, before_s, &fault); /* as it was: that fitted */
+    (void)!plan_set_tick(plan, before_s, &fault); /* the old base tick, which fitted */
 }
 
 void service_fit_plan(struct service *s)
@@ -295,7 +296,7 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
     return ERR_OK;
 }
 
-/* No plant whose time goes on. */
+/* Returns whether nothing can act: the firmware is damaged, no plant is connected, or plant time stands still. */
 static bool nobody_there(const struct service *s, const char **wanted)
 {
     if (s->image == HAL_IMAGE_DAMAGED) {
@@ -338,7 +339,7 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
     if (other_tick(s, what, wanted))
         return ERR_CONFLICT;
     hal_tick_lock();
-    /* Down the chain of cascades, which has no rings: at most every loop once. */
+    /* Goes down the chain of cascades, which has no rings, so it meets every loop once at most. */
     for (unsigned depth = 0; !err && depth < CONFIG_LOOPS && loop != PLAN_NONE; depth++) {
         const struct loop_plan *p = &plan->loop[loop];
         const struct measurement_config *m = &c->measurement[p->pv];
@@ -367,7 +368,7 @@ enum err service_output_there(struct service *s, uint8_t output, const char **wh
     return err;
 }
 
-/* While events wait to be printed the history is not filled up with more, as long as the queue has room. */
+/* Moves events into the history. While half a history of events waits to be printed, it moves only what exceeds half of the queue. */
 void service_keep_events(struct service *s)
 {
     struct event_queue *queue = &s->tick_events;
@@ -408,7 +409,7 @@ void service_record(struct service *s, enum event_code code, const char *subject
                     uint8_t detail)
 {
     struct event e = event_make(service_time_ms(s), code, subject, value, detail);
-    service_keep_events(s); /* what came before stands before */
+    service_keep_events(s); /* earlier events of the tick come first */
     event_log_put(&s->history, &e);
 }
 

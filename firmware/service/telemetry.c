@@ -138,7 +138,7 @@ bool telemetry_same_columns(const struct plan *a, const struct plan *b)
         const struct mv_config *oa = &ca->mv[i], *ob = &cb->mv[i];
         same = same && same_channel(ma->name, ma->unit, mb->name, mb->unit) &&
                same_channel(oa->name, oa->unit, ob->name, ob->unit);
-        /* A row says only whether an offset is subtracted. */
+        /* A row only tells whether an offset is subtracted, so the offsets must be equal. */
         same = same && measurement_offset_of(ma) == measurement_offset_of(mb);
         same = same && (sampling_every(ma) > 1) == (sampling_every(mb) > 1);
     }
