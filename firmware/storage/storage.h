@@ -1,19 +1,20 @@
 /* Parameter storage: sets of keyed records in flash. Format and life of a save: docs/storage.md.
  *
- * Two slots, each a half of the area hal/nvm.h describes. A save appends a whole set to a slot that was erased before,
- * and confirms it; the newest whole set counts, and nothing that is needed to find it is ever written again. A cut of
- * the power can leave words behind that read now so, now so: what a start decides on them it writes down, before
- * anything else is done.
+ * There are two slots, each a half of the area that hal/nvm.h describes. A save appends a whole set to a slot that was
+ * erased before, and confirms it. The newest whole set counts, and storage never overwrites what it needs to find that
+ * set. A power cut can leave words that read differently each time. A start therefore writes its decision on such words
+ * down before it does anything else.
  *
  * Rules
- *  1. Main loop only, in small pieces: storage_poll() does at most one flash operation.
+ *  1. Storage works in the main loop only, in small pieces: storage_poll() does at most one flash operation.
  *  2. An erase stalls the processor. It happens only while all loops are in manual: after a start, before the
- *     stored set is put into force, when the slot in use has no room for another set; or in a save.
- *  3. Nothing is touched before the first command has gone out, or until no plant has come for STORAGE_WAIT_MS.
- *  4. What is stored is never given up because of one value: unknown ids are carried over by the next save (but those
- *     of a block that has got another kind), values out of range are clipped and told one by one.
- *  5. Nothing is written while there is something in a format of newer firmware, until storage_save() is told to
- *     replace it.
+ *     stored set comes into force, when the slot in use has no room for another set; or in a save.
+ *  3. Storage touches the flash only after the first command has gone out, or after STORAGE_WAIT_MS without a plant, or
+ *     when an operator asks.
+ *  4. One bad value never costs the other stored settings. The next save carries unknown ids over (except those of a
+ *     block that has got another kind). Values out of range are clipped and reported one by one.
+ *  5. Storage writes nothing while there is something in a format of newer firmware, unless storage_save() has
+ *     `replace`.
  */
 #ifndef REFLUX_STORAGE_STORAGE_H
 #define REFLUX_STORAGE_STORAGE_H
@@ -22,28 +23,30 @@
 
 void storage_init(struct storage *st, struct service *service);
 
-/* One piece of work. Returns whether there was any. */
+/* Does one piece of work. Returns whether there was any. */
 bool storage_poll(struct storage *st);
 
-/* Has the flash been read, so that load and save can do their work? Asking ends the wait after a start. */
+/* Returns whether the flash has been read, so that load and save can work. The call also ends the wait after a start. */
 bool storage_ready(struct storage *st);
 
 /* Begins to store service_plan(). The caller keeps service_staged() free until storage_saving() is false; then
- * storage_result() tells. `replace`: also where that erases what newer firmware has stored. ERR_UNSUPPORTED, ERR_VERSION
- * (newer firmware has stored something), ERR_STATE (needs an erase while a loop acts; would replace a set that was
- * refused by the defaults that run instead), ERR_FULL: nothing begun. */
+ * storage_result() has the result. `replace`: store also where that erases settings of newer firmware. On an error nothing
+ * has begun. ERR_UNSUPPORTED. ERR_VERSION: newer firmware has stored something. ERR_STATE: a transaction is open, a loop
+ * acts and an erase is needed, or the defaults that run would replace a stored set that was refused. ERR_BUSY: storage is
+ * not ready. ERR_FULL. ERR_IO: the last write failed and an erase is needed. */
 MUST_CHECK enum err storage_save(struct storage *st, bool replace, const char **reason);
 bool storage_saving(const struct storage *st);
 MUST_CHECK enum err storage_result(const struct storage *st, const char **reason);
 
-/* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_VERSION
- * where there is only something of newer firmware, ERR_CRC where there is something but no whole set: *config is
- * unchanged. ERR_FULL: it has a table for which there is no place beside those in force. */
+/* Loads the stored set over the defaults, and reports changed values as events. On an error *config is unchanged.
+ * ERR_UNSUPPORTED. ERR_EMPTY. ERR_VERSION: there are only settings of newer firmware. ERR_CRC: the flash holds something
+ * but no whole set. ERR_FULL: the set has a table for which there is no place beside those in force. */
 MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **reason);
 
-/* "none", "unread", "ok", "blocked": newer firmware has stored something, or "failed": the last write was not taken. */
+/* Returns the state: "none", "unread", "ok", "blocked" (newer firmware has stored something) or "failed" (the flash refused the
+ * last write). */
 const char *storage_word(const struct storage *st);
-/* "ok, set 12 bytes 1304 room 14000 erases 1" */
+/* Writes the state in words: "ok, set 12 bytes 1304 room 14000 erases 1" */
 void storage_text(const struct storage *st, struct text *line);
 
 #endif

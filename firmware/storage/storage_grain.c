@@ -1,4 +1,4 @@
-/* The grains that begin and end a set. */
+/* Grains that begin and close a set. */
 #include "base/crc32.h"
 #include "storage/storage_parts.h"
 

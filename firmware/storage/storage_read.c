@@ -1,4 +1,4 @@
-/* Storage, reading: which set is the newest whole one, and its values. */
+/* Storage, reading: finds the newest whole set, and loads its values. */
 #include <string.h>
 
 #include "base/crc32.h"
@@ -7,14 +7,14 @@
 #include "storage/storage.h"
 #include "storage/storage_parts.h"
 
-/* ---- finding what is there ---- */
+/* ---- finding sets ---- */
 
 static bool checked_grain(const uint8_t *grain, uint32_t magic)
 {
     return get32(grain) == magic && get32(grain + 12) == crc32_update(0, grain, 12);
 }
 
-/* All its bytes are that one. */
+/* Returns whether all bytes of the grain equal `byte`. */
 static bool all_are(const uint8_t *grain, uint8_t byte)
 {
     return grain[0] == byte && memcmp(grain, grain + 1, STORAGE_GRAIN - 1u) == 0;
@@ -28,8 +28,8 @@ static bool blank(const struct storage *st, const uint8_t *grain)
     return true;
 }
 
-/* What a grain says about the slot. Bytes erased or zero are nothing: memory that was never written, a model of one, or
- * a mark that was to go. */
+/* Notes what a grain tells about the slot. Bytes that are erased or zero tell nothing: they are memory that was never
+ * written, a model of such memory, or a removed mark. */
 static void look_at(struct storage *st, const uint8_t *grain)
 {
     bool mark = st->read_address == 0 && checked_grain(grain, MARK_MAGIC);
@@ -74,7 +74,7 @@ static bool before(const struct storage *st, const struct storage_set *a,
     return a->closed != b->closed ? a->closed < b->closed : a->tail < b->tail;
 }
 
-/* The newest so far of those not found wanting yet, if it lies within its slot. */
+/* Makes the set the candidate if it lies within its slot, is before the limit, and is the newest so far. */
 static void consider(struct storage *st, const struct storage_set *set)
 {
     uint32_t begin = slot_address(st, st->slot), end = begin + st->slot_size;
@@ -92,7 +92,7 @@ static void see_sequence(struct storage *st, uint32_t sequence)
         st->sequence = sequence;
 }
 
-/* What a renewal, or a tail that is confirmed, says of its set. */
+/* Reads the set that a renewal or a tail closes. Returns whether the grain is one of them. */
 static bool look_for_close(const struct storage *st, const uint8_t *grain, uint32_t address,
                            struct storage_set *set)
 {
@@ -112,7 +112,7 @@ static bool look_for_close(const struct storage *st, const uint8_t *grain, uint3
            address >= slot_address(st, st->slot) + set_size(set->length);
 }
 
-/* Heads, renewals and confirmations: each may lead to the newest set. */
+/* Looks for a head, a renewal or a confirmation. Each may lead to the newest set. */
 static void look_for_set(struct storage *st, const uint8_t *grain)
 {
     uint32_t address = slot_address(st, st->slot) + st->read_address, sequence = get32(grain + 4);
@@ -157,7 +157,8 @@ bool storage_blocked(const struct storage *st)
 bool storage_unsettled(const struct storage *st)
 {
     uint32_t newest = st->newest.sequence;
-    /* A later one that was confirmed is damaged, and may perhaps be read again: it is not put behind. */
+    /* A later set that was confirmed is damaged, but a later start may be able to read it. So the newest set is not closed again
+     * under a later sequence. */
     return newest != 0 && !later(st, st->sure_sequence, newest) &&
            (st->newest.closed != CLOSED_CONFIRMED || later(st, st->sequence, newest));
 }
@@ -168,8 +169,8 @@ bool storage_can_renew(const struct storage *st)
     return st->prepared[slot] && st->slot_size - st->used[slot] >= RENEWAL_SIZE;
 }
 
-/* At that address, where a set would begin, there is something that is no head; nor what is left of the newest set's
- * confirmation, by its sequence or format, or without either. */
+/* Returns whether there is a broken head at that address, where a set would begin. Remains of the newest set's
+ * confirmation do not count: they have its sequence or its format, or an erased sequence. */
 static bool broken_head(const struct storage *st, uint32_t address)
 {
     uint8_t grain[STORAGE_GRAIN];
@@ -182,8 +183,8 @@ static bool broken_head(const struct storage *st, uint32_t address)
            (sequence != st->newest.sequence && sequence != UINT32_MAX && grain[10] != CONFIRMATION);
 }
 
-/* Behind the newest whole set, or first in the other slot, there is one that is not whole: by its head, which tells
- * its sequence, or with a broken head. */
+/* Returns whether there is a newer set that is not whole. Its head tells a later sequence, or a broken head stands after
+ * the newest whole set or first in the other slot. */
 static bool newer_broken(const struct storage *st)
 {
     uint8_t slot = slot_in_use(st), other = (uint8_t)!slot;
@@ -195,7 +196,7 @@ static bool newer_broken(const struct storage *st)
            broken_head(st, slot_address(st, other) + STORAGE_GRAIN);
 }
 
-/* The newest whole set is known, or that there is none. */
+/* Ends the search: `newest` is the newest whole set, or there is none. */
 static void found(struct storage *st)
 {
     uint8_t other = (uint8_t)!slot_in_use(st);
@@ -209,7 +210,7 @@ static void found(struct storage *st)
     if (storage_can_renew(st)) {
         st->state = RENEWING;
     } else if (st->newest.closed != CLOSED_CONFIRMED && st->sure[other]) {
-        /* It may not be there the next time, and cannot be closed again; the other slot holds one that will. */
+        /* The next start may not read this set, and it cannot be closed again. The other slot holds a confirmed set. */
         st->limit = st->newest;
         st->newest.sequence = 0;
         storage_begin_scan(st);
@@ -255,20 +256,20 @@ static enum storage_verdict check_is_over(struct storage *st, bool whole)
         st->again = true;
         storage_begin_check(st);
     } else {
-        st->limit = st->candidate; /* an older one, perhaps */
+        st->limit = st->candidate; /* search for an older set */
         storage_begin_scan(st);
     }
     return STORAGE_GOES_ON;
 }
 
-/* The first grain of a set is its head, and the last one closes it. */
+/* Returns whether the first grain of a set is its head. */
 static bool is_its_head(const struct storage_set *set, const uint8_t *grain)
 {
     return checked_grain(grain, HEAD_MAGIC) && grain[10] == FORMAT &&
            get16(grain + 8) == set->length && (!own_tail(set) || get32(grain + 4) == set->sequence);
 }
 
-/* It is what a writer closes the set with, after that checksum of head and records. */
+/* Returns whether the grain is the tail or renewal of the set. crc: checksum of head and records. */
 static bool closes(const struct storage_set *set, const uint8_t *grain, uint32_t crc)
 {
     uint8_t wanted[STORAGE_GRAIN];
@@ -336,8 +337,8 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     storage_tell(st, EVENT_STORAGE_CLIPPED, name, value);
 }
 
-/* The newest set has more tables than there are places free, because of what is in force. At a start there are as many as
- * there will ever be: what is over then stays as a name. */
+/* Returns whether the newest set has more tables than there are free places, because settings in force take some. When all
+ * CONFIG_TABLES are free, it returns false, because there will never be more: a surplus table then stays as a name. */
 static bool lacks_places(const struct storage *st, const struct config *config)
 {
     uint32_t address = st->newest.address + STORAGE_GRAIN, left = st->newest.length;
@@ -374,11 +375,11 @@ enum err storage_load(struct storage *st, struct config *config, const char **re
         return ERR_FULL;
     }
     parameters_defaults(config);
-    /* Those that have moved first: a record under the new id is the newer one. Kinds of blocks as well, without which
-     * nobody knows what the other records of the block are. */
+    /* The first pass takes renamed records, because a record under the new id is the newer one. It also takes the kinds of
+     * blocks, because the other records of a block have no meaning without its kind. */
     for (unsigned pass = 0; pass < 2; pass++) {
         uint32_t address = st->newest.address + STORAGE_GRAIN, left = st->newest.length;
-        while (record_at(address, left, &r)) { /* at least RECORD_HEAD less each time */
+        while (record_at(address, left, &r)) { /* `left` falls by RECORD_HEAD or more */
             address += RECORD_HEAD + r.size;
             left -= RECORD_HEAD + r.size;
             if (record_parameter(&r, config, &p, &renamed) &&

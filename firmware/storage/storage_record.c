@@ -65,7 +65,7 @@ static bool is_text(const struct parameter *p)
            p->field->type == PARAMETER_KIND || p->field->type == PARAMETER_LIST;
 }
 
-/* Nearest allowed value of a parameter that is a number. Whether it had to be moved. */
+/* Sets a parameter that is a number to the nearest allowed value. Returns whether that differs from f. */
 static bool take_number(const struct parameter *p, struct config *config, float f, uint32_t exact,
                         bool is_whole)
 {

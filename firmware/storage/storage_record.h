@@ -5,7 +5,8 @@
 #include "settings/parameters.h"
 
 #define RECORD_HEAD 4u /* id, type, size */
-/* Of those this build writes. Ids of more than 16 bits stand in front of the value, behind a short one of 0. */
+/* Bytes of a long id, and of the longest record that this build writes. An id of more than 16 bits stands before the value, and
+ * the short id in the head is then 0. */
 #define RECORD_WIDE 4u
 #define RECORD_MAX                                                                                 \
     (RECORD_HEAD + (CONFIG_BLOCKS ? RECORD_WIDE + BLOCK_NAMES_SIZE : CHANNEL_NAME_SIZE))
@@ -20,7 +21,7 @@ enum storage_type {
     STORAGE_ROW = 6   /* of a table: its values, each in the bytes of its type */
 };
 
-/* A field that has moved: its records are read as those of the new one (group << 12 | field << 6). The table ends
+/* A field that has moved: storage reads its records as those of the new field (group << 12 | field << 6). The table ends
  * with {0, 0}. */
 struct storage_rename {
     uint16_t from, to;
@@ -30,32 +31,32 @@ extern const struct storage_rename storage_renames[];
 struct stored_record {
     uint32_t address;
     uint32_t id;
-    uint8_t type, size; /* size of what follows the head */
-    uint8_t wide;       /* bytes of that which are the id */
+    uint8_t type, size; /* enum storage_type; bytes after the head */
+    uint8_t wide;       /* bytes of a long id among these; 0 without one */
 };
 
-/* Reads as often as it takes until two readings in a row agree: that one reading goes wrong has no effect. Words that
- * read differently each time, after a cut of the power, give what was read last. ERR_RANGE outside the flash. */
+/* Reads until two readings in a row agree, so that a single wrong reading has no effect. Words that read differently each
+ * time, after a power cut, give the last reading. ERR_RANGE: outside the flash. */
 MUST_CHECK enum err storage_read(uint32_t address, void *data, uint32_t n);
 
-/* The record at `address`, of which `left` bytes of the set are still there; false = there is none. */
+/* Reads the head of the record at `address`. left: bytes of the set from there on. Returns false where there is none. */
 bool record_at(uint32_t address, uint32_t left, struct stored_record *r);
-/* The parameter a record belongs to today; false = this build knows of none. Those of a block's kind are known where the
- * block has that kind in *config. */
+/* Finds the parameter that a record belongs to today. Returns false where this build has none. It knows the parameters of
+ * a block's kind only where the block has that kind in *config. */
 bool record_parameter(const struct stored_record *r, const struct config *config,
                       struct parameter *p, bool *renamed);
-/* The block it belongs to, whatever it is of that block; false: of none that this build has. */
+/* Finds the block that a record belongs to. Returns false where it belongs to no block of this build. */
 bool record_of_block(const struct stored_record *r, uint8_t *block);
-/* It is the kind of that block, and *config has the same one there. */
+/* Returns whether the record is the kind of that block, and *config has the same kind there. */
 bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config);
-/* It says that a block has a kind whose settings are a table. */
+/* Returns whether the record gives a block a kind whose settings are a table. */
 bool record_is_table(const struct stored_record *r);
-/* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
+/* Puts the value of a record into the configuration. Returns false where it took the nearest allowed value, or none. */
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config);
 
-/* Whether a set must have a record of it: it belongs to something in use, or differs from the default. */
+/* Returns whether a set needs a record of the parameter: it belongs to something in use, or differs from the default. */
 bool record_wanted(const struct parameter *p, const struct config *config);
-/* Writes the record; returns its size, RECORD_MAX at most. */
+/* Writes the record of a parameter. Returns its size, RECORD_MAX at most. */
 uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t *record);
 
 static inline uint32_t get32(const uint8_t *p)

@@ -1,4 +1,4 @@
-/* Records of blocks: whose they are, and what kind they say a block has. */
+/* Records of blocks: the block that they belong to, and the kind that they give it. */
 #include <string.h>
 
 #include "storage/storage_parts.h"
@@ -10,7 +10,7 @@ bool record_of_block(const struct stored_record *r, uint8_t *block)
     return r->id >> 24 == parameter_blocks.id && *block < CONFIG_BLOCKS;
 }
 
-/* It is the kind of that block: which. */
+/* Reads the kind of that block. Returns whether the record is that kind. */
 static bool kind_stored(const struct stored_record *r, uint8_t block, char kind[CHANNEL_NAME_SIZE])
 {
     struct parameter p = {.group = &parameter_blocks,

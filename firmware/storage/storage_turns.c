@@ -24,10 +24,10 @@ void storage_init(struct storage *st, struct service *service)
     st->slot_sectors = g.sectors / 2u;
     st->slot_size = st->slot_sectors * g.sector_size;
     st->erased = g.erased;
-    st->used[0] = st->used[1] = STORAGE_GRAIN; /* the mark's place, whatever it reads */
+    st->used[0] = st->used[1] = STORAGE_GRAIN; /* the place of the mark always counts */
 }
 
-/* ---- into force, after a start ---- */
+/* ---- stored settings into force, after a start ---- */
 
 static void take_stored(struct storage *st)
 {
@@ -53,7 +53,7 @@ static void take_stored(struct storage *st)
         storage_tell(st, EVENT_STORAGE_LEFT_OUT, NULL, (float)s->early_resets);
         return;
     }
-    if (s->staging || s->serial) { /* somebody was faster, and is not overruled */
+    if (s->staging || s->serial) { /* somebody has set something already, which stays */
         storage_tell(st, EVENT_STORAGE_REFUSED, "configured", 0.0f);
         return;
     }
@@ -62,7 +62,7 @@ static void take_stored(struct storage *st)
         return;
     enum err err = service_apply(s, staged, &fault);
     if (err == ERR_BUSY) {
-        st->state = TAKING; /* again in the next turn */
+        st->state = TAKING; /* try again in the next turn */
     } else if (err) {
         service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
@@ -74,8 +74,8 @@ static void take_stored(struct storage *st)
     }
 }
 
-/* What was refused with the tick of one plant, or without a plant, may fit that of the plant that has come. Who has applied
- * another meanwhile wants no more of it. */
+/* Returns whether to try a refused set again. It may fit the tick of the plant that has come. A configuration that somebody
+ * applied meanwhile ends the tries. */
 static bool comes_later(struct storage *st)
 {
     const struct service *s = st->service;
@@ -89,9 +89,9 @@ static bool comes_later(struct storage *st)
     return true;
 }
 
-/* ---- in turns ---- */
+/* ---- turns ---- */
 
-/* The first command has gone out, or there is nobody to send one to. */
+/* Returns whether storage may touch the flash: the first command has gone out, nobody is there to send one to, or an operator asked. */
 static bool may_touch(struct storage *st)
 {
     const struct service *s = st->service;

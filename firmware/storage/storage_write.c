@@ -1,4 +1,4 @@
-/* Storage, writing: a slot is made ready, a set is appended to it. */
+/* Storage, writing: prepares a slot, and appends a set to it. */
 #include <string.h>
 
 #include "base/assertion.h"
@@ -45,7 +45,7 @@ static bool has_room(const struct storage *st, uint8_t slot, uint32_t bytes)
     return st->prepared[slot] && st->slot_size - st->used[slot] >= bytes;
 }
 
-/* The slot to append a set of that size to: the one in use as long as it has room. False: neither has. */
+/* Chooses the slot to append a set of that size to: the one in use as long as it has room. Returns false where neither has. */
 static bool find_room(struct storage *st, uint32_t bytes)
 {
     bytes += SAVE_ROOM;
@@ -58,7 +58,7 @@ static bool find_room(struct storage *st, uint32_t bytes)
 
 static void begin_erase(struct storage *st)
 {
-    /* Never the one that holds what counts. */
+    /* Never the slot with the newest whole set. */
     st->slot = st->newest.sequence ? (uint8_t)!slot_in_use(st) : 0;
     st->prepared[st->slot] = false;
     st->used[st->slot] = st->slot_size;
@@ -76,7 +76,7 @@ static void not_taken(struct storage *st)
         st->state = TAKING;
 }
 
-/* Somebody may have put a loop into auto since. */
+/* Checks again before each step of an erase, because somebody may have put a loop into auto meanwhile. */
 static bool still_may_erase(struct storage *st)
 {
     if (may_erase(st))
@@ -88,7 +88,8 @@ static bool still_may_erase(struct storage *st)
     return false;
 }
 
-/* A slot with a mark has been erased to the end: cut in the middle of an erase it could look as if. */
+/* Zeroes the mark before an erase. A mark means that the slot was erased to the end, and it could survive an erase that a power
+ * cut ends. */
 static void unmark(struct storage *st)
 {
     static const uint8_t zeros[STORAGE_GRAIN];
@@ -116,8 +117,8 @@ static void erase(struct storage *st)
     st->state = MARKING;
 }
 
-/* Room for the largest set this build can make, and for one like the newest, so that the next save needs no erase. Tables
- * of blocks are not in the first: they would take the whole of a small slot. */
+/* Returns the room for the largest set that this build can make, or for one like the newest, so that the next save needs no
+ * erase. The largest set does not count tables of blocks, because they would fill a small slot. */
 static uint32_t largest_set(const struct storage *st)
 {
     uint32_t bytes = 0;
@@ -135,8 +136,8 @@ static uint32_t largest_set(const struct storage *st)
     return bytes < most ? bytes : most;
 }
 
-/* May the other slot go without being asked for? Not as long as only what may be read another time is to be had from
- * there: nothing whole has been found, or the newest set may not be there the next time. */
+/* Returns whether storage may erase the other slot without a request. It may not while that slot could still be needed:
+ * no whole set was found but a later start may read one, or the next start may not read the newest set. */
 static bool other_is_spare(const struct storage *st)
 {
     if (!st->newest.sequence)
@@ -144,7 +145,7 @@ static bool other_is_spare(const struct storage *st)
     return st->newest.closed == CLOSED_CONFIRMED || !st->sure[!slot_in_use(st)];
 }
 
-/* After a start: room for the next save, or on with what is stored. */
+/* Makes room for the next save after a start, or goes on with the stored set. */
 static void prepare(struct storage *st)
 {
     if (find_room(st, largest_set(st)) || !other_is_spare(st) || !may_erase(st))
@@ -155,7 +156,7 @@ static void prepare(struct storage *st)
 
 /* ---- a set ---- */
 
-/* A save goes on to its set, as soon as what was there before is settled. */
+/* Begins the set of a save, or first the renewal or the erase that it needs. */
 static void begin_set(struct storage *st)
 {
     if (!storage_blocked(st) && storage_unsettled(st) && storage_can_renew(st))
@@ -168,7 +169,7 @@ static void begin_set(struct storage *st)
         not_taken(st);
 }
 
-/* What the newest set has of blocks that keep their kind. Of another kind the same ids are something else. */
+/* Finds the blocks that keep the kind that the newest set gives them. Under another kind the same ids mean something else. */
 static void find_kept_blocks(struct storage *st)
 {
     const struct config *config = service_staged(st->service);
@@ -201,8 +202,8 @@ static void rewind_records(struct storage *st)
     st->old_left = st->newest.sequence ? st->newest.length : 0;
 }
 
-/* The next record: of a parameter, then those of the newest set nobody here knows. Either into `record`, or where to
- * copy it from. Returns its size, 0 = that was all. */
+/* Takes the next record: those of the parameters, then those of the newest set that this build does not know. It puts the
+ * record into `record`, or notes where to copy it from. Returns its size; 0 after the last one. */
 static uint32_t next_record(struct storage *st)
 {
     struct config *config = service_staged(st->service);
@@ -246,7 +247,7 @@ static uint32_t count_records(struct storage *st)
     return all;
 }
 
-/* Whether there was a byte; else the records are over. */
+/* Gets the next byte of the records. Returns false after the last one. */
 static bool next_byte(struct storage *st, uint8_t *byte)
 {
     if (st->record_at == st->record_n && !st->copy_left && next_record(st) == 0)
@@ -263,13 +264,13 @@ static bool next_byte(struct storage *st, uint8_t *byte)
     return true;
 }
 
-/* Programs the piece at the end of the slot. What is not taken there may be taken behind it, so often as `tries` says:
- * words that a cut has left may look erased for a while. */
+/* Programs the piece at the end of the slot. Where the flash refuses it, the next turn tries behind that place, up to `tries`
+ * times, because words that a power cut has left may look erased for a while. */
 static bool program(struct storage *st, unsigned tries)
 {
     uint32_t at = st->used[st->slot];
     if (st->slot_size - at >= st->piece_n) {
-        st->used[st->slot] += st->piece_n; /* not again, whatever comes of it */
+        st->used[st->slot] += st->piece_n; /* never programmed again, even after a failure */
         bool taken =
             hal_nvm_program(slot_address(st, st->slot) + at, st->piece, st->piece_n) == ERR_OK;
         st->tries = taken ? 0 : (uint8_t)(st->tries + 1u);
@@ -298,8 +299,8 @@ static void write_mark(struct storage *st)
         st->state = WRITING_HEAD;
 }
 
-/* What a start has decided, for good: the newest set gets another tail, whose words are not those of a cut, under the
- * latest sequence, before which nothing unconfirmed counts. */
+/* Writes the decision of a start down: the newest set gets another tail, whose words no power cut has left. It has the latest
+ * sequence, so that no unconfirmed set comes after it. */
 static void renew(struct storage *st)
 {
     struct storage_set set = st->newest;
@@ -315,7 +316,7 @@ static void renew(struct storage *st)
     st->state = CONFIRMING;
 }
 
-/* The newest set is confirmed, by a start or a save. */
+/* Goes on after a start or a save has confirmed the newest set. */
 static void confirmed(struct storage *st)
 {
     st->newest.closed = CLOSED_CONFIRMED;
@@ -326,12 +327,12 @@ static void confirmed(struct storage *st)
     else if (!st->candidate.sequence)
         begin_set(st);
     else if (st->newer[!st->slot])
-        begin_erase(st); /* it has been given up */
+        begin_erase(st); /* the save replaces the settings of newer firmware */
     else
         saved(st, ERR_OK, NULL);
 }
 
-/* That the tail before has been written to its end. Where it cannot stand there, both are written again. */
+/* Writes the confirmation: the tail before it was written to its end. Where the flash refuses it, both are written again. */
 static void confirm(struct storage *st)
 {
     (void)storage_grain(st->piece, HEAD_MAGIC, st->newest.sequence,
