@@ -41,7 +41,7 @@ bool block_parameter_at(const struct config *config, unsigned n, struct block_pa
     return false;
 }
 
-/* "3" of "table.3": 1 and up, without leading zeros. */
+/* Reads the "3" of "table.3": from 1 up to `rows`, without leading zeros. Returns whether it is one. */
 static bool row_number(const char *s, unsigned rows, uint16_t *row)
 {
     uint32_t x;
@@ -111,7 +111,7 @@ static bool between(char c)
     return c == ',' || c == ' ';
 }
 
-/* The next item, one of at least one character behind exactly one comma or blank; NULL where that is not so. */
+/* Gets the next item. Returns NULL where it is empty, or has no room with its zero. */
 static const char *next_item(const char **s, char *item, size_t size)
 {
     size_t n = 0;
@@ -177,7 +177,7 @@ bool block_list_repeats(const char *list)
         size_t n = name_length(a);
         const char *b = a + n;
         while (*b) {
-            b++; /* the blank */
+            b++; /* skip the blank */
             if (name_length(b) == n && memcmp(a, b, n) == 0)
                 return true;
             b += name_length(b);
@@ -212,7 +212,7 @@ void block_row_put(const struct block_parameter *own, const uint8_t *at, struct 
     }
 }
 
-/* A number into the type of the row. */
+/* Writes a number in the type of the row. */
 static void keep(const struct block_parameter *own, uint8_t *at, float f)
 {
     uint16_t u16 = own->type == BLOCK_FLOAT ? 0 : (uint16_t)f;

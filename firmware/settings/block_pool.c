@@ -18,7 +18,7 @@ enum err record_to_write(struct config *config, uint8_t n)
     return config->table[n] ? table_to_write(config, n) : ERR_OK;
 }
 
-/* Of block n in the pool. */
+/* Returns the bytes of the pool that block n uses. */
 static uint16_t pool_bytes(const struct config *config, unsigned n)
 {
     return config->table[n] ? 0 : config->block[n].bytes;
@@ -32,7 +32,7 @@ static uint32_t bytes_in_use(const struct config *config)
     return bytes;
 }
 
-/* The record of block n takes so many bytes of the pool, all 0; those behind it move up or down. It has no table then. */
+/* Gives the record of block n `bytes` bytes of the pool, all 0, and takes its table away. The records after it move up or down. */
 static void resize(struct config *config, uint8_t n, uint16_t bytes)
 {
     struct block_config *b = &config->block[n];
@@ -75,7 +75,7 @@ static void name_kind(struct config *config, uint8_t n, const char *kind)
            length < CHANNEL_NAME_SIZE ? length : CHANNEL_NAME_SIZE - 1u);
 }
 
-/* Room for a record of that kind, all 0; errors of record_make(). */
+/* Makes room for a record of that kind, all 0. Errors as record_make(). */
 static enum err room_for_record(struct config *config, uint8_t n, const struct block_kind *kind,
                                 uint32_t *needed, uint32_t *free)
 {

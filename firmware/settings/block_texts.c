@@ -72,7 +72,7 @@ bool block_text_is_initial(const struct parameter *p, const uint8_t *value)
     return p->field->type == PARAMETER_ROW ? block_row_is_initial(p->own, value) : *value == 0;
 }
 
-/* A list whose names all differ. Of one with a repeated name an estimator would take the same error for two. */
+/* Sets a list whose names all differ. With a repeated name, an estimator would count the same error twice. */
 static enum err set_list(char *list, size_t size, const char *value)
 {
     char before[BLOCK_NAMES_SIZE];
@@ -85,7 +85,8 @@ static enum err set_list(char *list, size_t size, const char *value)
     return err;
 }
 
-/* How many values a row needs. Where it has a column for each loop that a block of the kind can have: one for each loop it has. */
+/* Returns the number of values that a row needs. A row with a column for each possible loop of the kind needs one for each loop that
+ * the block has. */
 static unsigned values_needed(const struct parameter *p, const struct config *config)
 {
     const struct block_kind *kind = block_kinds[config_block_kind(config, p->index)];

@@ -1,4 +1,4 @@
-/* Parameters by number, name and id. Those of blocks depend on the kinds in a configuration. */
+/* Finds parameters by number, name and id. Those of blocks depend on the kinds in a configuration. */
 #include <string.h>
 
 #include "settings/parameters.h"

@@ -1,4 +1,4 @@
-/* Parameters from texts and numbers. */
+/* Sets parameters from texts and numbers. */
 #include <string.h>
 
 #include "settings/block_pool.h"
@@ -53,7 +53,7 @@ void parameters_defaults(struct config *config)
     for (unsigned n = 0; parameter_at(n, &p); n++) {
         uint8_t *at = parameter_place(&p, config);
         float f = parameter_initial(&p);
-        /* Only real ones may be negative. */
+        /* Only parameters of type float may be negative. */
         uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)field_initial(p.field);
         uint16_t u16 = (uint16_t)u32;
         switch (p.field->type) {
@@ -157,7 +157,7 @@ enum err parameter_set_number(const struct parameter *p, struct config *config, 
         return ERR_READ_ONLY;
     if (field->type >= PARAMETER_NAME)
         return ERR_PARSE;
-    if (!(value >= lo && value <= hi)) /* nor what is no number */
+    if (!(value >= lo && value <= hi)) /* also refuses NaN */
         return ERR_RANGE;
     if (value == 0.0f)
         value = 0.0f; /* no negative zero: equal settings have equal bits */

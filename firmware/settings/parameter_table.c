@@ -1,4 +1,4 @@
-/* The declaration of every parameter. Ids are for ever: take the next free one for a new field. */
+/* Declares every parameter. Ids never change: take the next free one for a new field. */
 #include <stddef.h>
 
 #include "exchange/rows.h"
@@ -6,7 +6,7 @@
 
 #define BIG 1e9f
 
-/* Limits and defaults: a few numbers again and again, so a row holds the places of its own in this list. A new
+/* List of limits and defaults. They are a few numbers that many rows share, so a row holds places in this list. A new
  * number goes to the end. */
 /* clang-format off */
 #define VALUES(V, x)                                                                                \
@@ -21,11 +21,11 @@
 #define ENTRY(place, value, x) [place] = (value),
 static const float values[] = {VALUES(ENTRY, )};
 
-/* A number that is not in the list gets a place no byte holds, which the compiler refuses. */
+/* A number that is not in the list gets a place that no byte holds, so the compiler refuses it. */
 #define PLACE_IF(place, value, x) (float)(x) == (value) ? (place):
 #define PLACE(x)                  (VALUES(PLACE_IF, x) 0x100)
 
-/* unit: of PARAMETER_WORD the words, of PARAMETER_NAME PARAMETER_SECRET or nothing. */
+/* Row of the table. unit: the words of a PARAMETER_WORD; PARAMETER_SECRET, PARAMETER_SUBJECT or "" of a PARAMETER_NAME. */
 #define ROW(id, type, offset, name, unit, lo, hi, initial, help)                                   \
     {                                                                                              \
         id, type, offset, name, unit, help, PLACE(lo), PLACE(hi), PLACE(initial), false            \
@@ -56,7 +56,7 @@ static const struct parameter_field tick_fields[] = {
       "wait"),
 };
 
-/* Of an analyser, and of a calibration. */
+/* Rows of an analyser, and of a calibration. */
 #define A(member, id, lo, hi, initial, help)                                                       \
     {                                                                                              \
         id, PARAMETER_U16, offsetof(struct measurement_config, analyser.member), #member, "ticks", \
@@ -320,7 +320,7 @@ OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
     F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-/* most: what the headers give where no board says otherwise. */
+/* Group with an index. most: the count of the largest board, which is the default in the headers. */
 #define GROUP(id, name, member, type, count, most, fields)                                         \
     {                                                                                              \
         id, count, COUNT(fields), true, offsetof(struct config, member), sizeof(type), name,       \
@@ -343,7 +343,7 @@ const struct parameter_group parameter_groups[] = {
     GUARD_ROWS({13, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1})
         START_UP_ROWS({14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
                       GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields))
-    /* Without sequences: named, to be refused. */
+    /* A board without sequences has the names only, so that it refuses them with ERR_UNSUPPORTED. */
     GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 32, step_fields),
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);
@@ -362,7 +362,7 @@ static const struct parameter_field block_fields[BLOCK_FIELDS] = {
 const struct parameter_group parameter_blocks =
     GROUP(16, "block", block, struct block_config, CONFIG_BLOCKS, 4, block_fields);
 
-/* Of the rows of kinds, by enum block_value; then of tables. The rest stands in the row. */
+/* Types of the rows of kinds, in the order of enum block_value, then of tables. The row of the kind has all else. */
 const struct parameter_field parameter_own_fields[] = {
     ROW(0, PARAMETER_FLOAT, 0, "", "", 0, 0, 0, ""),
     ROW(0, PARAMETER_U16, 0, "", "", 0, 0, 0, ""),

@@ -59,7 +59,7 @@ static const uint8_t *place_const(const struct parameter *p, const struct config
 
 void *parameter_place(const struct parameter *p, struct config *config)
 {
-    if (parameter_own(p)) /* of a record, which may be in another place */
+    if (parameter_own(p)) /* a record may be in another place */
         return (uint8_t *)record_place(config, p->index) +
                (place_const(p, config) - (const uint8_t *)config_record(config, p->index));
     return (uint8_t *)config + (place_const(p, config) - (const uint8_t *)config);
@@ -215,7 +215,7 @@ void parameter_range(const struct parameter *p, struct text *t)
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b)
 {
     if (parameter_is_of_block(p) && (p->own || p->field->type == PARAMETER_KIND)) {
-        /* Of another kind, or without a record there: what it begins with is no change beside that of the kind. */
+        /* With another kind in b, or without a record there, a default is no change besides that of the kind. */
         bool same = config_block_kind(a, p->index) == config_block_kind(b, p->index);
         if (p->own && !same)
             return parameter_is_default(p, a);

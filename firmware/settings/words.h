@@ -8,9 +8,9 @@
 #include "base/text.h"
 
 unsigned words_count(const char *words);
-/* The word at that place; nothing past the end. */
+/* Writes the word at that place; nothing past the end. */
 void words_put(const char *words, unsigned place, struct text *t);
-/* Place of a whole word; false: it is none of them. */
+/* Finds the place of a whole word. Returns false where it is none of them. */
 bool words_find(const char *words, const char *word, uint8_t *place);
 
 #endif
