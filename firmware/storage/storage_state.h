@@ -52,8 +52,8 @@ struct storage {
     struct storage_set limit; /* the search looks for sets before this one only */
     uint32_t tried_ms;        /* with `later`: tick of the plant that was there; 0: none */
     uint32_t origin;          /* first sequence seen; the order of two is counted from it */
-    uint32_t sequence;        /* latest sequence seen */
-    uint32_t sure_sequence;   /* latest confirmed sequence seen */
+    /* Latest sequence seen of all sets, and of the confirmed ones. */
+    uint32_t sequence, sure_sequence;
     /* Sequence of the newest whole set as the start found it, where something newer is not whole; else 0. */
     uint32_t older;
     uint32_t read_address;    /* position of the present work: offset in the slot, or address */
