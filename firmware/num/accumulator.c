@@ -76,7 +76,7 @@ void accumulator_take_sum(struct accumulator *a, const struct accumulator *b)
 void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
                             const struct accumulator *b)
 {
-    /* In two halves, scaled by 2^16 and 2^47: either product has 62 bits at most. The last bit of b is not missed. */
+    /* The product is taken in two halves, scaled by 2^16 and 2^47. Each has 62 bits at most. The last bit of b does not matter. */
     int64_t high = b->q48 >> 32;
     int64_t low = (b->q48 & UINT32_MAX) >> 1;
     add_shifted(a, c.mantissa * high, c.shift + 16 - 48);
@@ -136,7 +136,7 @@ void accumulator_take_sum(struct accumulator *a, const struct accumulator *b)
 void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
                             const struct accumulator *b)
 {
-    accumulator_add(a, c.value * b->sum); /* its carry is half a step of that at most */
+    accumulator_add(a, c.value * b->sum); /* the carry of b is half a step of its sum at most */
 }
 
 void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)

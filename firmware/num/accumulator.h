@@ -1,11 +1,11 @@
 /* Sums that must not stall: many tiny increments onto a value of order one.
  *
  * An hour-long integral time at a 0.05 s tick adds 1.4e-5 of an error that may itself be 1e-6 of span: far
- * below one step of num_t. So
+ * below one step of num_t. Accumulators therefore have more bits:
  *   float build: double-float sum, value and carried remainder: about 2^-47 relative
  *   fixed build: 64-bit Q15.48: range +-32768, step 2^-48 = 3.6e-15, saturating
- * and a factor smaller than one is kept with its own exponent (struct coefficient), so that it keeps
- * the 24 significant bits of the float it came from however small it is (down to 2^-48).
+ * A factor smaller than one has an exponent of its own (struct coefficient), so that it keeps the 24
+ * significant bits of the float it came from, however small it is (down to 2^-48).
  */
 #ifndef REFLUX_NUM_ACCUMULATOR_H
 #define REFLUX_NUM_ACCUMULATOR_H
@@ -29,7 +29,7 @@ static inline void accumulator_set(struct accumulator *a, num_t value)
 {
     a->q48 = (int64_t)value.q * ((int64_t)1 << ACCUMULATOR_EXTRA_BITS);
 }
-/* Value rounded to num_t, saturating: the first bit that is left away rounds. */
+/* Returns the value rounded to num_t, saturating. The first bit that is left away rounds. */
 num_t accumulator_get(const struct accumulator *a);
 
 #else
@@ -54,7 +54,7 @@ static inline num_t accumulator_get(const struct accumulator *a)
 
 #endif
 
-/* c: finite, magnitude below 2^31 (larger is clipped). Below 2^-48 it becomes 0. */
+/* Returns c as a coefficient. c is finite; a magnitude from 2^31 on is clipped, and one below 2^-48 becomes 0. */
 struct coefficient coefficient_from_float(float c);
 
 void accumulator_add(struct accumulator *a, num_t x);
@@ -65,7 +65,7 @@ void accumulator_add_sum(struct accumulator *a, const struct accumulator *b);
 void accumulator_take_sum(struct accumulator *a, const struct accumulator *b);
 void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
                             const struct accumulator *b);
-/* Brings the sum inside [lo, hi]; unchanged, remainder included, when it is inside. */
+/* Brings the sum inside [lo, hi]. A sum that is inside stays unchanged, remainder included. */
 void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi);
 
 #endif

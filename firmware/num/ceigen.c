@@ -3,14 +3,14 @@
 #include <stddef.h>
 
 #define ROUNDS_EACH 40
-#define STUCK_AFTER 10 /* rounds without a zero: another shift */
+#define STUCK_AFTER 10 /* rounds without a zero after which another shift is tried */
 
 static real_t one_norm(struct cplx a)
 {
     return real_abs(a.re) + real_abs(a.im);
 }
 
-/* The root with re >= 0. */
+/* Returns the square root with re >= 0. */
 static struct cplx principal_root(struct cplx a)
 {
     real_t size = real_sqrt(cplx_square(a));
@@ -22,7 +22,7 @@ static struct cplx principal_root(struct cplx a)
     return cplx(re, a.im < REAL_C(0.0) ? -im : im);
 }
 
-/* Zeros below the first subdiagonal of column k: rows, then columns, past k reflected at v, of unit length. */
+/* Makes zeros below the first subdiagonal of column k: reflects the rows, then the columns, past k at v, which has unit length. */
 static void reflect(struct cmatrix *a, size_t k)
 {
     size_t n = a->rows;
@@ -60,7 +60,7 @@ static void reflect(struct cmatrix *a, size_t k)
     }
 }
 
-/* The eigenvalue of the last two rows and columns of the block that is nearer to the last element. */
+/* Returns the eigenvalue of the block's last two rows and columns that is nearer to the last element. */
 static struct cplx wilkinson_shift(const struct cmatrix *a, size_t last)
 {
     struct cplx p = a->value[last - 1][last - 1], q = a->value[last][last];
@@ -75,7 +75,8 @@ static struct cplx wilkinson_shift(const struct cmatrix *a, size_t last)
     return cplx_sub(q, cplx_div(bc, sum));
 }
 
-/* A - shift = Q R, A becomes R Q + shift; rows and columns first to last, each rotation with a real cosine. */
+/* Does one QR round on the rows and columns from first to last: A - shift = Q R, and A becomes R Q + shift. Each rotation has a real
+ * cosine. */
 static void qr_round(struct cmatrix *a, size_t first, size_t last, struct cplx shift)
 {
     real_t cosine[MATRIX_MAX];
@@ -112,7 +113,7 @@ static void qr_round(struct cmatrix *a, size_t first, size_t last, struct cplx s
         a->value[i][i] = cplx_add(a->value[i][i], shift);
 }
 
-/* Where the block that ends at `last` begins: above it the subdiagonal is nothing beside its neighbours. */
+/* Returns the first row of the block that ends at `last`. Above that row the subdiagonal is negligible beside its neighbours. */
 static size_t block_start(const struct cmatrix *a, size_t last, real_t whole)
 {
     size_t first = last;

@@ -29,7 +29,7 @@ static void swap_rows(struct clu *lu, size_t k, size_t l)
     lu->sign = (int16_t)-lu->sign;
 }
 
-/* Magnitude enough to choose a pivot by: no square root. */
+/* Returns a measure of magnitude without a square root, which is enough to choose a pivot. */
 static real_t size_of(struct cplx a)
 {
     return real_abs(a.re) + real_abs(a.im);
@@ -113,13 +113,13 @@ void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_m
     *direction = cplx_scale(*direction, REAL_C(1.0) / cplx_abs(*direction));
 }
 
-/* Element (i, j) of a, or of its conjugate transpose. */
+/* Returns element (i, j) of a, or of its conjugate transpose. */
 static struct cplx conj_element(const struct cmatrix *a, bool transposed, size_t i, size_t j)
 {
     return transposed ? cplx_conj(a->value[j][i]) : a->value[i][j];
 }
 
-/* Takes the parts along columns 0 .. k-1 of q out of column k, and adds them to r. */
+/* Removes the parts along columns 0 .. k-1 of q from column k, and adds them to r. */
 static void orthogonalise_complex(struct cmatrix *q, struct cmatrix *r, size_t k)
 {
     for (size_t l = 0; l < k; l++) {

@@ -1,5 +1,5 @@
-/* Complex numbers and dense complex matrices up to 16 x 16. Rules as in num/matrix.h; a matrix is 2 KiB (float), and no
- * function takes more than 3e5 instructions. */
+/* Complex numbers and dense complex matrices up to 16 x 16. The rules of num/matrix.h apply. A matrix is 2 KiB (float), and
+ * no function takes more than 3e5 instructions. */
 #ifndef REFLUX_NUM_CMATRIX_H
 #define REFLUX_NUM_CMATRIX_H
 
@@ -57,12 +57,12 @@ static inline real_t cplx_square(struct cplx a)
 {
     return a.re * a.re + a.im * a.im;
 }
-/* Magnitudes between 1e-18 and 1e18 (float). */
+/* Returns |a|, for magnitudes between 1e-18 and 1e18 (float). */
 static inline real_t cplx_abs(struct cplx a)
 {
     return real_sqrt(cplx_square(a));
 }
-/* b not 0; magnitudes as above. */
+/* Returns a/b, b not 0, for magnitudes as above. */
 static inline struct cplx cplx_div(struct cplx a, struct cplx b)
 {
     return cplx_scale(cplx_mul(a, cplx_conj(b)), REAL_C(1.0) / cplx_square(b));
@@ -70,14 +70,14 @@ static inline struct cplx cplx_div(struct cplx a, struct cplx b)
 
 MUST_CHECK enum err cmatrix_check(const struct cmatrix *a);
 
-/* As lu_factor. */
+/* Factors a as lu_factor() does. Errors as there. */
 MUST_CHECK enum err clu_factor(const struct cmatrix *a, struct clu *lu);
 void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x);
 /* det A = *direction exp(*log_magnitude), |*direction| = 1. */
 void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_magnitude);
 
-/* (A^H A)^-1 A^H of a tall or square matrix of full column rank, A^H (A A^H)^-1 of a wide one, by Gram-Schmidt with
- * reorthogonalisation. ERR_SINGULAR: rank not full to working precision. */
+/* Pseudo-inverse: (A^H A)^-1 A^H of a tall or square matrix of full column rank, A^H (A A^H)^-1 of a wide one, by Gram-Schmidt
+ * with reorthogonalisation. ERR_SINGULAR: the rank is not full to working precision. */
 struct cpseudo_inverse_work {
     struct cmatrix q, r;
 };

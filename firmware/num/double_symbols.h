@@ -1,5 +1,5 @@
-/* What stands on real_t here is built twice, in float and in double, and a host program may hold both. So the double
- * build's functions carry a suffix of their own; sources and callers never see it. One line for every such function. */
+/* Names of the double build. All code on real_t is built twice, in float and in double, and a host program may hold both.
+ * So the functions of the double build have a suffix, which sources and callers never see. Each such function has a line. */
 #ifndef REFLUX_NUM_DOUBLE_SYMBOLS_H
 #define REFLUX_NUM_DOUBLE_SYMBOLS_H
 

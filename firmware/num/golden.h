@@ -1,4 +1,5 @@
-/* Golden section: the least of a function of one variable, one value of it at a time, so that a search can be left between any two. */
+/* Golden section: searches the minimum of a function of one variable. It takes one value at a time, so a search can pause between any
+ * two. */
 #ifndef REFLUX_NUM_GOLDEN_H
 #define REFLUX_NUM_GOLDEN_H
 
@@ -7,18 +8,18 @@
 #include "num/real.h"
 
 struct golden {
-    real_t lo, hi;        /* the least is between */
-    real_t x[2], f[2];    /* the two points within, and the values there */
-    uint8_t trial, taken; /* which is being tried; values taken so far */
+    real_t lo, hi;        /* the minimum is between them */
+    real_t x[2], f[2];    /* the two inner points, and the values there */
+    uint8_t trial, taken; /* index of the point under trial; number of values taken so far */
 };
 
-/* From lo to hi, lo not above hi. */
+/* Begins a search from lo to hi, lo not above hi. */
 static inline void golden_begin(struct golden *g, real_t lo, real_t hi)
 {
     *g = (struct golden){.lo = lo, .hi = hi};
 }
 
-/* Where to try the function next. From the third value on one of the two points stays in each cut. */
+/* Returns the point at which to try the function next. From the third value on, each cut keeps one of the two points. */
 static inline real_t golden_next(struct golden *g)
 {
     const real_t part = REAL_C(0.6180339887);
@@ -40,7 +41,7 @@ static inline real_t golden_next(struct golden *g)
     return g->x[g->trial];
 }
 
-/* The value there. */
+/* Takes the value at that point. */
 static inline void golden_take(struct golden *g, real_t f)
 {
     g->f[g->trial] = f;

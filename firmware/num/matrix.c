@@ -4,7 +4,7 @@
 
 #define ELEMENT_MAX  REAL_C(1e15)
 #define ROUNDS_EXACT 20
-#define ROUNDS_ROUGH 6 /* to powers of two: more changes nothing */
+#define ROUNDS_ROUGH 6 /* rounds to powers of two; further rounds change nothing */
 
 enum err matrix_check(const struct matrix *a)
 {
@@ -42,7 +42,7 @@ void matrix_transpose(const struct matrix *a, struct matrix *t)
             t->value[j][i] = a->value[i][j];
 }
 
-/* Largest power of two not above x; 1 for 0. x at most 1e19, and below 1e-19 the answer stays there. */
+/* Returns the largest power of two not above x; 1 for 0. x is at most 1e19. Below 1e-19 the result stays about 1e-19. */
 static real_t power_of_two_below(real_t x)
 {
     real_t p = REAL_C(1.0);
@@ -61,7 +61,7 @@ void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c
         r[i] = REAL_C(1.0);
     for (size_t j = 0; j < a->cols; j++)
         c[j] = REAL_C(1.0);
-    /* r and c are set, not multiplied: 1 over the norm of the row with the other side's factors in. */
+    /* Each round sets r and c anew, to 1 over the norm of the row or column with the factors of the other side. */
     int rounds = exact ? ROUNDS_EXACT : ROUNDS_ROUGH;
     for (int round = 0; round < rounds; round++) {
         for (size_t i = 0; i < a->rows; i++) {
@@ -182,13 +182,13 @@ void lu_determinant(const struct lu *lu, int *sign, real_t *log_magnitude)
     }
 }
 
-/* Element (i, j) of a, or of its transpose. */
+/* Returns element (i, j) of a, or of its transpose. */
 static real_t element(const struct matrix *a, bool transposed, size_t i, size_t j)
 {
     return transposed ? a->value[j][i] : a->value[i][j];
 }
 
-/* Takes the parts along columns 0 .. k-1 of q out of column k, and adds them to r. */
+/* Removes the parts along columns 0 .. k-1 of q from column k, and adds them to r. */
 static void orthogonalise(struct matrix *q, real_t (*r)[MATRIX_MAX], size_t k)
 {
     for (size_t l = 0; l < k; l++) {

@@ -6,7 +6,7 @@
 #define EXPONENT_OF_ONE  127u /* as a float stores it */
 #define SIGNIFICAND_BITS 23
 
-/* From the bits: without a floating-point unit each operation on floats is a call of a library. */
+/* Converts from the bits, because without a floating-point unit each operation on floats is a call of a library. */
 num_t num_from_float(float x)
 {
     const union {
@@ -16,7 +16,7 @@ num_t num_from_float(float x)
     uint32_t exponent = bits.u >> SIGNIFICAND_BITS & 0xFFu;
     uint32_t fraction = bits.u & ((1u << SIGNIFICAND_BITS) - 1u);
     bool negative = bits.u >> 31 != 0u;
-    if (exponent >= EXPONENT_OF_ONE + 7u) { /* 128 and above; 255 is also NaN's */
+    if (exponent >= EXPONENT_OF_ONE + 7u) { /* 128 and above; NaN has exponent 255 */
         bool nan = exponent == 0xFFu && fraction != 0u;
         return (num_t){nan ? 0 : negative ? INT32_MIN : INT32_MAX};
     }
@@ -29,7 +29,7 @@ num_t num_from_float(float x)
     else if (left >= -(SIGNIFICAND_BITS + 1))
         q = (q + (1 << (-left - 1))) >> -left;
     else
-        q = 0; /* below half a step; denormal numbers are, too */
+        q = 0; /* below half a step, as denormal numbers are */
     return (num_t){negative ? -q : q};
 }
 

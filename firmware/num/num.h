@@ -10,8 +10,8 @@
  * A channel's span is 1.0, so 24 fraction bits resolve 6e-8 of span and 127 spans of headroom remain for
  * gains and sums. State that must resolve more (integrators, slow filters) lives in num/accumulator.h.
  *
- * Finite inputs give finite results in the fixed build always, in the float build as long as the caller
- * keeps magnitudes below 1e18. NaN never gets here: it is refused where numbers enter.
+ * Finite inputs always give finite results in the fixed build. In the float build they do as long as the caller
+ * keeps magnitudes below 1e18. NaN never gets here, because the firmware refuses it where numbers enter.
  */
 #ifndef REFLUX_NUM_NUM_H
 #define REFLUX_NUM_NUM_H
@@ -28,7 +28,7 @@ typedef struct {
 #define NUM_IS_FIXED      1
 #define NUM_FRACTION_BITS 24
 #define NUM_FORMAT        "Q7.24"
-#define NUM_MAX_MAGNITUDE 127.0f /* largest value a parameter may ask for */
+#define NUM_MAX_MAGNITUDE 127.0f /* largest magnitude that a parameter may have */
 
 static inline num_t num_from_q(int64_t q)
 {
@@ -37,7 +37,7 @@ static inline num_t num_from_q(int64_t q)
     return (num_t){(int32_t)q};
 }
 
-/* Nearest, saturating; NaN gives 0 (callers refuse it before). */
+/* Returns the nearest num_t, saturating. NaN gives 0; callers refuse it before. */
 num_t num_from_float(float x);
 static inline num_t num_zero(void)
 {
@@ -69,8 +69,8 @@ static inline num_t num_neg(num_t a)
 {
     return num_sub((num_t){0}, a);
 }
-/* p * 2^-right, to the nearest, ties away from zero: those of a negative p are what one step less than a half leaves.
- * right 1..62, |p| <= 2^62. */
+/* Returns p * 2^-right, rounded to the nearest, ties away from zero. For a negative p, half a step less one bit is added, so that a
+ * tie goes down. right is 1..62, |p| <= 2^62. */
 static inline int64_t num_shift_right(int64_t p, int32_t right)
 {
     return (p + ((int64_t)1 << (right - 1)) - (p < 0)) >> right;
@@ -94,8 +94,8 @@ static inline bool num_lt(num_t a, num_t b)
     return a.q < b.q;
 }
 
-/* A sum of products that may leave the range of num_t on its way: steps of 2^-40, range +-2^23, so 512 products of any two
- * numbers fit. */
+/* A sum of products that may leave the range of num_t on its way. Its step is 2^-40 and its range +-2^23, so 512 products of any
+ * two numbers fit. */
 typedef struct {
     int64_t q40;
 } num_wide_t;
@@ -109,7 +109,7 @@ static inline num_wide_t num_wide_add(num_wide_t sum, num_t a, num_t b)
 {
     return (num_wide_t){sum.q40 + (((int64_t)a.q * b.q + 128) >> 8)};
 }
-/* Nearest, saturating. */
+/* Returns the nearest num_t, saturating. */
 static inline num_t num_from_wide(num_wide_t sum)
 {
     return num_from_q((sum.q40 + 32768) >> 16);
@@ -125,7 +125,7 @@ static inline bool num_eq(num_t a, num_t b)
 typedef float num_t;
 
 #define NUM_FORMAT        "float32"
-#define NUM_MAX_MAGNITUDE 127.0f /* same limit as the fixed build: one configuration serves both */
+#define NUM_MAX_MAGNITUDE 127.0f /* limit of the fixed build, so that a configuration fits both */
 
 static inline num_t num_from_float(float x)
 {

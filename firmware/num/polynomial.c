@@ -3,8 +3,8 @@
 #include <stddef.h>
 
 #define LARGEST REAL_C(1e15)
-/* A coefficient that is this part of its terms' magnitudes is their rounding: at 4 x 4 there are 24 products, each of up to
- * three roundings, and sums of up to as many as a polynomial has coefficients. */
+/* Part of its terms' magnitudes up to which a coefficient counts as rounding. At 4 x 4 there are 24 products, each with up to three
+ * roundings, and sums with up to as many as a polynomial has coefficients. */
 #define LOST (REAL_C(32.0) * REAL_EPSILON)
 
 void polynomial_set(struct polynomial *p, const real_t *coefficient, unsigned n)
@@ -136,7 +136,7 @@ enum err polynomial_matrix_multiply(const struct polynomial_matrix *a,
 
 /* ---- determinant and adjugate ---- */
 
-/* sum += sign a b, and the magnitudes of its terms to size; a_size are those of a. */
+/* Adds sign a b to sum, and the magnitudes of its terms to size. a_size holds those of a. */
 static enum err add_term(struct polynomial *sum, struct polynomial *size, real_t sign,
                          const struct polynomial *a, const struct polynomial *a_size,
                          const struct polynomial *b)
@@ -174,7 +174,7 @@ static unsigned pair_of(unsigned a, unsigned b)
     return k;
 }
 
-/* All minors of rows r and s. */
+/* Finds all minors of rows r and s. */
 static enum err find_two(const struct polynomial_matrix *m, unsigned r, unsigned s,
                          struct polynomial_minors *w)
 {
@@ -194,7 +194,7 @@ static enum err find_two(const struct polynomial_matrix *m, unsigned r, unsigned
     return ERR_OK;
 }
 
-/* The minor of the two rows in w->two and of row r, of columns c[0] < c[1] < c[2]. */
+/* Finds the minor of the two rows in w->two and of row r, in columns c[0] < c[1] < c[2]. */
 static enum err find_three(const struct polynomial_matrix *m, unsigned r, const uint8_t c[3],
                            struct polynomial_minors *w, struct polynomial *minor,
                            struct polynomial *size)
@@ -257,7 +257,7 @@ enum err polynomial_determinant(const struct polynomial_matrix *m, struct polyno
     return ERR_OK;
 }
 
-/* The minor without row i and column j. */
+/* Finds the minor without row i and column j. */
 static enum err find_minor(const struct polynomial_matrix *m, unsigned i, unsigned j,
                            struct polynomial_minors *w, struct polynomial *minor)
 {

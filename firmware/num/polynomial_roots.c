@@ -1,4 +1,4 @@
-/* Zeros of a polynomial: num/polynomial.h. */
+/* Finds the zeros of a polynomial (num/polynomial.h). */
 #include <stddef.h>
 
 #include "num/polynomial.h"
@@ -8,13 +8,13 @@
 #define ROOT_LEAST  REAL_C(1e-9)
 #define ROOT_MOST   REAL_C(1e9)
 
-/* p at z, or of |z| > 1 what stands for it: p/p' and the bound of the rounding of p over |p'|. */
+/* The polynomial at z. For |z| > 1 value, rounding and slope have a common factor. */
 struct local {
     struct cplx newton;            /* p/p' */
-    real_t value, rounding, slope; /* |p|, the bound of its rounding, |p'|: all of one factor */
+    real_t value, rounding, slope; /* |p|, the bound of its rounding, |p'| */
 };
 
-/* q(x) = sum c[k] x^k over n + 1 coefficients, forwards or backwards; |x| <= 1, so nothing overflows. */
+/* Evaluates q(x) = sum c[k] x^k over n + 1 coefficients, forwards or backwards. |x| <= 1, so nothing overflows. */
 static void evaluate_within(const real_t *c, unsigned n, bool backwards, struct cplx x,
                             struct cplx *value, struct cplx *slope, real_t *size)
 {
@@ -30,7 +30,7 @@ static void evaluate_within(const real_t *c, unsigned n, bool backwards, struct 
     }
 }
 
-/* p(z) = z^n q(y) with y = 1/z; p'(z) = z^(n-1) (n q(y) - y q'(y)). */
+/* Evaluates the polynomial at z. Outside the unit circle p(z) = z^n q(y) with y = 1/z, and p'(z) = z^(n-1) (n q(y) - y q'(y)). */
 static void look_near(const real_t *c, unsigned n, struct cplx z, struct local *at)
 {
     bool outside = cplx_square(z) > REAL_C(1.0);
@@ -42,15 +42,15 @@ static void look_near(const real_t *c, unsigned n, struct cplx z, struct local *
     }
     at->value = cplx_abs(value);
     at->slope = cplx_abs(slope);
-    /* Horner with complex numbers: Higham, Accuracy and Stability of Numerical Algorithms, 5.1 and 3.6; one of it for the
-     * coefficients themselves. */
+    /* Bound for Horner's scheme with complex numbers: Higham, Accuracy and Stability of Numerical Algorithms, 5.1 and 3.6. One
+     * REAL_EPSILON of it is for the coefficients themselves. */
     at->rounding = (real_t)(4u * n + 1u) * REAL_EPSILON * size;
     at->newton =
         at->slope > REAL_C(1e-18) ? cplx_div(value, slope) : cplx(HUGE_RADIUS, REAL_C(0.0));
 }
 
-/* Circles from the upper hull of the points (k, log |c[k]|), on each as many zeros as its edge is long: Bini (1996). Turned, so
- * that they have no symmetry to an axis. */
+/* Puts the first points on circles from the upper hull of the points (k, log |c[k]|), on each as many as its edge is long (Bini
+ * 1996). The points are turned, so that they have no symmetry to an axis. */
 static void begin_roots(const real_t *c, unsigned n, struct polynomial_roots *roots)
 {
     real_t size[POLYNOMIAL_MOST];
@@ -84,7 +84,7 @@ static struct cplx keep_root_in_range(struct cplx z)
     return most < ROOT_LEAST ? cplx(ROOT_LEAST, REAL_C(0.0)) : z;
 }
 
-/* Zero k moves by Newton's step, held off by the others. True: it stands. */
+/* Moves zero k by Newton's step, which the other zeros repel. Returns true when the zero is found. */
 static bool move_root(const real_t *c, unsigned n, struct polynomial_roots *roots, unsigned k)
 {
     struct local at;
@@ -137,7 +137,7 @@ enum err polynomial_find_roots(const struct polynomial *p, struct polynomial_roo
     }
     if (!n)
         return ERR_OK;
-    /* To magnitudes about 1, by a power of two in effect: a zero does not depend on it. */
+    /* Scales the coefficients to magnitudes of about 1, on which no zero depends. */
     real_t scale = REAL_C(1.0) / polynomial_size(&q);
     for (unsigned k = 0; k <= n; k++)
         q.value[k] *= scale;

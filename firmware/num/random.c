@@ -4,7 +4,7 @@
 
 #define TWO_PI REAL_C(6.283185307179586)
 
-/* Above 0, to 1, in steps of 2^-24. */
+/* Returns a number above 0 and up to 1, in steps of 2^-24. */
 static real_t uniform(struct random *r)
 {
     return (real_t)((random_bits(r) >> 40) + 1u) * REAL_C(5.9604644775390625e-8);

@@ -1,5 +1,5 @@
 /* Random numbers that are the same on every machine: splitmix64 (Steele, Lea and Flood 2014), normal deviates by Box
- * and Muller (1958). For simulation and drawing lots, not for secrets. */
+ * and Muller (1958). They serve simulation and random choices, never secrets. */
 #ifndef REFLUX_NUM_RANDOM_H
 #define REFLUX_NUM_RANDOM_H
 
@@ -10,7 +10,7 @@
 #include "num/real.h"
 
 struct random {
-    uint64_t state; /* the seed, to begin with: any value */
+    uint64_t state; /* any value as the seed */
     bool have;
     real_t other; /* second deviate of the pair */
 };
@@ -29,7 +29,7 @@ static inline uint64_t random_bits(struct random *r)
     return z ^ (z >> 31);
 }
 
-/* Mean 0, standard deviation 1, magnitude below 5.9 (24-bit uniforms). */
+/* Returns a normal deviate: mean 0, standard deviation 1, magnitude below 5.9 (24-bit uniforms). */
 real_t random_normal(struct random *r);
 
 #endif

@@ -1,4 +1,4 @@
-/* real_t: the scalar of matrix analysis, models and design. float in the firmware; the host builds the
+/* real_t: the scalar of matrix analysis, models and design. It is float in the firmware. The host builds the
  * same sources a second time with REFLUX_REAL_DOUBLE for the simulator and the host tools, and those of model/
  * a third time with REFLUX_REAL_LONG for derivatives of the simulated columns. */
 #ifndef REFLUX_NUM_REAL_H
@@ -39,7 +39,7 @@ typedef float real_t;
 #define real_abs(x)       fabsf(x)
 #define real_sqrt(x)      sqrtf(x)
 #define REAL_EPSILON      1.1920929e-7f
-/* a * b + c, rounded once, on every machine: an instruction where the processor has one, a call where it has none. */
+/* a * b + c, rounded once on every machine. It is an instruction where the processor has one, else a call. */
 #define real_fma(a, b, c) __builtin_fmaf(a, b, c)
 #endif
 

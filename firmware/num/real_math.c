@@ -14,7 +14,7 @@
 #define HIDDEN_BIT   (1u << MANTISSA)
 #define SQRT_HALF_24 0xB504F3u /* sqrt(1/2) 2^24 */
 #define Z_BITS       40        /* fraction bits of the exponent of two that exp2_of() takes */
-#define Z_LIMIT      200       /* beyond it every result is 0 or infinite */
+#define Z_LIMIT      200       /* exponent of two beyond which every result is 0 or infinite */
 
 static const int64_t log2_series[] = {
     INT64_C(1663314137230642957), INT64_C(-831657068617265543), INT64_C(554438045637575758),
@@ -44,7 +44,7 @@ static float float_of(uint32_t bits)
     return x;
 }
 
-/* |x| = mantissa 2^(exponent - 23), mantissa in [2^23, 2^24). x finite and not 0. */
+/* Splits |x| = mantissa 2^(exponent - 23), mantissa in [2^23, 2^24). x is finite and not 0. */
 static uint32_t split_float(float x, int32_t *exponent)
 {
     uint32_t bits = bits_of(x) & 0x7FFFFFFFu;
@@ -57,7 +57,7 @@ static uint32_t split_float(float x, int32_t *exponent)
     return mantissa << up;
 }
 
-/* (a b) 2^-31, rounded down. Of numbers of 32 bits the compiler makes single multiplications. */
+/* Returns (a b) 2^-31, rounded down. It multiplies parts of 32 bits, for which the compiler takes single multiplications. */
 static int64_t multiply_q31(int64_t a, int32_t b)
 {
     int32_t high = (int32_t)((uint64_t)a >> 32);
@@ -73,7 +73,7 @@ static int64_t series(const int64_t *c, unsigned n, int32_t t_q31)
     return sum;
 }
 
-/* log2 |x| in units of 2^-*bits, at least 36 of them valid. x finite and not 0. */
+/* Returns log2 |x| in units of 2^-*bits, at least 36 bits of them valid. x is finite and not 0. */
 static int64_t log2_of(float x, int32_t *bits)
 {
     int32_t exponent;
@@ -94,7 +94,7 @@ static int64_t log2_of(float x, int32_t *bits)
     return (int64_t)exponent * (INT64_C(1) << 54) + (part >> 6);
 }
 
-/* value 2^exponent, rounded to nearest, ties to even; value in [0, 2^63). */
+/* Returns value 2^exponent, rounded to nearest, ties to even; value in [0, 2^63). */
 static float round_to_float(uint64_t value, int32_t exponent)
 {
     if (value == 0)
@@ -113,7 +113,7 @@ static float round_to_float(uint64_t value, int32_t exponent)
     } else {
         kept = value << -drop;
     }
-    /* A mantissa that rounds up to 2^24 makes the exponent one more by itself. */
+    /* A mantissa that rounds up to 2^24 raises the exponent by one by itself. */
     int32_t biased = exponent + drop + MANTISSA + BIAS;
     if (kept < HIDDEN_BIT)
         return float_of((uint32_t)kept);
@@ -122,7 +122,7 @@ static float round_to_float(uint64_t value, int32_t exponent)
     return float_of((uint32_t)kept + ((uint32_t)(biased - 1) << MANTISSA));
 }
 
-/* 2^(z 2^-40). */
+/* Returns 2^(z 2^-40). */
 static float exp2_of(int64_t z)
 {
     int64_t n = (z + (INT64_C(1) << (Z_BITS - 1))) >> Z_BITS;
@@ -133,7 +133,7 @@ static float exp2_of(int64_t z)
     return round_to_float((uint64_t)m, (int32_t)n - 60);
 }
 
-/* (mantissa 2^(exponent - 23)) (factor 2^-bits) as a z for exp2_of(), bounded by +-Z_LIMIT.
+/* Returns (mantissa 2^(exponent - 23)) (factor 2^-bits) as a z for exp2_of(), bounded by +-Z_LIMIT.
  * mantissa < 2^24, |factor| < 2^39. */
 static int64_t exponent_of_two(uint32_t mantissa, int32_t exponent, int64_t factor, int32_t bits)
 {
@@ -175,7 +175,7 @@ float float_log(float x)
     int32_t bits;
     int64_t log2 = log2_of(x, &bits);
     uint64_t magnitude = (uint64_t)(log2 < 0 ? -log2 : log2);
-    /* The product has 100 bits: in parts of 32. */
+    /* The product has 100 bits, so it is taken in parts of 32. */
     uint64_t high = magnitude >> 32, low = magnitude & UINT32_MAX;
     uint64_t ln_high = (uint64_t)LN_2_Q38 >> 32, ln_low = (uint64_t)LN_2_Q38 & UINT32_MAX;
     uint64_t sum = ((high * ln_high) << 26) + ((high * ln_low + low * ln_high) >> 6) +
@@ -184,7 +184,7 @@ float float_log(float x)
     return log2 < 0 ? -y : y;
 }
 
-/* Whole numbers of float: 0 no, 1 odd, 2 even. */
+/* Returns 0 for a float that is no whole number, 1 for an odd one, 2 for an even one. */
 static int parity(float y)
 {
     int32_t exponent;

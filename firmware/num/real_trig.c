@@ -21,7 +21,7 @@ void real_sincos(real_t x, real_t *sine, real_t *cosine)
 #define LARGEST       1e6f
 #define MANTISSA_BITS 23
 
-/* |x| in quarter turns: whole ones, and the rest as an angle within +-pi/4. x from pi/4 to LARGEST. */
+/* Returns the whole quarter turns in |x|. *rest gets the rest, an angle within +-pi/4. x is from pi/4 to LARGEST. */
 static uint32_t reduce(float x, float *rest)
 {
     uint32_t bits;
@@ -48,7 +48,7 @@ void real_sincos(real_t x, real_t *sine, real_t *cosine)
     }
     float r = size;
     uint32_t quarters = size > QUARTER_PI ? reduce(size, &r) : 0u;
-    /* Taylor, first term left out below 2e-9 */
+    /* Taylor series; the first term left out is below 2e-9. */
     float q = r * r;
     float s = r + r * q *
                       (-1.0f / 6.0f +

@@ -6,7 +6,7 @@
 
 #include "num/scaled_inline.h"
 
-/* |m| has the bits 2^29..2^30; the rest is the exponent's. */
+/* Bits of a mantissa: |m| is in [2^29, 2^30]. */
 #define MANTISSA_BITS 30
 
 scaled_t scaled_from_product(int64_t m, int32_t e)
@@ -107,7 +107,7 @@ float scaled_to_float(scaled_t x)
         return x.m < 0 ? -3.4e38f : (x.m ? 3.4e38f : 0.0f);
     if (x.e < -126 - MANTISSA_BITS)
         return 0.0f;
-    /* A power of two in two steps, both of them normal numbers. */
+    /* Multiplies by the power of two in two steps, because both factors must be normal numbers. */
     for (int32_t part = 0, e = x.e; part < 2; part++) {
         int32_t now = part == 0 ? e / 2 : e - e / 2;
         uint32_t bits = (uint32_t)(now + 127) << 23;

@@ -1,4 +1,4 @@
-/* Arithmetic of scaled_t without calls, for the inner loops of num/ud_scaled.c; num/scaled.c has the same as functions. */
+/* Arithmetic of scaled_t without calls, for the inner loops of num/ud_scaled.c. num/scaled.c has the same as functions. */
 #ifndef REFLUX_NUM_SCALED_INLINE_H
 #define REFLUX_NUM_SCALED_INLINE_H
 
@@ -6,18 +6,18 @@
 
 #ifdef REFLUX_FIXED_POINT
 
-/* (a * b) / 2^32 to the nearest: one instruction on Cortex-M4. */
+/* Returns (a * b) / 2^32, to the nearest. It is one instruction on Cortex-M4. */
 static inline int32_t inline_high(int32_t a, int32_t b)
 {
     return (int32_t)(((int64_t)a * b + ((int64_t)1 << 31)) >> 32);
 }
 
-/* m * 2^e, made to fit. */
+/* Returns m * 2^e with a mantissa that fits. */
 static inline scaled_t inline_normal(int32_t m, int32_t e)
 {
     if (m == 0)
         return (scaled_t){0, 0};
-    uint32_t size = m < 0 ? 0u - (uint32_t)m : (uint32_t)m; /* of the least number, too */
+    uint32_t size = m < 0 ? 0u - (uint32_t)m : (uint32_t)m; /* right for INT32_MIN, too */
     int32_t left = __builtin_clz(size) - 2;
     if (left < 0)
         return (scaled_t){m >> 1, e + 1};
@@ -36,7 +36,7 @@ static inline scaled_t inline_add(scaled_t a, scaled_t b)
     return apart < -30 ? b : inline_normal(b.m + (a.m >> -apart), b.e);
 }
 
-/* The product of two full mantissas has 59 or 60 bits, so that one look at its upper word is enough. */
+/* Returns a * b. The product of two full mantissas has 59 or 60 bits, so its upper word tells the shift. */
 static inline scaled_t inline_mul(scaled_t a, scaled_t b)
 {
     int64_t product = (int64_t)a.m * b.m;
@@ -46,7 +46,7 @@ static inline scaled_t inline_mul(scaled_t a, scaled_t b)
     return (scaled_t){(int32_t)(high << 2 | low >> 30), a.e + b.e + 30};
 }
 
-/* 1/b, b not 0: by Newton's step from the quotient that the processor's division gives. */
+/* Returns 1/b, b not 0, by Newton's step from the quotient of the processor's division. */
 static inline scaled_t inline_inverse(scaled_t b)
 {
     int32_t m = b.m < 0 ? -b.m : b.m;

@@ -1,4 +1,4 @@
-/* What a scaled_t is in the fixed build (num/scaled.h). */
+/* Type scaled_t of the fixed build (num/scaled.h). */
 #ifndef REFLUX_NUM_SCALED_TYPE_H
 #define REFLUX_NUM_SCALED_TYPE_H
 
@@ -6,7 +6,7 @@
 
 #ifdef REFLUX_FIXED_POINT
 
-#define SCALED_EXPONENT_MAX 4096 /* of what a division by zero gives */
+#define SCALED_EXPONENT_MAX 4096 /* exponent of the result of a division by zero */
 
 typedef struct {
     int32_t m, e;

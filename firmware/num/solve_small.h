@@ -1,5 +1,5 @@
-/* A few equations, such as those for the unknowns of one stage of a column, with several right sides. What is here is expanded where it is called, with the
- * number of unknowns known there: loops of two turns cost more than what is in them. */
+/* Solves a few equations with several right sides, such as those of one stage of a column. All functions are expanded at the call, with
+ * the number of unknowns known there, because loops of two turns cost more than their bodies. */
 #ifndef REFLUX_NUM_SOLVE_SMALL_H
 #define REFLUX_NUM_SOLVE_SMALL_H
 
@@ -19,8 +19,8 @@ static ALWAYS_INLINE void solve_small_swap(real_t *a, real_t *b, size_t width)
     }
 }
 
-/* Gauss and Jordan with the largest pivot of a column. m rows of `width` numbers, `stride` apart: the m x m matrix, then the right
- * sides, which become solutions. False: no pivot above `least`, or no number. */
+/* Solves by Gauss and Jordan with the largest pivot of each column. There are m rows of `width` numbers, `stride` apart: the m x m
+ * matrix, then the right sides, which become the solutions. Returns false where no pivot is above `least`, or one is NaN. */
 static ALWAYS_INLINE bool solve_small_above(real_t least, size_t m, size_t width, size_t stride,
                                             real_t *rows)
 {
@@ -47,7 +47,7 @@ static ALWAYS_INLINE bool solve_small_above(real_t least, size_t m, size_t width
     return true;
 }
 
-/* A pivot counts when it is above `share` of the largest element of the matrix. False: none does, or no number. */
+/* Solves likewise. A pivot must be above `share` of the largest element of the matrix. */
 static ALWAYS_INLINE bool solve_small_scaled(real_t share, size_t m, size_t width, size_t stride,
                                              real_t *rows)
 {
@@ -59,7 +59,7 @@ static ALWAYS_INLINE bool solve_small_scaled(real_t share, size_t m, size_t widt
     return solve_small_above(share * largest, m, width, stride, rows);
 }
 
-/* False: singular, or no number. */
+/* Solves likewise. Returns false where the matrix is singular, or a pivot is NaN. */
 static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, real_t *rows)
 {
     return solve_small_above(REAL_C(0.0), m, width, stride, rows);

@@ -3,13 +3,14 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Columns shorter than this beside the matrix are 0: their squares must not vanish. */
+/* Length, as a part of the matrix, below which a column counts as 0, because the squares of lengths must not vanish. */
 #ifdef REFLUX_REAL_DOUBLE
 #define SHORTEST 1e-140
 #else
 #define SHORTEST 1e-15f
 #endif
-#define STEEP REAL_C(1e9) /* its square plus 1 is its square, and would overflow */
+/* Size from which the square, which could overflow, equals the square plus 1. */
+#define STEEP REAL_C(1e9)
 
 static real_t dot(const struct matrix *a, size_t k, size_t l)
 {
@@ -68,9 +69,9 @@ enum err svd_begin(struct svd *svd, const struct matrix *a)
     return ERR_OK;
 }
 
-/* One rotation for every pair of columns that is not yet orthogonal; false when there was none, and every pair was looked at. The
- * longer column of a pair comes first (de Rijk 1989), which sorts them and saves sweeps; but columns that change places within a
- * sweep may pass one another unseen. */
+/* Rotates every pair of columns that is not yet orthogonal. Returns false when no pair needed it and every pair was checked. The
+ * longer column of a pair comes first (de Rijk 1989), which sorts the columns and saves sweeps. Columns that change places within a
+ * sweep may pass one another unchecked. */
 static bool sweep(struct svd *svd)
 {
     bool turned = false;
@@ -106,7 +107,7 @@ static bool sweep(struct svd *svd)
     return turned;
 }
 
-/* Column k of u: of the unit vectors the one that the columns before it explain least, made orthogonal to them. */
+/* Completes column k of u: takes the unit vector that the columns before it explain least, and makes it orthogonal to them. */
 static void complete_column(struct matrix *u, size_t k)
 {
     size_t best = 0;
@@ -147,7 +148,7 @@ static void swap_sides(struct svd *svd)
     svd->v.rows = svd->v.cols = rows;
 }
 
-/* The columns are in order: the last sweep left them as they were. */
+/* Makes the columns unit vectors. They are in order, because the last sweep changed nothing. */
 static void make_unit_columns(struct svd *svd)
 {
     size_t rows = svd->u.rows, cols = svd->v.cols;

@@ -9,9 +9,9 @@ void ud_set_diagonal(real_t *ud, size_t n, const real_t *p)
     }
 }
 
-/* The next two functions are where the time goes. They take two columns at a time: what both need of the vector is read and
- * written once, and the length of the inner loops is even. A fused multiplication and addition is one instruction for
- * two. (Counts: tests/bench/results.md.) */
+/* The next two functions take most of the time. They take two columns at a time, so that the elements of the vector are read and
+ * written once for both, and the inner loops have an even length. A fused multiplication and addition is one instruction instead
+ * of two. tests/bench/results.md has counts. */
 
 void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g)
 {
@@ -42,7 +42,7 @@ void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t
     }
 }
 
-/* An element of U and one of P phi. */
+/* Corrects an element of U and one of P phi. */
 #define CORRECT(u, gain, lambda, own)                                                              \
     do {                                                                                           \
         real_t old = (u);                                                                          \
@@ -92,7 +92,7 @@ real_t ud_correct_from(real_t *ud, size_t n, size_t from, const real_t *f, real_
     return alpha;
 }
 
-/* The smallest D still has to be a number with all its digits. */
+/* Smallest D, which must still be a number with all its digits. */
 #define D_LEAST REAL_C(1e-30)
 
 void ud_add(real_t *ud, size_t n, real_t c, real_t *v)
@@ -111,12 +111,12 @@ void ud_add(real_t *ud, size_t n, real_t c, real_t *v)
     }
 }
 
-/* An addition of rank one on its way from the last column to the first: what the elements of a column need to know of it. */
+/* State of an addition of rank one that goes from the last column to the first. */
 struct addition {
     real_t c, less, share; /* v_i += less * U_ij, U_ij += share * v_i */
 };
 
-/* It comes to column j, whose element of v is p. */
+/* Takes the addition to column j, whose diagonal element is *d and whose element of v is p. */
 static void add_to_diagonal(struct addition *a, real_t *d, real_t p)
 {
     real_t sum = real_fma(a->c * p, p, *d), inverse = 1 / sum;
@@ -132,7 +132,7 @@ static void add_to_diagonal(struct addition *a, real_t *d, real_t p)
         (u) = real_fma((share), (own), (u));                                                       \
     } while (0)
 
-/* The column of the unit vector itself. */
+/* Begins the addition at the column of the unit vector itself. */
 static void add_begin(real_t *column, size_t at, real_t c, real_t *v, struct addition *a)
 {
     a->c = c;
@@ -179,7 +179,7 @@ void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
     }
 }
 
-/* A row of two columns and two vectors. */
+/* Handles one row of two columns and two vectors. */
 #define ADD_FOUR(v, w, u, next)                                                                    \
     do {                                                                                           \
         real_t own = (v), other = (w), element = (u);                                              \
@@ -194,7 +194,7 @@ void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
         (w) = other;                                                                               \
     } while (0)
 
-/* Two columns at a time, as above, and two vectors. */
+/* Takes two columns at a time, as above, and two vectors. */
 void ud_add_pair(real_t *ud, size_t at, real_t c, real_t below, real_t *v)
 {
     struct addition a, b, next_a, next_b;
@@ -237,7 +237,7 @@ void ud_scale(real_t *ud, size_t n, real_t factor)
         ud[ud_count(j) + j] *= factor;
 }
 
-/* x = U x, then x = U'x: in place. */
+/* Computes x = U x in place. */
 static void multiply_upper(const real_t *ud, size_t n, real_t *x)
 {
     for (size_t j = 0; j < n; j++, ud += j)

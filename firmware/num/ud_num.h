@@ -1,4 +1,4 @@
-/* The UD arithmetic of the build: of num/ud.h in float, of num/ud_scaled.h in fixed point, under one set of names. */
+/* UD arithmetic of the build under one set of names: num/ud.h in float, num/ud_scaled.h in fixed point. */
 #ifndef REFLUX_NUM_UD_NUM_H
 #define REFLUX_NUM_UD_NUM_H
 

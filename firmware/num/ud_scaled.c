@@ -4,8 +4,8 @@
 
 #ifdef REFLUX_FIXED_POINT
 
-/* Bits of the largest mantissa of a column of U, and of P phi on its way, when they have been put in order: with 31 bits of what
- * they are multiplied with, the upper word of the product has as many. */
+/* Bits of the largest mantissa of a column of U, and of P phi on its way, once they are normalised. With a factor of 31 bits, the
+ * upper word of the product has as many. */
 #define COLUMN_BITS 26
 #define GAIN_BITS   27
 
@@ -14,7 +14,7 @@ static size_t ud_place(size_t j)
     return j * (j + 1) / 2;
 }
 
-/* Of a column: its exponent, and below it how many bits its largest mantissa has (0: the column is 0). */
+/* The word of a column holds its exponent, and in the lowest WIDTH_BITS the bits of its largest mantissa (0: the column is 0). */
 #define WIDTH_BITS 5
 
 static int32_t *column_scale(ud_cell_t *ud, size_t n, size_t j)
@@ -43,13 +43,14 @@ static void set_d(ud_cell_t *ud, size_t n, size_t j, scaled_t d)
     ud[ud_place(n) + n + j] = d.e;
 }
 
-/* How many bits the largest of some numbers has, from all their magnitudes OR-ed. */
+/* Returns the bits of the largest of some numbers. mask: their magnitudes OR-ed. */
 static int32_t width(uint32_t mask)
 {
     return mask ? 32 - __builtin_clz(mask) : 0;
 }
 
-/* m * 2^-right to the nearest, for right of any sign that keeps it in range (0 stays 0 whatever it is); beyond 62 bits nothing is left. */
+/* Returns m * 2^-right, to the nearest. right may have any sign that keeps the result in range, and any value where m is 0. Beyond 62
+ * bits the result is 0. */
 static int64_t shifted(int64_t m, int32_t right)
 {
     if (right <= 0 && m)
@@ -57,7 +58,7 @@ static int64_t shifted(int64_t m, int32_t right)
     return right > 62 || !m ? 0 : (m + ((int64_t)1 << (right - 1))) >> right;
 }
 
-/* Column j := u. */
+/* Sets column j to u. */
 static void set_column(ud_cell_t *ud, size_t n, size_t j, const scaled_t *u)
 {
     int32_t e = -SCALED_EXPONENT_MAX;
@@ -78,7 +79,7 @@ void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
     }
 }
 
-/* phi_j + sum * 2^e, e being the exponent of the column: in one number of 64 bits where it fits. */
+/* Returns phi_j + sum * 2^e, e being the exponent of the column. It adds in one number of 64 bits where that fits. */
 static scaled_t projected(num_t phi, int64_t sum, int32_t e)
 {
     if (e <= 0 && e >= -30)
@@ -86,7 +87,8 @@ static scaled_t projected(num_t phi, int64_t sum, int32_t e)
     return scaled_add(scaled_from_num(phi), scaled_from_product(sum, e - NUM_FRACTION_BITS));
 }
 
-/* Below 2^27 times 2^31, 24 of them: below 2^63, with phi_j as well. Of up to 35, |phi| below 64: 2^27 times 2^30. */
+/* The sums stay below 2^63, also with phi_j: 24 products are each below 2^27 times 2^31. Of up to 35 products, with |phi| below 64,
+ * each is below 2^27 times 2^30. */
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g)
 {
     const ud_cell_t *exponent = ud + ud_place(n), *d_exponent = exponent + n;
@@ -109,7 +111,7 @@ scaled_t ud_scaled_variance(const scaled_t *f, const scaled_t *g, size_t n)
     return sum;
 }
 
-/* P phi as it grows column by column: mantissas with one exponent, the bits of all of them. */
+/* P phi while it grows column by column: the common exponent of the mantissas, and their magnitudes OR-ed. */
 struct growing {
     int32_t e;
     uint32_t mask;
@@ -123,7 +125,8 @@ static void move_right(struct growing *b, scaled_t *g, size_t count, int32_t rig
     b->e += right;
 }
 
-/* How far mantissas go right for what ends below 2^top to have room; 0: there is room, and bits that are there are kept. */
+/* Returns the shift to the right that mantissas need to have room for a number below 2^top; 0 where there is room, so that all bits are
+ * kept. */
 static inline int32_t room_wanted(const struct growing *b, int32_t top)
 {
     int32_t right = top + 1 - GAIN_BITS - b->e, own = width(b->mask) + 1 - GAIN_BITS;
@@ -139,14 +142,14 @@ static inline void make_ud_room(struct growing *b, scaled_t *g, size_t count, in
         move_right(b, g, count, room_wanted(b, top));
 }
 
-/* How mantissas of a column and of P phi are moved and what they are multiplied with, for the upper word of a product to come
- * out in the right place. */
+/* Shifts and factors of the mantissas of a column and of P phi, with which the upper word of a product comes out in the right place. */
 struct moves {
     int32_t old_right, column_left, gain_left, gain_right, lambda, own;
 };
 
-/* u + b lambda into u, u own added to b: mantissas alone. b goes right for its sum only after u has had it with all its
- * digits: where little noise makes lambda large and b small beside u own, U would otherwise have what is lost of them. Returns the bits of b, and puts those of u. */
+/* Adds b lambda to u, and u own to b, in mantissas alone. b is shifted right for its sum only after u has taken it with all its digits.
+ * Otherwise, where little noise makes lambda large and b small beside u own, U would take the lost digits. Returns the bits of b, and
+ * puts those of u into *column_mask. */
 static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const struct moves *m,
                                   uint32_t *column_mask)
 {
@@ -170,13 +173,13 @@ static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const str
     return mask;
 }
 
-/* right may be anything where m is 0. */
+/* Shifts m to the right. right may have any value where m is 0. */
 static int32_t moved_right(int32_t m, int32_t right)
 {
     return !m || right > 31 ? 0 : m >> right;
 }
 
-/* U's column j with its exponents, and P phi of the columns before it. */
+/* Corrects column j of U with its exponent, and P phi of the columns before it. */
 static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, struct growing *b,
                            scaled_t lambda, scaled_t own)
 {
@@ -190,7 +193,7 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
     int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
     if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
         e = move + gain_wide + 30 - COLUMN_BITS;
-    e = e > exponent || !mask ? e : exponent; /* what is there keeps its bits */
+    e = e > exponent || !mask ? e : exponent; /* the old mantissas keep their bits */
     struct moves m = {.old_right = mask ? e - exponent : 0,
                       .column_left = 30 - wide,
                       .gain_left = 30 - gain_wide,

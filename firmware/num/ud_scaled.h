@@ -1,9 +1,9 @@
-/* P = U D U' without floating point: as num/ud.h, but each column of U and each element of D has an exponent of its own, so that
- * neither the range nor the resolution is that of num_t. Only in the fixed build; identify/ reaches it by num/ud_num.h.
+/* P = U D U' without floating point, as num/ud.h. Each column of U and each element of D has an exponent of its own, so that
+ * range and resolution exceed those of num_t. Only the fixed build has it; identify/ reaches it through num/ud_num.h.
  *
- * Kept in ud_cells(n) words: the packed triangle of mantissas (of column j U_0j ... U_(j-1)j, then D_j), then the exponents of the
- * columns, then those of D. Mantissas of a column of U stay below 2^27 and its largest at or above 2^24: nearest rounding errors of 2^-25 of
- * the column's largest. D has 30 bits. */
+ * P is kept in ud_scaled_cells(n) words: the packed triangle of mantissas (column j is U_0j ... U_(j-1)j, then D_j), then the exponents
+ * of the columns, then those of D. Mantissas of a column of U stay below 2^27, the largest of them at or above 2^24. Rounding errors
+ * are therefore 2^-25 of the column's largest. D has 30 bits. */
 #ifndef REFLUX_NUM_UD_SCALED_H
 #define REFLUX_NUM_UD_SCALED_H
 
@@ -22,8 +22,8 @@ static inline size_t ud_scaled_cells(size_t n)
     return n * (n + 1) / 2 + 2 * n;
 }
 
-/* As their namesakes in num/ud.h; numbers that are no num_t are scaled_t, and n is up to UD_SCALED_MAX. Gains that
- * ud_scaled_correct leaves in g need not have their mantissa filled up. With n above 24, every |phi| is below 64. */
+/* The functions work as their namesakes in num/ud.h. Numbers that are no num_t are scaled_t, and n is up to UD_SCALED_MAX. Gains that
+ * ud_scaled_correct() leaves in g may have short mantissas. With n above 24, every |phi| must be below 64. */
 void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p);
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g);
 scaled_t ud_scaled_variance(const scaled_t *f, const scaled_t *g, size_t n);
