@@ -8,7 +8,7 @@
 #define REFLUX_BASE_EVENT_LIST_H
 
 #define EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK)                                  \
-    ALWAYS(STARTED, "firmware started in its safe state; why it started", INFO)                    \
+    ALWAYS(STARTED, "firmware started in its safe state; cause", INFO)                             \
     ALWAYS(LINK_UP, "plant connected", INFO)                                                       \
     ALWAYS(LINK_DOWN, "plant silent, s", ALARM)                                                    \
     ALWAYS(LINK_VERSION, "plant speaks another protocol version", ALARM)                           \
@@ -37,21 +37,21 @@
     ALWAYS(ALARM_OFF, "alarm condition is over; measurement, or distance from the setpoint", INFO) \
     ALWAYS(ALARM_ACK, "alarm acknowledged", INFO)                                                  \
     ALWAYS(ALARM_SHELVED, "alarm silent for, s; 0: no longer", INFO)                               \
-    ALWAYS(SAMPLE_OVERDUE, "the plant is there but sends no sample, s", ALARM)                     \
+    ALWAYS(SAMPLE_OVERDUE, "plant connected but sends no sample, s", ALARM)                        \
     ALWAYS(SAMPLE_STALLED,                                                                         \
            "samples come, plant time stands still or was set back; without a tick for, s", ALARM)  \
     ALWAYS(RESTART_DONE, "outputs as before the reset (1), modes and setpoints as well (2)",       \
            WARNING)                                                                                \
     ALWAYS(RESTART_REFUSED, "the safe state stays after this reset", WARNING)                      \
-    ALWAYS(WRONG_KEY, "wrong keys at the console since then; how many", WARNING)                   \
-    ALWAYS(PLANT_REFUSED, "plant is not taken", ALARM)                                             \
+    ALWAYS(WRONG_KEY, "wrong keys at the console since then; count", WARNING)                      \
+    ALWAYS(PLANT_REFUSED, "plant refused", ALARM)                                                  \
     ALWAYS(                                                                                        \
         SAMPLE_REFUSED,                                                                            \
         "sample of another shape than announced, or with an unknown quality; measurements in it",  \
         WARNING)                                                                                   \
-    ALWAYS(STORAGE_LOADED, "stored settings are asked into force; set", INFO)                      \
+    ALWAYS(STORAGE_LOADED, "stored settings are being applied; set", INFO)                         \
     ALWAYS(STORAGE_OLDER, "a newer stored set is not whole, an older one is used; set", WARNING)   \
-    ALWAYS(STORAGE_CLIPPED, "stored value replaced: not allowed, or of another type; value now",   \
+    ALWAYS(STORAGE_CLIPPED, "stored value replaced: not allowed, or of another type; new value",   \
            WARNING)                                                                                \
     ALWAYS(STORAGE_REFUSED, "stored settings are not in force; `load` says why", ALARM)            \
     ALWAYS(STORAGE_DAMAGED, "no whole set is stored, defaults are in force", ALARM)                \
@@ -67,7 +67,7 @@
     SEQUENCE(SEQUENCE_HELD, "sequence held at step", WARNING)                                      \
     SEQUENCE(SEQUENCE_GOES_ON, "sequence goes on at step", INFO)                                   \
     SEQUENCE(SEQUENCE_CONFIRMED, "step confirmed", INFO)                                           \
-    SEQUENCE(SEQUENCE_SKIPPED, "step no longer waited for", WARNING)                               \
+    SEQUENCE(SEQUENCE_SKIPPED, "wait of the step skipped", WARNING)                                \
     SEQUENCE(SEQUENCE_TIMEOUT, "step took longer than allowed", WARNING)                           \
     SEQUENCE(SEQUENCE_DONE, "sequence done, last step", INFO)                                      \
     SEQUENCE(SEQUENCE_ABORTED, "sequence aborted into the safe state at step", ALARM)              \
@@ -76,13 +76,12 @@
     START_UP(COMMISSION_ENDED, "automatic start-up given up", ALARM)                               \
     START_UP(TEST_STEP, "test of this input; amplitude, fraction of span", INFO)                   \
     START_UP(TEST_CUT,                                                                             \
-             "test cut short, this would pass its limit; peak seen coming, fraction of span",      \
-             INFO)                                                                                 \
+             "test cut short, this would pass its limit; predicted peak, fraction of span", INFO)  \
     START_UP(TEST_DONE, "input tested; length of half a double step, s", INFO)                     \
     START_UP(TEST_LONGER,                                                                          \
-             "an output did not come to rest, test done again; half of a double step, s", INFO)    \
+             "an output did not come to rest, test repeated; half of a double step, s", INFO)      \
     START_UP(TEST_SMALLER,                                                                         \
-             "too large a step, test done again with a smaller one; amplitude, fraction of span",  \
+             "step too large, test repeated with a smaller one; amplitude, fraction of span",      \
              INFO)                                                                                 \
     START_UP(TEST_EXTENDED, "pairing not determined yet, tests are repeated; probability", INFO)   \
     START_UP(RELAY_DONE, "relay test done, see `commission relay`; ultimate period, s", INFO)      \
@@ -90,52 +89,50 @@
     START_UP(NOT_DETERMINED, "pairing not determined, see `commission pairing`; probability",      \
              WARNING)                                                                              \
     START_UP(TRIAL_BEGUN, "proposed loops on trial; loops", INFO)                                  \
-    START_UP(TRIAL_KEPT, "proposed loops did as predicted and stay; loops", INFO)                  \
-    START_UP(TRIAL_FAILED, "proposed loops are taken back, the old settings return", ALARM)        \
-    JOB(JOB_LATE, "the result of this work is not there at its tick; ticks it was given", WARNING) \
-    START_UP(BLOCK_GAVE_UP, "a block is off, its loops go on without it; which block", ALARM)      \
-    START_UP(BLOCK_ON, "a block acts for its loops again; which block", INFO)                      \
+    START_UP(TRIAL_KEPT, "proposed loops matched the prediction and stay; loops", INFO)            \
+    START_UP(TRIAL_FAILED, "trial failed, the old settings return", ALARM)                         \
+    JOB(JOB_LATE, "job not done at its tick; ticks it was given", WARNING)                         \
+    START_UP(BLOCK_GAVE_UP, "a block gave up, its loops go on without it; block", ALARM)           \
+    START_UP(BLOCK_ON, "a block acts for its loops again; block", INFO)                            \
     BLOCK(CHANNEL_WRITTEN,                                                                         \
-          "a block writes this measurement, the plant's own readings are not looked at; which "    \
-          "block",                                                                                 \
-          WARNING)                                                                                 \
+          "a block writes this measurement, the plant's readings are ignored; block", WARNING)     \
     BLOCK(LOOP_DIVISOR,                                                                            \
-          "divisor is no multiple of the ticks between samples of its measurement; these",         \
+          "divisor is no multiple of the ticks between samples of its measurement; ticks",         \
           WARNING)                                                                                 \
     BLOCK(BLOCK_VERB, "verb done; the number given with it", INFO)                                 \
-    BLOCK(BLOCK_REFUSED, "a block refused its verb; which block", WARNING)                         \
+    BLOCK(BLOCK_REFUSED, "a block refused its verb; block", WARNING)                               \
     BLOCK(BLOCK_EVENT, "a block says", INFO)                                                       \
     BLOCK(BLOCK_ALARM, "a block says", ALARM)                                                      \
-    BLOCK(EXCITATION_BEGUN, "a block excites the plant with a test signal; which block", INFO)     \
-    BLOCK(EXCITATION_ENDED, "the test signal of a block is over; which block", INFO)               \
-    BLOCK(BLOCK_PROPOSES, "a block proposes settings, see `proposal`; which block", INFO)          \
-    BLOCK(BLOCK_ADOPTED, "settings that a block proposes are asked into force; which block", INFO) \
-    BLOCK(PROPOSAL_REFUSED, "what a block proposes is refused, see `proposal`; value", WARNING)    \
-    GUARD(DEVIATION, "the PV is far from its setpoint, and has been for long; distance", ALARM)    \
+    BLOCK(EXCITATION_BEGUN, "a block excites the plant with a test signal; block", INFO)           \
+    BLOCK(EXCITATION_ENDED, "the test signal of a block is over; block", INFO)                     \
+    BLOCK(BLOCK_PROPOSES, "a block proposes settings, see `proposal`; block", INFO)                \
+    BLOCK(BLOCK_ADOPTED, "settings that a block proposes are being applied; block", INFO)          \
+    BLOCK(PROPOSAL_REFUSED, "proposal of a block refused, see `proposal`; value", WARNING)         \
+    GUARD(DEVIATION, "the PV has been far from its setpoint for long; distance", ALARM)            \
     GUARD(DEVIATION_OVER, "the PV is near its setpoint again, or the loop in manual; distance",    \
           INFO)                                                                                    \
-    GUARD(DOUBTFUL, "a loop acts on a reading that has long been uncertain; it reads", ALARM)      \
-    GUARD(DOUBTFUL_OVER, "no loop acts on an uncertain reading any more; it reads", INFO)          \
-    START_UP(FIRST_READING, "the first reading was far from those that followed; it was", WARNING) \
+    GUARD(DOUBTFUL, "a loop acts on a reading that has long been uncertain; reading", ALARM)       \
+    GUARD(DOUBTFUL_OVER, "no loop acts on an uncertain reading any more; reading", INFO)           \
+    START_UP(FIRST_READING, "the first reading was far from the next ones; reading", WARNING)      \
     START_UP(SAME_READING, "sends the same numbers as another measurement, meas", WARNING)         \
-    ALWAYS(DO_MODE, "mode asked for:", ACTION)                                                     \
-    ALWAYS(DO_SETPOINT, "setpoint asked for", ACTION)                                              \
-    ALWAYS(DO_OUTPUT, "output asked for", ACTION)                                                  \
+    ALWAYS(DO_MODE, "mode requested:", ACTION)                                                     \
+    ALWAYS(DO_SETPOINT, "setpoint requested", ACTION)                                              \
+    ALWAYS(DO_OUTPUT, "output requested", ACTION)                                                  \
     ALWAYS(DO_SET, "parameter set; 0 for a word", ACTION)                                          \
     ALWAYS(DO_APPLY, "transaction applied; parameters it changes", ACTION)                         \
     ALWAYS(DO_STORAGE, "stored settings saved, loaded or replaced", ACTION)                        \
     ALWAYS(DO_ALARM, "alarm acknowledged or shelved", ACTION)                                      \
-    SEQUENCE(DO_SEQUENCE, "sequence started, stopped or told what to do", ACTION)                  \
+    SEQUENCE(DO_SEQUENCE, "sequence started, stopped or commanded", ACTION)                        \
     ALWAYS(DO_KEY, "key changed", ACTION)                                                          \
     ALWAYS(DO_UNLOCK, "engineer level unlocked", ACTION)                                           \
     ALWAYS(DO_LOCK, "engineer level locked", ACTION)                                               \
-    START_UP(DO_COMMISSION, "automatic start-up told something", ACTION)                           \
-    ALWAYS(DO_REBOOT, "restart asked for", ACTION)                                                 \
-    BLOCK(DO_BLOCK, "block switched, or told something; the number it was given", ACTION)          \
+    START_UP(DO_COMMISSION, "automatic start-up commanded", ACTION)                                \
+    ALWAYS(DO_REBOOT, "restart requested", ACTION)                                                 \
+    BLOCK(DO_BLOCK, "block switched, or given a verb; its number", ACTION)                         \
     BLOCK(DO_PROPOSAL, "proposal of a block accepted, rejected or taken back; its values", ACTION) \
-    BLOCK(SWITCHED_OFF, "adds nothing until its settings change; which block has switched it off", \
+    BLOCK(SWITCHED_OFF, "adds nothing until its settings change; block that switched it off",      \
           WARNING)                                                                                 \
-    BLOCK(PROPOSAL_WITHDRAWN, "a block takes back what it has proposed; which block", INFO)
+    BLOCK(PROPOSAL_WITHDRAWN, "a block withdraws its proposal; block", INFO)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS). */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0

@@ -191,8 +191,8 @@ static void what_is_done_at_the_console_is_kept_with_who_did_it(void)
     static const char *const wanted[] = {
         "5.000 action DO_KEY - 0 key changed, by engineer",
         "5.000 action DO_LOCK - 0 ",
-        "5.000 action DO_MODE bottom 1 mode asked for: auto, by operator",
-        "5.000 action DO_SETPOINT bottom 112.5 setpoint asked for, by operator",
+        "5.000 action DO_MODE bottom 1 mode requested: auto, by operator",
+        "5.000 action DO_SETPOINT bottom 112.5 setpoint requested, by operator",
         "5.000 action DO_OUTPUT top 2 ",
         "5.000 action DO_UNLOCK - 0 ",
         "5.000 action DO_SET loop1.gain 2 parameter set; 0 for a word, by engineer",

@@ -396,15 +396,15 @@ static void what_is_only_looked_at_is_no_action(void)
 static void every_action_is_kept_with_its_subject_and_value(void)
 {
     static const char *const done[][2] = {
-        {"mode bottom auto", "DO_MODE bottom 1 mode asked for: auto"},
-        {"sp bottom 112.5", "DO_SETPOINT bottom 112.5 setpoint asked for"},
-        {"out top 2", "DO_OUTPUT top 2 output asked for"},
+        {"mode bottom auto", "DO_MODE bottom 1 mode requested: auto"},
+        {"sp bottom 112.5", "DO_SETPOINT bottom 112.5 setpoint requested"},
+        {"out top 2", "DO_OUTPUT top 2 output requested"},
         {"set alarm1.on T10", "DO_SET alarm1.on 0 parameter set; 0 for a word"},
         {"set alarm1.limit 120", "DO_SET alarm1.limit 120 parameter set; 0 for a word"},
         {"alarm shelve T10.hi 60", "DO_ALARM T10.hi 60 alarm acknowledged or shelved"},
         {"alarm ack all", "DO_ALARM all 0 alarm acknowledged or shelved"},
         {"set step1.seq stop", "DO_SET step1.seq 0 parameter set; 0 for a word"},
-        {"seq stop", "DO_SEQUENCE stop 0 sequence started, stopped or told what to do"},
+        {"seq stop", "DO_SEQUENCE stop 0 sequence started, stopped or commanded"},
         {"commission abort", NULL},
         {"save", "DO_STORAGE save 0 stored settings saved, loaded or replaced"},
         {"load", "DO_STORAGE load 0 stored settings saved, loaded or replaced"},

@@ -94,7 +94,7 @@ static void a_plant_that_goes_on_with_another_shape_is_refused(void)
     TEST_ASSERT_EQUAL(1, times_said("SAFE_STATE"));
     TEST_ASSERT_TRUE(board.hellos > 200);
     ends_up_refused(
-        "4 plant is not taken: samples of another shape than announced; measurements in them");
+        "4 plant refused: samples of another shape than announced; measurements in them");
     a_good_one_is_met();
 }
 
@@ -149,7 +149,7 @@ static void a_tick_of_zero_is_told(void)
     samples(1);
     greets_with(&f, 240);
     TEST_ASSERT_TRUE(said("SAFE_STATE")); /* the plant that was there is no more */
-    ends_up_refused("0 plant is not taken: tick_ms is 0");
+    ends_up_refused("0 plant refused: tick_ms is 0");
     a_good_one_is_met();
 }
 
@@ -158,7 +158,7 @@ static void seventeen_channels_are_told(void)
     struct frame f = good_hello();
     f.payload[7] = 17;
     greets_with(&f, 240);
-    ends_up_refused("17 plant is not taken: more channels of a kind than this board takes");
+    ends_up_refused("17 plant refused: more channels of a kind than this board takes");
     a_good_one_is_met();
 }
 
@@ -167,9 +167,8 @@ static void a_hello_that_cannot_be_read_is_told(void)
     struct frame f = good_hello();
     f.n = 35;
     greets_with(&f, 100);
-    TEST_ASSERT_EQUAL(1,
-                      times_said(" alarm PLANT_REFUSED - 35 plant is not taken: HELLO of another "
-                                 "length, or with a text that is none"));
+    TEST_ASSERT_EQUAL(1, times_said(" alarm PLANT_REFUSED - 35 plant refused: HELLO of another "
+                                    "length, or with a text that is none"));
     TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED"));
     f = good_hello();
     f.payload[12] = '\n';
@@ -288,10 +287,10 @@ static void page_is_refused(uint8_t at, struct link_page page, const char *words
 static void a_page_that_makes_no_sense_is_told(void)
 {
     static const char span[] =
-        "1 plant is not taken: PAGE with a span that is empty or no number, or safe outside it";
+        "1 plant refused: PAGE with a span that is empty or no number, or safe outside it";
     static const char safe[] =
-        "4 plant is not taken: PAGE with a span that is empty or no number, or safe outside it";
-    static const char page[] = "1 plant is not taken: PAGE malformed, or of the other kind";
+        "4 plant refused: PAGE with a span that is empty or no number, or safe outside it";
+    static const char page[] = "1 plant refused: PAGE malformed, or of the other kind";
     struct link_page m = {.index = 1, .lo = 0, .hi = 200, .name = "c1", .unit = "%"};
     struct link_page spoil = m;
     spoil.hi = -5;
@@ -319,11 +318,11 @@ static void a_page_that_makes_no_sense_is_told(void)
 static void two_channels_of_one_name_are_told(void)
 {
     struct link_page m = {.index = 2, .lo = 0, .hi = 200, .name = "c0", .unit = "%"};
-    page_is_refused(2, m, "2 plant is not taken: PAGE with the name of another of its kind");
+    page_is_refused(2, m, "2 plant refused: PAGE with the name of another of its kind");
     m.index = 4;
     m.manipulated = true;
     strcpy(m.name, "c3");
-    page_is_refused(4, m, "4 plant is not taken: PAGE with the name of another of its kind");
+    page_is_refused(4, m, "4 plant refused: PAGE with the name of another of its kind");
     a_good_one_is_met();
 }
 
@@ -351,8 +350,7 @@ static void pages_that_never_come_are_told_once_and_asked_for_all_the_same(void)
     board_forget();
     plant_hello();
     pass(60000);
-    TEST_ASSERT_EQUAL(
-        1, times_said("PLANT_REFUSED handmade 0 plant is not taken: PAGE does not come"));
+    TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED handmade 0 plant refused: PAGE does not come"));
     TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED"));
     TEST_ASSERT_TRUE(board.page_requests > 200);
     board.deaf_to_pages = false;
@@ -387,8 +385,7 @@ static void a_plant_that_counts_its_pages_from_one_is_told(void)
     board_forget();
     plant_hello();
     pass(60000);
-    TEST_ASSERT_EQUAL(
-        1, times_said("PLANT_REFUSED handmade 0 plant is not taken: PAGE does not come"));
+    TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED handmade 0 plant refused: PAGE does not come"));
     TEST_ASSERT_FALSE(board.ready);
 }
 
@@ -402,7 +399,7 @@ static void a_refused_plant_that_is_unplugged_is_looked_at_anew(void)
     ask_ok("alarm");
     TEST_ASSERT_EQUAL_STRING("LINK_DOWN no plant is connected", reply[0]);
     greets_with(&f, 10);
-    ends_up_refused("0 plant is not taken: tick_ms is 0");
+    ends_up_refused("0 plant refused: tick_ms is 0");
 }
 
 /* ---- another controller, or ourselves ---- */
@@ -416,7 +413,7 @@ static void a_greeting_in_another_role_is_not_answered_and_told_once(void)
         struct frame f = good_hello();
         f.payload[1] = role;
         greets_with(&f, 40);
-        TEST_ASSERT_EQUAL(1, times_said(" alarm PLANT_REFUSED - 1 plant is not taken: message of a "
+        TEST_ASSERT_EQUAL(1, times_said(" alarm PLANT_REFUSED - 1 plant refused: message of a "
                                         "controller: there is another, or the line echoes; type"));
         TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED"));
         connect_plant();

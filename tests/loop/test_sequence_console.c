@@ -221,7 +221,7 @@ static void operators_run_sequences_and_engineers_skip(void)
     samples(1);
     TEST_ASSERT_TRUE(said(" warning SEQUENCE_SKIPPED start 2 "));
     ask_ok("events");
-    TEST_ASSERT_TRUE(said("DO_SEQUENCE skip 0 sequence started, stopped or told what to do, by "
+    TEST_ASSERT_TRUE(said("DO_SEQUENCE skip 0 sequence started, stopped or commanded, by "
                           "engineer"));
     ask_ok("lock");
     ask_ok("seq abort");
