@@ -5,7 +5,7 @@
 #define SHIFT_MAX 28 /* bits in one shift: 10 * 2^28 fits uint32_t */
 
 #define MANTISSA_BITS 24
-#define EXPONENT_MIN  (-149) /* of the last bit of the smallest float */
+#define EXPONENT_MIN  (-149) /* exponent of the last bit of the smallest float */
 
 static void tidy(struct decimal *d)
 {

@@ -11,8 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define DECIMAL_READ  40 /* digits a number may be given with */
-#define DECIMAL_KEPT  87 /* digits kept in between */
+#define DECIMAL_READ  40 /* most digits of a number that is read */
+#define DECIMAL_KEPT  87 /* digits kept between two steps */
 #define DECIMAL_SPARE 9  /* digits by which one shift to the left grows a number */
 
 /* The number 0.d1d2d3... * 10^point. Neither d1 nor the last digit is 0; a number without digits is zero. `more` says

@@ -362,12 +362,12 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
             if (!delivered)
                 continue;
             complete = on_frame(link, &f, now_ms, sample);
-            if (!complete) { /* what it was is no part of a sample's cost */
+            if (!complete) { /* this frame is no part of the cost of a sample */
                 begun = hal_cycles();
                 link->reception = 0;
             }
         }
-        if (taken) /* looking in vain is no reception */
+        if (taken) /* a look that finds no bytes is no reception */
             link->reception += hal_cycles() - begun;
         if (complete) {
             sample->reception = link->reception;
