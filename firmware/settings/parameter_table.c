@@ -50,7 +50,7 @@ static const struct parameter_field tick_fields[] = {
     F(config, tick_s, 1, "base", "s", 0, 3600, 0,
       "base tick; 0 = what the plant announces, else 0.05 or more"),
     ROW(2, PARAMETER_U32, offsetof(struct config, miss_limit), "miss_limit", "ticks", 1, 1000000, 5,
-        "samples missing in a row after which the safe state is taken"),
+        "missing samples in a row that lead to the safe state"),
     F(config, sample_timeout_s, 3, "timeout", "s", 0, 1e5f, 0,
       "no sample for this long of the board's clock: safe state; 0 = off, for plants that may "
       "wait"),
@@ -97,21 +97,21 @@ static const struct parameter_field measurement_fields[] = {
       "inferred value per unit of that output"),
     F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
       "inferred value where that output is 0"),
-    START_UP_ROWS(
-        W(measurement_config, start_up.test, 14, "test", "off|on", 1,
-          "automatic start-up finds a loop for it"),
-        F(measurement_config, start_up.limit, 15, "test_limit", "EU", 0, BIG, 0,
-          "farthest it may go from rest while the plant is tested; 0 = a fifth of the span"),
-        W(measurement_config, start_up.critical, 16, "test_critical", "off|on", 0,
-          "while the plant is tested it may go only half as far"))
+    START_UP_ROWS(W(measurement_config, start_up.test, 14, "test", "off|on", 1,
+                    "automatic start-up finds a loop for it"),
+                  F(measurement_config, start_up.limit, 15, "test_limit", "EU", 0, BIG, 0,
+                    "largest deviation from rest during a test; 0 = a fifth of the span"),
+                  W(measurement_config, start_up.critical, 16, "test_critical", "off|on", 0,
+                    "during a test it may deviate only half as far"))
         SEQUENCE_ROWS(
             F(measurement_config, offset.eu, 17, "offset", "EU", -BIG, BIG, 0,
               "subtracted from the reading while a sequence has switched it on (offset_on)"))
             ANALYSER_ROWS(
                 A(every, 18, 1, 10000, 1,
                   "base ticks from one sample of it to the next (an analyser)"),
-                A(phase, 19, 0, 9999, 0, "base tick of plant time within these in which it comes"),
-                A(delay, 20, 0, 10000, 0, "base ticks from when it is sampled until it comes"))
+                A(phase, 19, 0, 9999, 0,
+                  "base tick of plant time within these in which a sample comes"),
+                A(delay, 20, 0, 10000, 0, "base ticks from sampling until the sample comes"))
                 CALIBRATION_ROWS(
                     C(gain, 21, "EU/EU", 1e-6f, 1e6f, 1,
                       "calibration: reading = zero + gain times what the plant sends"),
@@ -139,7 +139,7 @@ static const struct parameter_field mv_fields[] = {
     START_UP_ROWS(
         W(mv_config, start_up.test, 11, "test", "off|on", 1, "automatic start-up moves it"),
         F(mv_config, start_up.step, 12, "test_step", "EU", 0, BIG, 0,
-          "amplitude of the test; 0 = larger ones are tried until the response stands out"),
+          "amplitude of the test; 0 = rises until the response stands out"),
         F(mv_config, start_up.time_s, 13, "test_time", "s", 0, 1e6f, 0,
           "length of half a double step; 0 = until the plant is at rest"),
         W(mv_config, start_up.critical, 14, "test_critical", "off|on", 0,
@@ -174,12 +174,12 @@ static const struct parameter_field loop_fields[] = {
     W(loop_config, own.action, 19, "action", "reverse|direct", LOOP_REVERSE,
       "reverse: output rises when the measurement is below setpoint (heating)"),
     W(loop_config, own.algorithm, 20, "algorithm", "positional|velocity|two_position",
-      LOOP_POSITIONAL, "form of the PID algorithm; or out_hi and out_lo by turns (docs/loops.md)"),
+      LOOP_POSITIONAL, "form of the PID; two_position: out_hi or out_lo (docs/loops.md)"),
     W(loop_config, sp_track, 21, "sp_track", "off|on", 1,
       "in manual the setpoint follows the measurement"),
     W(loop_config, decouple, 22, "decouple", "off|on", 0, "takes part in the static decoupler"),
     ROW(23, PARAMETER_U16, offsetof(struct loop_config, divisor), "divisor", "ticks", 1, 10000, 1,
-        "runs every so many base ticks"),
+        "base ticks from one run to the next"),
     ROW(24, PARAMETER_U16, offsetof(struct loop_config, phase), "phase", "ticks", 0, 9999, 0,
         "base tick within the divisor at which it runs"),
     F(loop_config, own.band, 25, "band", "EU", 0, BIG, 0,
@@ -203,7 +203,7 @@ static const struct parameter_field feedforward_fields[] = {
     F(ff_config, lag_s, 5, "lag", "s", 0, 1e5f, 0, "lag time constant"),
     F(ff_config, dead_s, 6, "dead", "s", 0, 1e5f, 0, "dead time"),
     F(ff_config, reference, 7, "reference", "EU", -BIG, BIG, 0,
-      "measurement that asks for no correction"),
+      "measurement at which the correction is 0"),
     F(ff_config, lo, 8, "lo", "fraction", -1, 1, -1, "most negative correction"),
     F(ff_config, hi, 9, "hi", "fraction", -1, 1, 1, "most positive correction"),
 };
@@ -254,20 +254,21 @@ static const struct parameter_field step_fields[] = {
       STEP_NOTHING,
       "what the row does; guard: its condition must hold from here on, drop: no longer"),
     ROW(3, PARAMETER_NAME, STEP_FIELD(what), "what", "", 0, 0, 0,
-        "manipulated variable, loop or measurement it does that to"),
+        "manipulated variable, loop or measurement that it acts on"),
     ROW(4, PARAMETER_FLOAT, STEP_FIELD(value), "value", "EU", -BIG, BIG, 0,
-        "of out, in the output's unit; of sp, in the measurement's"),
+        "out: in the output's unit; sp: in the measurement's"),
     S(until, 5, "until", "at_once|above|below|steady|time|confirm", STEP_AT_ONCE,
-      "what is waited for then"),
+      "condition to wait for"),
     ROW(6, PARAMETER_NAME, STEP_FIELD(measurement), "meas", "", 0, 0, 0,
-        "measurement that is waited for, or guarded"),
+        "measurement of the condition or guard"),
     ROW(7, PARAMETER_FLOAT, STEP_FIELD(limit), "limit", "EU", -BIG, BIG, 0,
-        "of above and below; steady: the width the measurement stays within"),
+        "above, below: limit; steady: width the measurement stays within"),
     ROW(8, PARAMETER_U16, STEP_FIELD(wait_s), "hold", "s", 0, 65535, 0,
         "the condition must hold this long; time: how long; guard: how long it may be broken"),
     ROW(9, PARAMETER_U16, STEP_FIELD(timeout_s), "timeout", "s", 0, 65535, 0,
         "longest wait; 0 = none, for time and confirm"),
-    S(otherwise, 10, "else", "abort|go_on|hold", STEP_ABORT, "what the time-out, or a guard, does"),
+    S(otherwise, 10, "else", "abort|go_on|hold", STEP_ABORT,
+      "action of the time-out or of a guard"),
 #undef S
 #undef STEP
 };
@@ -298,19 +299,19 @@ OPTIONAL_FIELDS test_fields[] = {START_UP_ROWS(
     F(config, test.noise_multiple, 1, "noise", "-", 2, 1000, 20,
       "a response this many times the noise is large enough"),
     F(config, test.blank_s, 2, "blank", "s", 0, 1e5f, 0,
-      "the guard looks away for so long after a step: inverse responses"),
+      "the guard waits this long after a step, for inverse responses"),
     F(config, test.longest_s, 3, "longest", "s", 0, 1e6f, 0,
-      "no half of a double step is longer; 0 = 1000 base ticks"),
+      "longest half of a double step; 0 = 1000 base ticks"),
     F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.975f,
       "a pairing less probable than this is not determined"),
     ROW(5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4,
-        "tests are repeated, up to so many of each input, until the pairing is determined"),
+        "most tests of each input until the pairing is determined"),
     ROW(6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 60,
         "base ticks over which rest is judged"),
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
-      "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
+      "predicts the peak of a response by a straight line, or by a model of it so far"),
     W(config, test.pairs, 8, "pairs", "found|given", TEST_PAIRS_FOUND,
-      "which measurement gets which input: found by the tests, or given: each pair<i>"))};
+      "pairing: found by the tests, or given by pair<i>"))};
 
 OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
     N(pair_config, measurement, 1, "meas", "measurement; - = unused"),
