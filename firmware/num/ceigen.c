@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define ROUNDS_EACH 40
 #define STUCK_AFTER 10 /* rounds without a zero after which another shift is tried */
 
@@ -168,6 +170,7 @@ enum err ceigen_values(struct cmatrix *a, struct cplx *values)
 
 void ceigen_follow(const struct cplx *before, struct cplx *now, uint8_t n)
 {
+    REFLUX_ASSERT(n <= MATRIX_MAX);
     struct cplx of[MATRIX_MAX];
     uint16_t placed = 0, taken = 0;
     for (uint8_t round = 0; round < n; round++) {

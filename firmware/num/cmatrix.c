@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define ELEMENT_MAX REAL_C(1e15)
 
 enum err cmatrix_check(const struct cmatrix *a)
@@ -85,6 +87,7 @@ enum err clu_factor(const struct cmatrix *a, struct clu *lu)
 
 void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x)
 {
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
     size_t n = lu->n;
     struct cplx y[MATRIX_MAX];
     for (size_t i = 0; i < n; i++) {
@@ -103,6 +106,7 @@ void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x)
 
 void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_magnitude)
 {
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
     *direction = cplx((real_t)lu->sign, REAL_C(0.0));
     *log_magnitude = REAL_C(0.0);
     for (size_t i = 0; i < lu->n; i++) {

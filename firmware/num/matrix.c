@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define ELEMENT_MAX  REAL_C(1e15)
 #define ROUNDS_EXACT 20
 #define ROUNDS_ROUGH 6 /* rounds to powers of two; further rounds change nothing */
@@ -19,6 +21,7 @@ enum err matrix_check(const struct matrix *a)
 
 enum err matrix_multiply(const struct matrix *a, const struct matrix *b, struct matrix *c)
 {
+    REFLUX_ASSERT(a->rows <= MATRIX_MAX && a->cols <= MATRIX_MAX && b->cols <= MATRIX_MAX);
     if (a->cols != b->rows)
         return ERR_RANGE;
     c->rows = a->rows;
@@ -35,6 +38,7 @@ enum err matrix_multiply(const struct matrix *a, const struct matrix *b, struct 
 
 void matrix_transpose(const struct matrix *a, struct matrix *t)
 {
+    REFLUX_ASSERT(a->rows <= MATRIX_MAX && a->cols <= MATRIX_MAX);
     t->rows = a->cols;
     t->cols = a->rows;
     for (size_t i = 0; i < a->rows; i++)
@@ -57,6 +61,7 @@ static real_t power_of_two_below(real_t x)
 
 void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c)
 {
+    REFLUX_ASSERT(a->rows <= MATRIX_MAX && a->cols <= MATRIX_MAX);
     for (size_t i = 0; i < a->rows; i++)
         r[i] = REAL_C(1.0);
     for (size_t j = 0; j < a->cols; j++)
@@ -142,6 +147,7 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
 
 void lu_solve(const struct lu *lu, const real_t *b, real_t *x)
 {
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
     size_t n = lu->n;
     real_t y[MATRIX_MAX];
     for (size_t i = 0; i < n; i++) {
@@ -160,6 +166,7 @@ void lu_solve(const struct lu *lu, const real_t *b, real_t *x)
 
 void lu_inverse(const struct lu *lu, struct matrix *inverse)
 {
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
     real_t column[MATRIX_MAX];
     inverse->rows = inverse->cols = lu->n;
     for (size_t j = 0; j < lu->n; j++) {
@@ -173,6 +180,7 @@ void lu_inverse(const struct lu *lu, struct matrix *inverse)
 
 void lu_determinant(const struct lu *lu, int *sign, real_t *log_magnitude)
 {
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
     *sign = lu->sign;
     *log_magnitude = REAL_C(0.0);
     for (size_t i = 0; i < lu->n; i++) {

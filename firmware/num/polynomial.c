@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define LARGEST REAL_C(1e15)
 /* Part of its terms' magnitudes up to which a coefficient counts as rounding. At 4 x 4 there are 24 products, each with up to three
  * roundings, and sums with up to as many as a polynomial has coefficients. */
@@ -27,6 +29,7 @@ enum err polynomial_check(const struct polynomial *p)
 enum err polynomial_add_product(struct polynomial *sum, real_t scale, const struct polynomial *a,
                                 const struct polynomial *b)
 {
+    REFLUX_ASSERT(a->n <= POLYNOMIAL_MOST && b->n <= POLYNOMIAL_MOST && sum->n <= POLYNOMIAL_MOST);
     if (!a->n || !b->n)
         return ERR_OK;
     unsigned n = (unsigned)a->n + b->n - 1u;
@@ -42,6 +45,7 @@ enum err polynomial_add_product(struct polynomial *sum, real_t scale, const stru
 
 unsigned polynomial_delay(const struct polynomial *p)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     unsigned k = 0;
     while (k < p->n && p->value[k] == REAL_C(0.0))
         k++;
@@ -50,6 +54,7 @@ unsigned polynomial_delay(const struct polynomial *p)
 
 void polynomial_advance(struct polynomial *p, unsigned k)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     if (k > p->n)
         k = p->n;
     p->n = (uint8_t)(p->n - k);
@@ -59,12 +64,14 @@ void polynomial_advance(struct polynomial *p, unsigned k)
 
 void polynomial_trim(struct polynomial *p)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     while (p->n && p->value[p->n - 1u] == REAL_C(0.0))
         p->n--;
 }
 
 real_t polynomial_value(const struct polynomial *p, real_t x)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     real_t value = REAL_C(0.0);
     for (unsigned k = p->n; k-- > 0;)
         value = value * x + p->value[k];
@@ -73,6 +80,7 @@ real_t polynomial_value(const struct polynomial *p, real_t x)
 
 real_t polynomial_size(const struct polynomial *p)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     real_t size = REAL_C(0.0);
     for (unsigned k = 0; k < p->n; k++)
         size += real_abs(p->value[k]);
@@ -83,6 +91,7 @@ real_t polynomial_size(const struct polynomial *p)
 
 bool polynomial_zeros_within(const struct polynomial *p, real_t radius)
 {
+    REFLUX_ASSERT(p->n <= POLYNOMIAL_MOST);
     struct polynomial c = {0};
     unsigned n = p->n ? p->n - 1u : 0u;
     real_t times = REAL_C(1.0) / p->value[0];
@@ -117,6 +126,8 @@ enum err polynomial_matrix_check(const struct polynomial_matrix *m)
 enum err polynomial_matrix_multiply(const struct polynomial_matrix *a,
                                     const struct polynomial_matrix *b, struct polynomial_matrix *c)
 {
+    REFLUX_ASSERT(a->rows <= POLYNOMIAL_MATRIX_MOST && a->cols <= POLYNOMIAL_MATRIX_MOST &&
+                  b->cols <= POLYNOMIAL_MATRIX_MOST);
     if (a->cols != b->rows)
         return ERR_RANGE;
     c->rows = a->rows;
@@ -168,6 +179,7 @@ static const uint8_t pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3
 
 static unsigned pair_of(unsigned a, unsigned b)
 {
+    REFLUX_ASSERT(a < b && b < POLYNOMIAL_MATRIX_MOST);
     unsigned k = 0;
     while (pair[k][0] != a || pair[k][1] != b)
         k++;

@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 /* Length, as a part of the matrix, below which a column counts as 0, because the squares of lengths must not vanish. */
 #ifdef REFLUX_REAL_DOUBLE
 #define SHORTEST 1e-140
@@ -170,6 +172,7 @@ static void make_unit_columns(struct svd *svd)
 
 enum err svd_step(struct svd *svd)
 {
+    REFLUX_ASSERT(svd->u.rows <= MATRIX_MAX && svd->v.cols <= MATRIX_MAX);
     if (svd->done)
         return ERR_STATE;
     if (svd->sweeps >= SVD_SWEEPS)
@@ -200,6 +203,7 @@ static size_t singular_values(const struct svd *svd)
 
 unsigned svd_rank(const struct svd *svd, real_t tolerance)
 {
+    REFLUX_ASSERT(svd->rows <= MATRIX_MAX && svd->cols <= MATRIX_MAX);
     if (tolerance <= REAL_C(0.0))
         tolerance = (real_t)(svd->rows > svd->cols ? svd->rows : svd->cols) * REAL_EPSILON;
     unsigned rank = 0;
@@ -210,6 +214,7 @@ unsigned svd_rank(const struct svd *svd, real_t tolerance)
 
 real_t svd_condition(const struct svd *svd)
 {
+    REFLUX_ASSERT(svd->rows >= 1 && svd->cols >= 1);
     if (svd_rank(svd, REAL_C(0.0)) < singular_values(svd))
         return INFINITY;
     return svd->s[0] / svd->s[singular_values(svd) - 1];
@@ -217,6 +222,7 @@ real_t svd_condition(const struct svd *svd)
 
 enum err svd_pseudo_inverse(const struct svd *svd, unsigned rank, struct matrix *inverse)
 {
+    REFLUX_ASSERT(svd->rows <= MATRIX_MAX && svd->cols <= MATRIX_MAX);
     if (rank < 1 || rank > singular_values(svd) || svd->s[rank - 1] <= REAL_C(0.0))
         return ERR_RANGE;
     inverse->rows = svd->cols;

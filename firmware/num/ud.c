@@ -1,5 +1,7 @@
 #include "num/ud.h"
 
+#include "base/assertion.h"
+
 void ud_set_diagonal(real_t *ud, size_t n, const real_t *p)
 {
     for (size_t j = 0; j < n; j++) {
@@ -53,6 +55,7 @@ void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t
 real_t ud_correct_from(real_t *ud, size_t n, size_t from, const real_t *f, real_t *g, real_t r,
                        real_t growth)
 {
+    REFLUX_ASSERT(from <= n);
     real_t alpha = r, inverse = 1 / r;
     size_t j = from & ~(size_t)1;
     for (ud += ud_count(j); j + 1 < n; j += 2) {
@@ -197,6 +200,7 @@ void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
 /* Takes two columns at a time, as above, and two vectors. */
 void ud_add_pair(real_t *ud, size_t at, real_t c, real_t below, real_t *v)
 {
+    REFLUX_ASSERT(at >= 1);
     struct addition a, b, next_a, next_b;
     real_t *w = v + at;
     size_t j = at - 1;
@@ -273,6 +277,7 @@ void ud_solve(const real_t *ud, size_t n, const real_t *x, real_t *y)
 
 real_t ud_element(const real_t *ud, size_t n, size_t i, size_t j)
 {
+    REFLUX_ASSERT(i < n && j < n);
     size_t first = i > j ? i : j;
     real_t sum = 0;
     for (size_t k = first; k < n; k++) {
@@ -296,6 +301,7 @@ real_t ud_trace(const real_t *ud, size_t n)
 
 void ud_extremes(const real_t *ud, size_t n, real_t *least, real_t *most)
 {
+    REFLUX_ASSERT(n >= 1);
     *least = *most = ud[0];
     for (size_t j = 1; j < n; j++) {
         real_t d = ud[ud_count(j) + j];
@@ -306,6 +312,7 @@ void ud_extremes(const real_t *ud, size_t n, real_t *least, real_t *most)
 
 bool ud_clamp(real_t *ud, size_t n, size_t j, real_t lo, real_t hi)
 {
+    REFLUX_ASSERT(j < n);
     real_t *d = &ud[ud_count(j) + j];
     (void)n;
     if (real_within(*d, lo, hi))

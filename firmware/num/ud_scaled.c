@@ -1,5 +1,6 @@
 #include "num/ud_scaled.h"
 
+#include "base/assertion.h"
 #include "num/scaled_inline.h"
 
 #ifdef REFLUX_FIXED_POINT
@@ -71,6 +72,7 @@ static void set_column(ud_cell_t *ud, size_t n, size_t j, const scaled_t *u)
 
 void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     for (size_t j = 0; j < n; j++) {
         for (size_t i = 0; i < j; i++)
             ud[ud_place(j) + i] = 0;
@@ -91,6 +93,7 @@ static scaled_t projected(num_t phi, int64_t sum, int32_t e)
  * each is below 2^27 times 2^30. */
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     const ud_cell_t *exponent = ud + ud_place(n), *d_exponent = exponent + n;
     for (size_t j = 0; j < n; j++) {
         const num_t *p = phi;
@@ -209,6 +212,7 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
 scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
                            scaled_t growth)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     scaled_t alpha = r, inverse = inline_inverse(r);
     struct growing b = {0, 0};
     ud_cell_t *column = ud;
@@ -231,6 +235,7 @@ scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t 
 
 void ud_scaled_add(ud_cell_t *ud, size_t n, scaled_t c, scaled_t *v)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     scaled_t column[UD_SCALED_MAX];
     for (size_t j = n; j-- > 0;) {
         scaled_t d = get_d(ud, n, j), moved = scaled_mul(c, v[j]);
@@ -248,12 +253,14 @@ void ud_scaled_add(ud_cell_t *ud, size_t n, scaled_t c, scaled_t *v)
 
 void ud_scaled_scale(ud_cell_t *ud, size_t n, scaled_t factor)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     for (size_t j = 0; j < n; j++)
         set_d(ud, n, j, scaled_mul(get_d(ud, n, j), factor));
 }
 
 void ud_scaled_multiply(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t *y)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     for (size_t j = n; j-- > 0;) {
         scaled_t sum = x[j];
         for (size_t i = 0; i < j; i++)
@@ -267,6 +274,7 @@ void ud_scaled_multiply(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled
 
 void ud_scaled_solve(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t *y)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     for (size_t j = 0; j < n; j++)
         y[j] = x[j];
     for (size_t j = n; j-- > 0;)
@@ -281,6 +289,7 @@ void ud_scaled_solve(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t 
 
 scaled_t ud_scaled_element(const ud_cell_t *ud, size_t n, size_t i, size_t j)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX && i < n && j < n);
     scaled_t sum = {0, 0}, one = scaled_from_num(num_one());
     for (size_t k = i > j ? i : j; k < n; k++)
         sum = scaled_add(sum, scaled_mul(scaled_mul(i == k ? one : get_u(ud, n, i, k),
@@ -291,6 +300,7 @@ scaled_t ud_scaled_element(const ud_cell_t *ud, size_t n, size_t i, size_t j)
 
 scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX);
     scaled_t trace = {0, 0};
     for (size_t j = 0; j < n; j++) {
         int64_t squares = 0; /* below 2^54 each */
@@ -306,6 +316,7 @@ scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n)
 
 void ud_scaled_extremes(const ud_cell_t *ud, size_t n, scaled_t *least, scaled_t *most)
 {
+    REFLUX_ASSERT(n >= 1 && n <= UD_SCALED_MAX);
     *least = *most = get_d(ud, n, 0);
     for (size_t j = 1; j < n; j++) {
         scaled_t d = get_d(ud, n, j);
@@ -316,6 +327,7 @@ void ud_scaled_extremes(const ud_cell_t *ud, size_t n, scaled_t *least, scaled_t
 
 bool ud_scaled_clamp(ud_cell_t *ud, size_t n, size_t j, scaled_t lo, scaled_t hi)
 {
+    REFLUX_ASSERT(n <= UD_SCALED_MAX && j < n);
     scaled_t d = get_d(ud, n, j);
     if (!scaled_lt(d, lo) && !scaled_lt(hi, d))
         return false;
