@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/text.h"
 #include "law/state_law_job_state.h"
 
@@ -11,6 +12,7 @@
 void state_law_job_begin(struct state_law_job *job, const struct state_law_settings *s,
                          unsigned loops)
 {
+    REFLUX_ASSERT(loops <= STATE_LAW_LOOPS);
     memset(job, 0, sizeof *job);
     state_decoupler_config_default(&job->config);
     job->left = s->left;
@@ -29,6 +31,7 @@ void state_law_job_begin(struct state_law_job *job, const struct state_law_setti
 
 void state_law_job_add_input(struct state_law_job *job, bool is_mv, bool of_stage)
 {
+    REFLUX_ASSERT(job->inputs < BLOCK_INPUTS_MAX);
     job->is_mv[job->inputs] = is_mv;
     job->of_stage[job->inputs++] = of_stage;
 }
@@ -96,6 +99,7 @@ static void take_design(struct state_law_job *job)
 {
     const struct state_decoupler *d = &job->law;
     struct state_law_found *f = &job->found;
+    REFLUX_ASSERT(d->loops <= STATE_LAW_LOOPS);
     f->condition = (float)d->condition;
     f->zeros = d->zeros.n;
     f->zero = (float)d->zeros.outermost;
@@ -133,6 +137,7 @@ static void design(struct state_law_job *job)
 /* from_inputs <- weights seen, weights such that it is as near to F as the inputs let it: F pinv(seen), rows of one size. */
 static enum err weigh(struct state_law_job *job)
 {
+    REFLUX_ASSERT(job->seen.rows <= MATRIX_MAX && job->seen.cols <= MATRIX_MAX);
     const struct matrix *seen = &job->seen;
     struct matrix *rows = &job->plant.a, *inverse = &job->plant.e;
     real_t size[MATRIX_MAX] = {ZERO};
@@ -178,6 +183,7 @@ static void put_law(struct state_law_job *job)
         bool of_stage = job->of_stage[k];
         if (job->is_mv[k])
             continue;
+        REFLUX_ASSERT(k < STATE_FEEDBACK_INPUTS);
         for (unsigned i = 0; i < job->loops; i++)
             to->f[i][k] =
                 (float)(of_stage ? job->weights.value[i][state] : job->law.tf.value[i][known]);

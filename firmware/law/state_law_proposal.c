@@ -1,5 +1,7 @@
 #include "law/state_law_proposal.h"
 
+#include "base/assertion.h"
+
 /* The p-th of all values: id of its parameter, what it is in the settings and what it should be. False past the end. */
 static bool nth_of_law(const struct state_law_settings *s, const struct state_law_found *f,
                        unsigned loops, unsigned p, struct proposed_value *wanted, float *present)
@@ -28,6 +30,7 @@ void state_law_put_values(const struct state_law_settings *settings,
                           const struct state_law_found *wanted, float made_s, unsigned loops,
                           uint8_t block, struct block_proposal *room)
 {
+    REFLUX_ASSERT(room->n == 0 && loops <= STATE_LAW_LOOPS);
     struct proposed_value value;
     float present;
     if (settings->made_s != made_s)
