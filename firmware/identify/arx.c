@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 enum err arx_check(const struct arx_data *d)
@@ -68,6 +69,7 @@ size_t arx_before(const struct arx_orders *o, uint8_t inputs)
 void arx_regressor(const struct arx_orders *o, uint8_t inputs, const struct arx_history *h,
                    real_t *phi)
 {
+    REFLUX_ASSERT(inputs <= DIFFERENCE_MOST && o->na <= DIFFERENCE_A_MOST && o->nc <= ARX_C_MOST);
     size_t n = 0;
     for (size_t k = 0; k < o->na; k++)
         phi[n++] = -h->y[k];
@@ -88,6 +90,7 @@ static void move_in(real_t *newest_first, size_t n, real_t x)
 
 void arx_push(struct arx_history *h, uint8_t inputs, real_t y, const real_t *u, real_t e)
 {
+    REFLUX_ASSERT(inputs <= DIFFERENCE_MOST);
     move_in(h->y, DIFFERENCE_A_MOST, y);
     for (size_t j = 0; j < inputs; j++)
         move_in(h->u[j], DIFFERENCE_B_MOST, u[j]);
@@ -98,6 +101,8 @@ enum err arx_collect_begin(struct arx_collecting *c, const struct arx_data *d, u
                            const struct arx_orders *o, uint32_t from, uint32_t to, uint32_t skip,
                            struct arx_work *w)
 {
+    REFLUX_ASSERT(output < d->outputs && d->inputs <= DIFFERENCE_MOST &&
+                  arx_parameters(o, d->inputs) <= ARX_MOST);
     size_t n = arx_parameters(o, d->inputs);
     memset(c, 0, sizeof *c);
     if (to > d->samples || from > to || to - from < skip || to - from - skip < n + 2)
@@ -115,6 +120,7 @@ enum err arx_collect_begin(struct arx_collecting *c, const struct arx_data *d, u
 
 bool arx_collect_piece(struct arx_collecting *c, uint32_t most)
 {
+    REFLUX_ASSERT(c->to <= c->data->samples && c->output < c->data->outputs);
     const struct arx_data *d = c->data;
     size_t n = arx_parameters(&c->orders, d->inputs);
     for (; c->k < c->to && most > 0; c->k++, most--) {
@@ -143,6 +149,7 @@ enum err arx_collect(const struct arx_data *d, uint8_t output, const struct arx_
 
 enum err arx_take(const struct triangle *t, struct arx_fit *fit)
 {
+    REFLUX_ASSERT(t->columns >= 1 && t->columns - 1u <= ARX_MOST);
     size_t n = t->columns - 1u;
     enum err err = triangle_solve(t, fit->theta);
     if (err)
@@ -181,6 +188,7 @@ static void judge_errors(struct arx_judging *j, real_t y, real_t x, real_t e)
 
 bool arx_judge_piece(struct arx_judging *j, uint32_t most)
 {
+    REFLUX_ASSERT(j->to <= j->data->samples && j->output < j->data->outputs);
     const struct arx_data *d = j->data;
     const struct arx_fit *fit = j->fit;
     size_t n = arx_parameters(&fit->orders, d->inputs),
@@ -228,6 +236,7 @@ enum err arx_judge(const struct arx_data *d, uint8_t output, const struct arx_fi
 void arx_model(const struct arx_fit *fits, uint8_t outputs, uint8_t inputs, real_t period_s,
                struct difference_model *model)
 {
+    REFLUX_ASSERT(outputs <= DIFFERENCE_MOST && inputs <= DIFFERENCE_MOST);
     memset(model, 0, sizeof *model);
     model->outputs = outputs;
     model->inputs = inputs;

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 #define IV_PASSES  30
@@ -12,11 +13,13 @@ enum fit_stage { FIT_LEAST, FIT_INSTRUMENTS, FIT_ERRORS, FIT_EXTENDED, FIT_OVER 
 
 static const real_t *inputs_at(const struct arx_fitting *f)
 {
+    REFLUX_ASSERT(f->rows.k < f->rows.data->samples);
     return &f->rows.data->u[(size_t)f->rows.k * f->rows.data->inputs];
 }
 
 static real_t output_at(const struct arx_fitting *f)
 {
+    REFLUX_ASSERT(f->rows.k < f->rows.data->samples);
     return f->rows.data->y[(size_t)f->rows.k * f->rows.data->outputs + f->rows.output];
 }
 
@@ -50,6 +53,7 @@ static bool unchanged(const struct arx_fit *fit, const real_t *before, size_t n)
 
 static void begin_instruments(struct arx_fitting *f)
 {
+    REFLUX_ASSERT(arx_parameters(&f->fit->orders, f->rows.data->inputs) <= ARX_MOST);
     size_t n = arx_parameters(&f->fit->orders, f->rows.data->inputs);
     memcpy(f->before, f->fit->theta, sizeof f->before);
     triangle_begin(&f->rows.work->triangle, n, n + 1, f->rows.work->cells);
@@ -90,6 +94,7 @@ static void exchange_rows(struct arx_work *w, size_t a, size_t b, size_t width)
  * pivots, and the last column the solution. */
 static enum err invert_in_place(struct arx_work *w, size_t n)
 {
+    REFLUX_ASSERT(n <= ARX_MOST);
     real_t size[ARX_MOST];
     for (size_t j = 0; j < n; j++) {
         size[j] = ZERO;

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 enum search_stage { SEARCH_ROWS, SEARCH_GRID, SEARCH_DROPS, SEARCH_OVER };
@@ -22,6 +23,7 @@ static real_t criterion_of(const struct arx_searching *g, real_t squares, real_t
 /* Columns that a lower model has of the largest's, and that of y. */
 static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o, uint8_t *column)
 {
+    REFLUX_ASSERT(g->rows.data->inputs <= DIFFERENCE_MOST);
     const struct arx_orders *all = &g->rows.orders;
     size_t n = 0, at = all->na;
     for (size_t k = 0; k < o->na; k++)
@@ -92,6 +94,7 @@ void arx_select_begin(struct arx_searching *g, const struct arx_data *d, uint8_t
                       uint8_t nb, bool constant, enum arx_criterion criterion, uint32_t from,
                       uint32_t to, struct arx_search *s)
 {
+    REFLUX_ASSERT(d->inputs <= DIFFERENCE_MOST);
     struct arx_orders all = {.na = na, .constant = constant};
     memset(g, 0, sizeof *g);
     g->search = s;
@@ -122,6 +125,7 @@ static void begin_grid(struct arx_searching *g)
 /* All inputs alike, from na = 0 and nb = 1 on. */
 static void try_of_grid(struct arx_searching *g)
 {
+    REFLUX_ASSERT(g->nb >= 1);
     struct arx_orders o = g->rows.orders;
     o.na = (uint8_t)(g->next / g->nb);
     for (size_t j = 0; j < g->rows.data->inputs; j++)
@@ -139,6 +143,7 @@ static void try_of_grid(struct arx_searching *g)
 /* The best with one coefficient less at either end of an input, one of them at a time, until a round finds none that is better. */
 static void try_a_drop(struct arx_searching *g)
 {
+    REFLUX_ASSERT(g->search->best < g->search->trials && g->next / 2u < DIFFERENCE_MOST);
     struct arx_search *s = g->search;
     if (g->next == 0) {
         g->best = s->best;

@@ -1,5 +1,6 @@
 #include "identify/excitation.h"
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 
@@ -10,6 +11,7 @@ void excitation_clear(struct excitation *u)
 
 real_t excitation_level(const struct excitation *u)
 {
+    REFLUX_ASSERT(u->edges <= EXCITATION_EDGES_MAX);
     real_t level = ZERO;
     for (uint32_t i = 0; i < u->edges; i++)
         level += u->edge[i].change;
@@ -18,6 +20,7 @@ real_t excitation_level(const struct excitation *u)
 
 real_t excitation_peak(const struct excitation *u)
 {
+    REFLUX_ASSERT(u->edges <= EXCITATION_EDGES_MAX);
     real_t level = ZERO, peak = ZERO;
     for (uint32_t i = 0; i < u->edges; i++) {
         level += u->edge[i].change;

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 static real_t row_weight(const struct fit_line *l, uint32_t i)
@@ -11,6 +12,7 @@ static real_t row_weight(const struct fit_line *l, uint32_t i)
 
 void fit_line_prepare(struct fit_line *l)
 {
+    REFLUX_ASSERT(l->points <= RECORD_POINTS);
     real_t count = ZERO, times = ZERO;
     for (uint32_t i = 0; i < l->points; i++) {
         count += row_weight(l, i);

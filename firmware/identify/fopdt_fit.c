@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "identify/fopdt_judge.h"
 #include "identify/response.h"
@@ -51,6 +52,7 @@ static real_t weight_of(real_t noise, real_t sd, real_t scale)
 enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t output,
                          const struct fopdt_fit_options *options)
 {
+    REFLUX_ASSERT(r->outputs <= CHANNEL_MAX && r->points <= RECORD_POINTS);
     const struct fopdt_fit_options free_line = {.free_offset = true, .free_slope = true};
     const struct fopdt_fit_options *o = options ? options : &free_line;
     enum err err = baseline_validate(&o->baseline);
@@ -131,6 +133,7 @@ static real_t clip(real_t x, real_t lo, real_t hi)
 static void evaluate_model(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model,
                            real_t *by_dead)
 {
+    REFLUX_ASSERT(f->points <= RECORD_POINTS);
     response_model(&f->input, lag, dead, f->block, f->points, model, by_dead);
     model[f->points] = model[f->points + 1] = ZERO;
     fit_bend_take_out(&f->bend, &f->line, model);
@@ -218,6 +221,7 @@ static void slopes(struct fopdt_fit *f)
 /* Another bend takes the place of the one before, which goes back into y. */
 static void place_bend(struct fopdt_fit *f, uint32_t at)
 {
+    REFLUX_ASSERT(at < f->points && f->bend.used <= 2);
     for (uint8_t k = 0; f->bend.on && k < f->bend.used; k++)
         for (uint32_t i = 0; i < f->points + FIT_LINE_ROWS; i++)
             f->y[i] += f->bend_part[k] * f->bend.basis[k][i];
@@ -236,6 +240,7 @@ static void begin_with_bend(struct fopdt_fit *f)
 {
     static const real_t parts[BEND_STARTS] = {REAL_C(4.0), REAL_C(4.0), REAL_C(12.0), REAL_C(32.0),
                                               REAL_C(96.0)};
+    REFLUX_ASSERT(f->next < BEND_STARTS);
     real_t lag = clip((real_t)(f->points * f->block) / parts[f->next], shortest_to_begin_from(f),
                       f->lag_max);
     real_t dead = REAL_C(0.3) * lag;
@@ -258,6 +263,7 @@ static void begin_with_bend(struct fopdt_fit *f)
  * with one in each of some places, then point by point about the best of them. */
 static void end_search(struct fopdt_fit *f)
 {
+    REFLUX_ASSERT(f->bend_place < FOPDT_FIT_PLACES);
     uint32_t apart = f->points / (FOPDT_FIT_PLACES - 1u);
     f->place_squares[f->bend_place] = f->squares;
     f->place_gain[f->bend_place] = f->gain;

@@ -1,5 +1,6 @@
 #include "identify/guard.h"
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 
@@ -81,6 +82,7 @@ static void predict(const struct guard *g, uint32_t o, struct guard_prediction *
 
 enum err guard_step(struct guard *g, const real_t *y, int *trip)
 {
+    REFLUX_ASSERT(g->config.outputs <= CHANNEL_MAX);
     real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < g->config.outputs; o++) {
         d[o] = y[o] - g->config.output[o].initial;

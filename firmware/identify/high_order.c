@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "num/real_trig.h"
 
@@ -118,6 +119,7 @@ enum err high_order_check(const struct high_order_shape *shape,
 void high_order_init(struct high_order *h, const struct high_order_shape *shape,
                      const struct high_order_settings *settings)
 {
+    REFLUX_ASSERT(shape->inputs <= HIGH_ORDER_INPUTS && high_order_parameters(shape) <= RLS_MAX);
     float p0[RLS_MAX];
     num_t start[RLS_MAX];
     struct rls_settings r;
@@ -133,6 +135,7 @@ void high_order_init(struct high_order *h, const struct high_order_shape *shape,
 
 void high_order_retune(struct high_order *h, const struct high_order_settings *settings)
 {
+    REFLUX_ASSERT(high_order_parameters(&h->shape) <= RLS_MAX);
     float p0[RLS_MAX];
     struct rls_settings r;
     fill_rls_settings(settings, high_order_parameters(&h->shape), p0, &r);
@@ -178,6 +181,8 @@ static void form_regressor(const struct high_order *h, num_t *phi)
 
 num_t high_order_step(struct high_order *h, num_t y, const num_t *u, bool learn)
 {
+    REFLUX_ASSERT(h->shape.inputs <= HIGH_ORDER_INPUTS &&
+                  high_order_parameters(&h->shape) <= RLS_MAX);
     const struct high_order_shape *s = &h->shape;
     num_t phi[RLS_MAX], *to = h->value + s->na;
     for (unsigned j = 0; j < s->inputs; j++) {

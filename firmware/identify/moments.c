@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 
@@ -68,6 +69,7 @@ enum err moments_init(struct moments *m, const struct moments_config *config)
 
 enum err moments_begin(struct moments *m, const real_t *reference)
 {
+    REFLUX_ASSERT(m->outputs <= CHANNEL_MAX && m->alphas <= MOMENTS_ALPHAS_MAX);
     for (uint32_t o = 0; o < m->outputs; o++)
         if (!real_is_finite(reference[o]))
             return ERR_NOT_FINITE;
@@ -88,6 +90,7 @@ enum err moments_begin(struct moments *m, const real_t *reference)
 
 enum err moments_step(struct moments *m, const real_t *y)
 {
+    REFLUX_ASSERT(m->outputs <= CHANNEL_MAX && m->alphas <= MOMENTS_ALPHAS_MAX);
     real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < m->outputs; o++) {
         d[o] = y[o] - m->reference[o];
@@ -118,6 +121,7 @@ enum err moments_step(struct moments *m, const real_t *y)
 
 real_t moments_alpha(const struct moments *m, uint32_t i)
 {
+    REFLUX_ASSERT(i < m->alphas);
     return m->alpha[i].eta / m->h_s;
 }
 

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 /* Feedback of registers of 3 to 15 bits that shift to the right, the bits that change when a 1 leaves: exponents of primitive
@@ -59,6 +60,8 @@ static uint16_t next_state(uint16_t state, uint16_t taps)
 
 void prbs_init(struct prbs *p, const struct prbs_settings *s)
 {
+    REFLUX_ASSERT(s->inputs >= 1 && s->inputs <= PRBS_INPUTS && s->bits >= PRBS_BITS_LEAST &&
+                  s->bits <= PRBS_BITS_MOST);
     memset(p, 0, sizeof *p);
     p->inputs = s->inputs;
     p->clock = s->clock;
@@ -76,6 +79,7 @@ void prbs_init(struct prbs *p, const struct prbs_settings *s)
 
 void prbs_step(struct prbs *p, real_t *u)
 {
+    REFLUX_ASSERT(p->inputs <= PRBS_INPUTS);
     for (size_t j = 0; j < p->inputs; j++)
         u[j] = p->state[j] & 1u ? p->amplitude[j] : -p->amplitude[j];
     if (++p->waited < p->clock)

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 
@@ -23,6 +24,7 @@ enum err record_init(struct record *r, uint32_t outputs, real_t h_s)
 
 enum err record_begin(struct record *r, const real_t *reference)
 {
+    REFLUX_ASSERT(r->outputs <= CHANNEL_MAX);
     for (uint32_t o = 0; o < r->outputs; o++)
         if (!real_is_finite(reference[o]))
             return ERR_NOT_FINITE;
@@ -50,6 +52,7 @@ static void halve(struct record *r)
 
 enum err record_step(struct record *r, const real_t *y)
 {
+    REFLUX_ASSERT(r->outputs <= CHANNEL_MAX && r->points <= RECORD_POINTS && r->waiting < r->block);
     real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < r->outputs; o++) {
         d[o] = y[o] - r->reference[o];

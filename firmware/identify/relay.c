@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 #include "lti/fopdt.h" /* real_is_finite */
 #include "num/real_trig.h"
@@ -93,6 +94,7 @@ static void begin_period(struct relay *r, uint32_t samples)
 /* The sample that has just begun, with the input that goes with it. */
 static void count_sample(struct relay *r, real_t y)
 {
+    REFLUX_ASSERT(r->present.block >= 1);
     struct relay_period *p = &r->present;
     real_t away = y - r->config.reference;
     uint32_t point = p->samples / p->block;
@@ -183,6 +185,7 @@ static void add_phasors(uint32_t a, uint32_t b, real_t angle, real_t weight, rea
  * `high` samples. Two, because a cycle of few samples may have every other period a sample longer. */
 static enum err ratio(const struct relay *r, unsigned first, real_t g[2])
 {
+    REFLUX_ASSERT(first + 1u < RELAY_PERIODS);
     const struct relay_period *p = &r->period[first];
     if (!p[0].whole || !p[1].whole)
         return ERR_RANGE;

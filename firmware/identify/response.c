@@ -1,5 +1,6 @@
 #include "identify/response.h"
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 /* p^0 + .. + p^(n - 1) = (1 - p^n)/(1 - p), p = e^-x. */
@@ -43,6 +44,7 @@ static void edge(real_t change, uint32_t first, real_t late, real_t rate, uint32
 void response_model(const struct excitation *u, real_t lag, real_t dead, uint32_t block,
                     uint32_t points, real_t *model, real_t *by_dead)
 {
+    REFLUX_ASSERT(u->edges <= EXCITATION_EDGES_MAX && block >= 1);
     for (uint32_t i = 0; i < points; i++) {
         model[i] = ZERO;
         if (by_dead)

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "num/real.h"
 #include "num/ud_num.h"
 
@@ -144,6 +145,7 @@ static void take_settings(struct rls *r, const struct rls_settings *s)
 
 void rls_reset(struct rls *r)
 {
+    REFLUX_ASSERT(r->n <= RLS_MAX);
     scaled_t diagonal[RLS_MAX];
     for (unsigned i = 0; i < r->n; i++)
         diagonal[i] = scaled_from_float(start_diagonal(r)[i]);
@@ -161,6 +163,7 @@ void rls_set(struct rls *r, const num_t *theta)
 
 void rls_init(struct rls *r, const struct rls_settings *s, const num_t *theta)
 {
+    REFLUX_ASSERT(s->n >= 1 && s->n <= RLS_MAX);
     memset(r, 0, sizeof *r);
     r->n = s->n;
     take_settings(r, s);
@@ -171,6 +174,7 @@ void rls_init(struct rls *r, const struct rls_settings *s, const num_t *theta)
 
 void rls_retune(struct rls *r, const struct rls_settings *s)
 {
+    REFLUX_ASSERT(s->n == r->n);
     take_settings(r, s);
 }
 
@@ -270,6 +274,7 @@ static void forget_along(struct rls *r, const num_t *phi, scaled_t *x, scaled_t 
 /* Distance of theta from its bounds (Folami 8.50). */
 static num_t outside(struct rls *r, unsigned i)
 {
+    REFLUX_ASSERT(i < r->n);
     const num_t *bound = bounds(r);
     num_t theta = accumulator_get(&r->theta[i]), lo = bound[i], hi = bound[r->n + i];
     if (num_lt(lo, hi) && num_lt(hi, theta))
@@ -396,6 +401,7 @@ static void judge_unlearnt(struct rls *r, const num_t *phi)
 
 num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn)
 {
+    REFLUX_ASSERT(r->n >= 1 && r->n <= RLS_MAX);
     num_t error = num_sub(y, rls_predict(r, phi)), clipped = error, eta = num_one();
     num_t scaled_phi[RLS_MAX];
     if (learn) {
@@ -432,6 +438,7 @@ num_t rls_predict(const struct rls *r, const num_t *phi)
 
 num_t rls_theta(const struct rls *r, unsigned i)
 {
+    REFLUX_ASSERT(i < r->n);
     return accumulator_get(&r->theta[i]);
 }
 

@@ -2,6 +2,7 @@
 
 #include <stdbool.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 #define BAND REAL_C(0.02)
@@ -42,6 +43,7 @@ static bool still_moves(const real_t *y, uint32_t at, uint32_t count, real_t noi
 
 enum err settling_from_record(const struct record *r, uint32_t output, struct settling *result)
 {
+    REFLUX_ASSERT(r->outputs <= CHANNEL_MAX && r->points <= RECORD_POINTS);
     if (output >= r->outputs)
         return ERR_RANGE;
     if (r->input.edges != 1)

@@ -1,5 +1,6 @@
 #include "identify/steady.h"
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 #define SIGNIFICANT_SDS REAL_C(3.0)
@@ -32,6 +33,8 @@ void steady_reset(struct steady *s)
 
 enum err steady_step(struct steady *s, const real_t *y)
 {
+    REFLUX_ASSERT(s->config.outputs <= CHANNEL_MAX && s->blocks < 2 * STEADY_BLOCKS &&
+                  s->waiting < s->config.block);
     real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < s->config.outputs; o++) {
         d[o] = y[o] - (s->started ? s->output[o].reference : ZERO);

@@ -2,10 +2,12 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "identify/common.h"
 
 void triangle_begin(struct triangle *t, size_t columns, size_t right, real_t *memory)
 {
+    REFLUX_ASSERT(columns >= 1 && columns + right <= TRIANGLE_MOST);
     t->columns = (uint8_t)columns;
     t->right = (uint8_t)right;
     t->cells = memory;
@@ -29,6 +31,7 @@ static real_t length_of_two(real_t a, real_t b)
 
 void triangle_row(struct triangle *t, real_t *row)
 {
+    REFLUX_ASSERT(t->columns + t->right <= TRIANGLE_MOST);
     size_t width = (size_t)t->columns + t->right;
     for (size_t i = 0; i < t->columns; i++) {
         real_t *r = triangle_at(t, i);
@@ -49,6 +52,7 @@ void triangle_row(struct triangle *t, real_t *row)
 void triangle_select(const struct triangle *from, const uint8_t *column, size_t n,
                      struct triangle *to, real_t *memory)
 {
+    REFLUX_ASSERT(n <= TRIANGLE_MOST);
     triangle_begin(to, n, 0, memory);
     for (size_t i = 0; i < from->columns; i++) {
         real_t row[TRIANGLE_MOST];
@@ -69,6 +73,7 @@ static real_t norm_of_column(const struct triangle *t, size_t j)
 
 enum err triangle_solve(const struct triangle *t, real_t *theta)
 {
+    REFLUX_ASSERT(t->columns >= 1);
     size_t n = t->columns - 1u;
     for (size_t i = 0; i < n; i++) {
         real_t least = REAL_C(8.0) * (real_t)t->columns * REAL_EPSILON * norm_of_column(t, i);
@@ -87,12 +92,14 @@ enum err triangle_solve(const struct triangle *t, real_t *theta)
 
 real_t triangle_rest(const struct triangle *t)
 {
+    REFLUX_ASSERT(t->columns >= 1);
     real_t corner = triangle_at(t, t->columns - 1u)[0];
     return corner * corner;
 }
 
 void triangle_spread(const struct triangle *t, real_t *spread)
 {
+    REFLUX_ASSERT(t->columns >= 1 && t->columns <= TRIANGLE_MOST);
     size_t n = t->columns - 1u;
     for (size_t i = 0; i < n; i++)
         spread[i] = ZERO;

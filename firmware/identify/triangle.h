@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/assertion.h"
 #include "base/error.h"
 #include "num/real.h"
 
@@ -39,6 +40,7 @@ void triangle_row(struct triangle *t, real_t *row);
 /* Row i from its diagonal on. */
 static inline real_t *triangle_at(const struct triangle *t, size_t i)
 {
+    REFLUX_ASSERT(i < t->columns);
     size_t width = (size_t)t->columns + t->right;
     return &t->cells[i * width - i * (i - (i > 0)) / 2];
 }
