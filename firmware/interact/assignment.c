@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 /* A square problem: what is missing on a side is filled with rows or columns that cost nothing. */
 struct work {
     const struct assignment *a;
@@ -19,6 +21,7 @@ static int64_t cost(const struct work *w, size_t i, size_t j)
 /* Gives row `start` a column by the shortest augmenting path, and keeps the dual feasible. */
 static void augment(struct work *w, size_t start)
 {
+    REFLUX_ASSERT(start < w->n && w->n <= INTERACT_MAX);
     int64_t distance[INTERACT_MAX];
     uint8_t before[INTERACT_MAX]; /* row from which the column was reached */
     bool done[INTERACT_MAX] = {false};
@@ -32,6 +35,7 @@ static void augment(struct work *w, size_t start)
         for (size_t j = 0; j < w->n; j++)
             if (!done[j] && (best == w->n || distance[j] < distance[best]))
                 best = j;
+        REFLUX_ASSERT(best < w->n);
         last = best;
         if (w->row_of[best] == INTERACT_NONE)
             break;
@@ -71,6 +75,7 @@ static bool tight(const struct work *w, size_t i, size_t j)
  * made of tight elements, so the others must be able to hand on along tight ones until somebody takes i's old column. */
 static void prefer_first(struct work *w, size_t i)
 {
+    REFLUX_ASSERT(i < w->n && w->col_of[i] < w->n);
     uint8_t old = w->col_of[i];
     uint8_t takes[INTERACT_MAX]; /* row: the column it would take, INTERACT_NONE: no way to `old` */
     uint8_t reached[INTERACT_MAX];

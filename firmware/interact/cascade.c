@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define ROUNDS 8 /* of the straight line through 0 with errors both ways: it settles in three */
 
 void cascade_config_default(struct cascade_config *config)
@@ -19,6 +21,7 @@ static real_t residence(const struct fopdt *e)
 static bool moves(const struct interact_plant *plant, const struct cascade_config *c, size_t i,
                   size_t j)
 {
+    REFLUX_ASSERT(i < plant->outputs && j < plant->inputs);
     return real_abs(plant->element[i][j].gain) > c->significance * plant->gain_sd[i][j];
 }
 
@@ -109,6 +112,7 @@ static bool fits(const struct interact_plant *plant, const struct cascade_config
 /* Returns the mean delay with which an output answers to the inputs given. */
 static real_t lateness(const struct interact_plant *plant, size_t output, uint16_t inputs)
 {
+    REFLUX_ASSERT(output < plant->outputs);
     real_t sum = REAL_C(0.0);
     for (size_t j = 0; j < plant->inputs; j++)
         if ((inputs & (1u << j)) != 0u)

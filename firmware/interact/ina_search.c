@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "lti/fopdt.h"
 
 #define ELEMENT_MOST  REAL_C(1e15)
@@ -238,6 +239,7 @@ static void turn_frame(struct ina_search *s)
 
 static bool try_axis(struct ina_search *s, size_t axis, real_t step)
 {
+    REFLUX_ASSERT(axis < s->numbers);
     for (size_t m = 0; m < s->numbers; m++) {
         real_t one = m == axis ? REAL_C(1.0) : REAL_C(0.0);
         s->trial[m] = s->x[m] + step * (one - REAL_C(2.0) * s->turn[axis] * s->turn[m]);
@@ -354,6 +356,7 @@ enum err ina_search_begin(struct ina_search *s, const struct cplx *inverse, uint
 
 enum err ina_search_step(struct ina_search *s)
 {
+    REFLUX_ASSERT(s->n >= 1 && s->n <= INA_MOST && s->row < s->n && s->hardest < s->points);
     if (s->stage == AT_START) {
         begin_start(s);
         if (s->start == 0 && s->found > s->before)

@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define PIECE 4000u /* elements computed in one call, about */
 
 static bool is_included(uint16_t mask, unsigned bit)
@@ -36,6 +38,7 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
 /* The level's own pair goes into the subset (its pivot is eliminated from those after it) or stays out. */
 static void descend(struct integrity *w, bool with)
 {
+    REFLUX_ASSERT(w->n <= INTERACT_MAX && w->level + 1u < w->n);
     size_t d = w->level, size = w->n - d;
     const real_t *m = &w->element[w->from[d]];
     real_t *next = &w->element[w->from[d + 1u]];
@@ -61,6 +64,7 @@ static real_t index_of(const struct integrity *w)
 /* One step down, or one up; what it costs in elements. ERR_OK: all seen. */
 static enum err walk(struct integrity *w, unsigned *cost)
 {
+    REFLUX_ASSERT(w->n <= INTERACT_MAX && w->level < w->n);
     unsigned d = w->level, left = w->n - d - 1u;
     uint16_t own = (uint16_t)(1u << d);
     *cost = 4u + left * left;
@@ -98,6 +102,7 @@ enum err integrity_step(struct integrity *w)
 
 bool integrity_of_two(const struct matrix *gains, const struct pairs *pairs)
 {
+    REFLUX_ASSERT(pairs->n <= INTERACT_MAX);
     for (unsigned k = 0; k < pairs->n; k++)
         for (unsigned l = 0; l < k; l++) {
             real_t own = gains->value[pairs->output[k]][pairs->input[k]] *

@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define COST_UNIT REAL_C(1e4) /* of |ln lambda| */
 /* Relative errors drawn where the gains themselves give no relative gains. */
 #define TO_REVEAL REAL_C(1e-3)
@@ -96,6 +98,7 @@ static void take_allowed(struct pairing *p)
 /* Leaves as many of the n channels as there are on the other side, those with the largest sums; of equals the first. */
 static void keep_largest(const real_t *sum, uint8_t *channel, uint8_t n, uint8_t wanted)
 {
+    REFLUX_ASSERT(n <= INTERACT_MAX && wanted <= n);
     uint16_t keep = 0;
     for (uint8_t k = 0; k < wanted; k++) {
         uint8_t best = n;
@@ -167,6 +170,7 @@ static enum err relative_gains_of_square(struct pairing *p)
  * open node. The dearest open node goes where there is no room. */
 static void solve_node(struct pairing *p, uint8_t fixed, uint16_t forbidden)
 {
+    REFLUX_ASSERT(fixed < p->kept.n && p->kept.n <= INTERACT_MAX && p->nodes <= PAIRING_NODES);
     const struct assignment *a = &p->assignment;
     struct assignment *rest = &p->rest;
     struct pairing_node node = {.forbidden = forbidden, .fixed = fixed};
@@ -446,6 +450,8 @@ enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
 
 enum err pairing_step(struct pairing *p)
 {
+    REFLUX_ASSERT(p->gains.rows <= INTERACT_MAX && p->kept.n <= INTERACT_MAX &&
+                  p->nodes <= PAIRING_NODES);
     switch (p->stage) {
     case STAGE_CHOOSE:
         p->stage = STAGE_SQUARE;

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "num/real_trig.h"
 
 #define GAIN_MAX REAL_C(1e9)
@@ -76,6 +77,7 @@ enum err pairs_check(const struct interact_plant *plant, const struct pairs *pai
 void interact_gains(const struct interact_plant *plant, const struct pairs *pairs,
                     struct matrix *gains)
 {
+    REFLUX_ASSERT(!pairs || pairs->n <= INTERACT_MAX);
     gains->rows = pairs ? pairs->n : plant->outputs;
     gains->cols = pairs ? pairs->n : plant->inputs;
     for (size_t k = 0; k < gains->rows; k++)
@@ -97,6 +99,7 @@ struct cplx fopdt_response(const struct fopdt *model, real_t omega)
 void interact_response(const struct interact_plant *plant, const struct pairs *pairs, real_t omega,
                        struct cmatrix *response)
 {
+    REFLUX_ASSERT(!pairs || pairs->n <= INTERACT_MAX);
     response->rows = pairs ? pairs->n : plant->outputs;
     response->cols = pairs ? pairs->n : plant->inputs;
     for (size_t k = 0; k < response->rows; k++)

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 #define SUM_ERROR_MAX REAL_C(0.05)
 
 static real_t of_cplx(struct cplx a)
@@ -113,6 +115,7 @@ enum err rga_at(const struct interact_plant *plant, const struct pairs *pairs, r
 
 real_t rga_number(const struct matrix *lambda, const struct pairs *pairs)
 {
+    REFLUX_ASSERT(pairs->n <= INTERACT_MAX);
     real_t sum = REAL_C(0.0);
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++) {

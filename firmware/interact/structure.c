@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 void structure_config_default(struct structure_config *config)
 {
     *config = (struct structure_config){.significance = REAL_C(3.0),
@@ -73,6 +75,7 @@ static void find_parts(const struct interact_plant *plant, struct structure *s)
                     outputs = with(outputs, i);
                     inputs = (uint16_t)(inputs | s->effect[i]);
                 }
+        REFLUX_ASSERT(s->parts < INTERACT_MAX);
         s->part_outputs[s->parts] = outputs;
         s->part_inputs[s->parts] = inputs;
         s->parts++;
@@ -109,6 +112,7 @@ static void find_blocks(const struct pairs *pairs, const uint16_t *reach, struct
                     members = with(members, l);
             if ((reach[k] & ~members & ~placed) != 0)
                 continue; /* something before it is still to come */
+            REFLUX_ASSERT(s->blocks < INTERACT_MAX);
             struct block *b = &s->block[s->blocks];
             b->pairs = members;
             for (size_t l = 0; l < pairs->n; l++)
