@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define REFINED REAL_C(1.05) /* F is found to 5 % */
 
 enum {
@@ -49,6 +51,7 @@ static enum err check_detuning(const struct detune_config *c, struct interact_re
  * e^{-Ls}/(Ts + 1). Where parts cancel, a mean outside their range says nothing; the loop's own element stands in. */
 static struct fopdt decoupled(const struct detune *d, size_t k)
 {
+    REFLUX_ASSERT(k < d->loops.pairs.n);
     const struct loops *loops = &d->loops;
     const struct fopdt *own = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
     real_t gain = REAL_C(0.0), dead = REAL_C(0.0), lag = REAL_C(0.0);
@@ -104,6 +107,7 @@ static enum err set_models(struct detune *d, struct interact_refusal *reason)
 /* Through g/(T s + 1), held for h, g sqrt((1 - a)/(1 + a)), a = exp(-h/T), of what changes from one sample to the next. */
 static real_t passes(const struct detune *d, size_t j, size_t i)
 {
+    REFLUX_ASSERT(j < d->plant->outputs && i < d->plant->inputs);
     const struct fopdt *e = &d->plant->element[j][i];
     real_t a = REAL_C(0.0);
     if (e->time_constant_s > REAL_C(0.0))
@@ -126,6 +130,7 @@ static real_t passes_from(const struct detune *d, size_t j, size_t k)
 /* Largest gain of loop k. Noise s of its measurement moves what the controller puts out by K_c s. */
 static real_t largest_gain(const struct detune *d, size_t k)
 {
+    REFLUX_ASSERT(k < d->loops.pairs.n);
     const struct detune_config *c = &d->config;
     real_t largest = c->gain_hi;
     if (!c->noise_sd)
@@ -191,6 +196,7 @@ static enum err begin_part(struct detune *d)
     size_t first = 0;
     while (((unsigned)d->done >> first & 1u) != 0u)
         first++;
+    REFLUX_ASSERT(first < all->pairs.n);
     *part = *all;
     part->pairs.n = 0;
     for (size_t k = first; k < all->pairs.n; k++) {

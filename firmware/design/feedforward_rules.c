@@ -1,5 +1,7 @@
 #include "design/feedforward_rules.h"
 
+#include "base/assertion.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
@@ -30,6 +32,7 @@ const char *feedforward_case_name(struct feedforward_case which)
 {
     static const char *const names[3][3] = {
         {"I a", "I b", "I c"}, {"II a", "II b", "II c"}, {"III a", "III b", "III c"}};
+    REFLUX_ASSERT(which.late < 3 && which.slow < 3);
     return names[which.late][which.slow];
 }
 

@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "num/real_trig.h"
 
 static enum err refuse_pair(struct interact_refusal *reason, const char *field, const char *wanted,
@@ -62,6 +63,7 @@ static real_t rise_of(real_t x)
 void loops_sample(const struct interact_plant *plant, const struct loops *loops,
                   uint16_t delay_most, real_t step_least_s, struct loops_sampled *sampled)
 {
+    REFLUX_ASSERT(loops->pairs.n <= INTERACT_MAX);
     const struct pairs *p = &loops->pairs;
     real_t h = loops->interval_s > step_least_s ? loops->interval_s : step_least_s;
     for (size_t k = 0; k < p->n; k++)
@@ -95,6 +97,7 @@ struct cplx loops_z_less_1(real_t omega_h)
 struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s,
                              struct cplx z_less_1)
 {
+    REFLUX_ASSERT(k < loops->pairs.n);
     const struct tuning *t = &loops->tuning[k];
     struct cplx c = cplx_div(cplx(step_s / t->ti_s, REAL_C(0.0)), z_less_1);
     c.re += REAL_C(1.0);
@@ -124,6 +127,7 @@ static struct cplx element_response(const struct loops_sampled *s, size_t k, siz
 void loops_open(const struct loops *loops, const struct loops_sampled *sampled, real_t omega,
                 struct cmatrix *open)
 {
+    REFLUX_ASSERT(loops->pairs.n <= INTERACT_MAX);
     size_t n = loops->pairs.n;
     real_t angle = omega * sampled->step_s;
     struct cplx z_less_1 = loops_z_less_1(angle);

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "num/real_trig.h"
 
 #define PI_REAL     REAL_C(3.141592653589793)
@@ -115,6 +116,7 @@ static void take_observer(const struct pole_placement_goal *goal, unsigned order
     const real_t one = REAL_C(1.0);
     polynomial_set(o, &one, 1);
     for (unsigned k = 0; k < order && goal->observer > REAL_C(0.0); k++) {
+        REFLUX_ASSERT(o->n < POLYNOMIAL_MOST);
         o->value[o->n] = REAL_C(0.0);
         for (unsigned i = o->n; i > 0; i--)
             o->value[i] -= goal->observer * o->value[i - 1];

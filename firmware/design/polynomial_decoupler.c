@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 void polynomial_decoupler_config_default(struct polynomial_decoupler_config *config)
 {
     *config = (struct polynomial_decoupler_config){.element_hi = REAL_C(100.0),
@@ -106,6 +108,7 @@ static enum err normalise_column(const struct polynomial_decoupler_config *c,
                                  struct polynomial_matrix *g, unsigned k, unsigned *taken,
                                  real_t *scale, struct polynomial_decoupler_refusal *reason)
 {
+    REFLUX_ASSERT(k < g->cols && k < g->rows);
     real_t rest = polynomial_value(&g->value[k][k], REAL_C(1.0));
     *taken = POLYNOMIAL_MOST;
     for (unsigned i = 0; i < g->rows; i++)
@@ -129,6 +132,7 @@ static enum err normalise_column(const struct polynomial_decoupler_config *c,
 static void find_numerator(const struct difference_model *model, const struct polynomial_matrix *b,
                            unsigned i, real_t scale, unsigned delay, struct polynomial_decoupler *d)
 {
+    REFLUX_ASSERT(i < DIFFERENCE_MOST && delay + d->det.n <= POLYNOMIAL_MOST);
     struct polynomial *h = &d->h[i];
     real_t row = REAL_C(1.0);
     for (unsigned j = 0; j < b->cols; j++)

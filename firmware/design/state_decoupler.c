@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 /* Rest that poles meant to be pairs may leave, part of the magnitudes. */
 #define PAIR_ERROR REAL_C(1e-4)
 
@@ -47,6 +49,7 @@ static enum err check_goal(const struct state_decoupler_goal *g, size_t loops,
 /* Copies a row of C; what lies behind the states is 0. */
 static void output_row(const struct matrix *c, size_t i, real_t *row)
 {
+    REFLUX_ASSERT(i < MATRIX_MAX);
     for (size_t k = 0; k < STATE_MODEL_STATES; k++)
         row[k] = k < c->cols ? c->value[i][k] : REAL_C(0.0);
 }
@@ -91,6 +94,7 @@ static real_t largest_cosine(const struct matrix *b, const real_t *row, const re
 static enum err keep_row(struct matrix *chain, const real_t *row, size_t loop,
                          struct state_decoupler_refusal *reason)
 {
+    REFLUX_ASSERT(chain->rows <= chain->cols && chain->cols <= MATRIX_MAX);
     real_t size = norm_of(row, chain->cols);
     if (!(size > REAL_C(0.0)))
         return refuse_state(reason, ERR_SINGULAR, "output", "moved by an input", loop);
@@ -109,6 +113,7 @@ static enum err find_index(const struct state_model *model,
                            struct state_decoupler_work *work, struct state_decoupler *d,
                            struct state_decoupler_refusal *reason)
 {
+    REFLUX_ASSERT(i < STATE_LOOPS);
     size_t n = d->states;
     real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
     output_row(&model->c, i, row);
@@ -161,6 +166,7 @@ static enum err judge_b_star(const struct state_decoupler_config *config,
 /* to, loops x cols, <- B*^-1 to, column by column. */
 static void solve_columns(const struct lu *lu, size_t loops, struct matrix *to)
 {
+    REFLUX_ASSERT(loops <= MATRIX_MAX);
     for (size_t j = 0; j < to->cols; j++) {
         real_t column[MATRIX_MAX];
         for (size_t i = 0; i < loops; i++)
@@ -175,6 +181,7 @@ static void solve_columns(const struct lu *lu, size_t loops, struct matrix *to)
 static enum err assign_poles(const struct state_decoupler_goal *goal, bool in_z, size_t i,
                              struct state_decoupler *d, struct state_decoupler_refusal *reason)
 {
+    REFLUX_ASSERT(i < STATE_LOOPS && d->index[i] < STATE_POLES);
     unsigned count = d->index[i] + 1u;
     /* Coefficients of s^0, s^1 and so on; size: those of the magnitudes, by which rounding is judged. */
     struct cplx c[STATE_POLES + 1] = {{REAL_C(1.0), REAL_C(0.0)}};
@@ -291,6 +298,7 @@ static void count_needed(const struct state_decoupler_config *config, struct sta
 /* Routh: all roots of c[0] + c[1] s + ... + s^n have real parts below 0. */
 static bool left_of_zero(const real_t *c, size_t n)
 {
+    REFLUX_ASSERT(n <= STATE_POLES + 1u);
     real_t above[STATE_POLES + 3] = {REAL_C(0.0)}, row[STATE_POLES + 3] = {REAL_C(0.0)};
     for (size_t k = 0; 2 * k <= n; k++)
         above[k] = c[n - 2 * k];

@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 /* moved <- (A + B invariant) N, N the last columns of V: what the held plant makes of states that the chain calls 0. */
 static void move_hidden(const struct state_model *m, const struct matrix *invariant,
                         const struct matrix *v, size_t first, struct matrix *moved)
@@ -29,6 +31,7 @@ static void move_hidden(const struct state_model *m, const struct matrix *invari
 
 static void judge_modes(bool sampled, struct state_modes *zeros)
 {
+    REFLUX_ASSERT(zeros->n <= STATE_MODEL_STATES);
     for (size_t k = 0; k < zeros->n; k++) {
         real_t far = sampled ? cplx_abs(zeros->mode[k]) : zeros->mode[k].re;
         if (k == 0 || far > zeros->outermost)

@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/assertion.h"
+
 void static_decoupler_config_default(struct static_decoupler_config *config)
 {
     *config = (struct static_decoupler_config){.element_hi = REAL_C(100.0),
@@ -42,6 +44,7 @@ static enum err refuse_element(struct interact_refusal *reason, const char *fiel
 static real_t gain_variance(const struct interact_plant *plant, const struct pairs *pairs,
                             real_t floor, size_t k, size_t l)
 {
+    REFLUX_ASSERT(k < pairs->n && l < pairs->n);
     size_t i = pairs->output[k], j = pairs->input[l];
     real_t sd = plant->gain_sd[i][j], part = floor * plant->element[i][j].gain;
     return sd * sd + part * part;

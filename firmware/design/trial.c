@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define SAMPLES_A_CALL 4
 #define LONGEST_DELAY  (TRIAL_DELAY - 3)
 #define BAND           REAL_C(0.05)
@@ -10,6 +12,7 @@
 
 static const struct fopdt *plant_element(const struct trial *t, size_t k, size_t l)
 {
+    REFLUX_ASSERT(k < t->loops->pairs.n && l < t->loops->pairs.n);
     return &t->plant->element[t->loops->pairs.output[k]][t->loops->pairs.input[l]];
 }
 
@@ -105,6 +108,7 @@ static void advance_plant(struct trial *t)
     for (size_t k = 0; k < n; k++) {
         t->y[k] = REAL_C(0.0);
         for (size_t l = 0; l < n; l++) {
+            REFLUX_ASSERT(t->sampled.delay[k][l] < TRIAL_DELAY);
             uint32_t now = t->sample + TRIAL_DELAY - t->sampled.delay[k][l];
             real_t after = t->past[l][now % TRIAL_DELAY];
             real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
@@ -137,6 +141,7 @@ static void judge_point(struct trial *t)
 /* Before the sample is counted. */
 static void remember_mark(struct trial *t)
 {
+    REFLUX_ASSERT(t->config.loop < t->loops->pairs.n);
     struct trial_mark *m = &t->mark;
     uint8_t k = t->config.loop;
     if (t->config.load || !(t->time_s < t->config.mark_s))
