@@ -1,6 +1,7 @@
 /* Kind `ahead`: its steps. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/ahead/column_ahead_block.h"
 #include "kinds/ahead/column_ahead_law.h"
 #include "kinds/ahead/column_ahead_model.h"
@@ -343,6 +344,7 @@ static const char *const loop_names[VALUES][AHEAD_LOOPS] = {
 /* A value of loop k; missed and bias as fractions of the PV's span. */
 static real_t value_of_loop(const struct ahead *b, unsigned which, unsigned k)
 {
+    REFLUX_ASSERT(k < AHEAD_LOOPS);
     switch (which) {
     case VALUE_MISSED:
         return b->missed[k] / ahead_places_span(&b->places, k);

@@ -1,5 +1,6 @@
 #include "kinds/ahead/column_ahead_law.h"
 
+#include "base/assertion.h"
 #include "kinds/ahead/column_ahead_law_state.h"
 #include "num/solve_small.h"
 
@@ -23,6 +24,7 @@ void ahead_law_act(struct ahead_law *law, uint8_t acting)
 
 void ahead_law_free(struct ahead_law *law, unsigned j)
 {
+    REFLUX_ASSERT(j < law->n);
     law->lo[j] = ZERO;
     law->hi[j] = ONE;
 }
@@ -30,6 +32,7 @@ void ahead_law_free(struct ahead_law *law, unsigned j)
 void ahead_law_limit(struct ahead_law *law, unsigned j, real_t applied, bool held_below,
                      bool held_above)
 {
+    REFLUX_ASSERT(j < law->n);
     if (applied > law->hi[j])
         law->hi[j] = ONE;
     if (applied < law->lo[j])
@@ -47,21 +50,25 @@ const real_t *ahead_law_u(const struct ahead_law *law)
 
 void ahead_law_put_u(struct ahead_law *law, unsigned j, real_t u)
 {
+    REFLUX_ASSERT(j < law->n);
     law->u[j] = u;
 }
 
 real_t ahead_law_b(const struct ahead_law *law, unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < law->n && j < law->n);
     return law->b[i][j];
 }
 
 void ahead_law_put_b(struct ahead_law *law, unsigned i, unsigned j, real_t b)
 {
+    REFLUX_ASSERT(i < law->n && j < law->n);
     law->b[i][j] = b;
 }
 
 real_t ahead_law_asked(const struct ahead_law *law, unsigned j)
 {
+    REFLUX_ASSERT(j < law->n);
     return law->asked[j];
 }
 
@@ -139,6 +146,7 @@ static uint8_t farthest_beyond(const struct ahead_law *law, uint8_t moving, cons
 
 bool ahead_law_solve(struct ahead_law *law, const real_t *e)
 {
+    REFLUX_ASSERT(law->n <= AHEAD_LOOPS);
     real_t left[AHEAD_LOOPS], move[AHEAD_LOOPS] = {ZERO}, limit = ZERO;
     uint8_t moving = law->acting;
     for (unsigned i = 0; i < law->n; i++)

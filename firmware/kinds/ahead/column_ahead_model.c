@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/ahead/column_ahead_model_state.h"
 #include "model/column_implicit.h"
 
@@ -89,6 +90,7 @@ struct column_inputs *ahead_model_inputs(struct ahead_model *m)
 void ahead_model_take_fraction(struct column_inputs *inputs, size_t components, size_t j,
                                real_t value)
 {
+    REFLUX_ASSERT(components <= COLUMN_COMPONENTS_MAX && j + 1 < components);
     real_t *z = inputs->feed_fraction, rest = ZERO;
     z[j] = value < ZERO ? ZERO : value > ONE ? ONE : value;
     for (size_t i = 0; i + 1 < components; i++)
@@ -167,12 +169,14 @@ enum err ahead_model_look(struct ahead_model *m, const real_t *x)
 real_t ahead_model_value(const struct ahead_model *m, const real_t *x, size_t stage,
                          bool is_fraction, size_t component)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages && component < m->table.config.components);
     return is_fraction ? column_fraction(&m->column, x, stage, component)
                        : m->column.temperature[stage];
 }
 
 real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size_t j, real_t mass)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages && j < m->table.config.components);
     const struct component *c = m->table.component;
     size_t n = m->table.config.components;
     real_t rest = ZERO, weight = ZERO; /* moles and kilograms of the others */
@@ -194,6 +198,7 @@ static real_t inside(real_t x)
 
 static real_t component_at(const struct ahead_model *m, size_t stage, size_t j)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages && j + 1 < m->table.config.components);
     return inside(m->x[stage * (m->table.config.components - 1) + j]);
 }
 
@@ -248,6 +253,7 @@ static real_t shift_at(const struct ahead_reading *reading, const real_t *shift,
 enum err ahead_model_correct(struct ahead_model *m, const struct ahead_reading *reading, size_t n,
                              real_t trust)
 {
+    REFLUX_ASSERT(n <= AHEAD_READINGS_MOST);
     real_t shift[AHEAD_READINGS_MOST];
     size_t fractions = m->table.config.components - 1;
     enum err err = ahead_model_look(m, m->x);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/ahead/column_ahead_place_state.h"
 
 #define ONE REAL_C(1.0)
@@ -48,6 +49,7 @@ static bool is_same_place(const struct ahead_place *a, const struct ahead_place 
 
 bool ahead_places_set(struct ahead_places *p, const struct block_setup *setup)
 {
+    REFLUX_ASSERT(setup->members <= AHEAD_LOOPS && setup->inputs <= BLOCK_INPUTS_MAX);
     struct ahead_places wanted;
     bool same = true;
     take_places(setup, &wanted);
@@ -66,6 +68,7 @@ unsigned ahead_places_loops(const struct ahead_places *p)
 
 unsigned ahead_places_mv(const struct ahead_places *p, unsigned j)
 {
+    REFLUX_ASSERT(j < p->loops && p->mv[j] < p->inputs);
     return p->mv[j];
 }
 
@@ -73,6 +76,7 @@ unsigned ahead_places_mv(const struct ahead_places *p, unsigned j)
 
 real_t ahead_places_span(const struct ahead_places *p, unsigned i)
 {
+    REFLUX_ASSERT(i < p->loops);
     return p->pv[i].span;
 }
 
@@ -88,12 +92,14 @@ static real_t value_si(const struct ahead_places *p, const struct ahead_model *m
 real_t ahead_places_pv_si(const struct ahead_places *p, const struct ahead_model *m, unsigned i,
                           num_t fraction)
 {
+    REFLUX_ASSERT(i < p->loops);
     return value_si(p, m, &p->pv[i], fraction);
 }
 
 real_t ahead_places_target(const struct ahead_places *p, const struct ahead_model *m, unsigned i,
                            const real_t *x)
 {
+    REFLUX_ASSERT(i < p->loops);
     return ahead_model_value(m, x, p->pv[i].stage, p->pv[i].role == AHEAD_FRACTION,
                              p->pv[i].component);
 }
@@ -120,6 +126,7 @@ void ahead_places_drive(const struct ahead_places *p, struct ahead_model *m, con
 
 static void insert_reading(struct ahead_reading *reading, size_t *n, struct ahead_reading one)
 {
+    REFLUX_ASSERT(*n < AHEAD_READINGS_MOST);
     size_t place = *n;
     for (size_t k = 0; k < *n; k++)
         if (reading[k].stage == one.stage && reading[k].component == one.component)
