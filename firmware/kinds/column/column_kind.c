@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/text.h"
 
 #define NAME_SIZE (COLUMN_TABLE_NAME_SIZE + 9) /* with what stands in front of it */
@@ -116,6 +117,7 @@ static enum err column_configure(void *state, const struct block_setup *setup, b
     c->states = c->stages * (float)(c->components - 1u) -
                 (float)column_table_count(v + COLUMN_TABLE_TRUNCATED);
     name_it(c->table, "table of ", v + COLUMN_TABLE_TITLE);
+    REFLUX_ASSERT(c->components <= COLUMN_COMPONENTS_MAX);
     for (unsigned j = 0; j < c->components; j++, component += COLUMN_TABLE_C_VALUES) {
         name_it(c->component[j], "feed of ", component + COLUMN_TABLE_C_NAME);
         c->feed[j] = component[COLUMN_TABLE_C_FEED];
