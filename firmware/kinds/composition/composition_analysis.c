@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_analysis_state.h"
 
 /* Share g, where none is given. */
@@ -26,6 +27,7 @@ void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t
 
 static void remember(struct composition_analysis *a, real_t x)
 {
+    REFLUX_ASSERT(a->newest < ANALYSIS_PAST);
     if (a->filled > 0 && ++a->counted < a->every)
         return;
     a->counted = 0;
@@ -38,6 +40,7 @@ static void remember(struct composition_analysis *a, real_t x)
 /* Recalls the estimate of age_s ago, by the nearest that is kept; false: none is. */
 static bool recall(const struct composition_analysis *a, real_t h, real_t age_s, real_t *x)
 {
+    REFLUX_ASSERT(a->newest < ANALYSIS_PAST && a->filled <= ANALYSIS_PAST);
     real_t steps = age_s / h - (real_t)a->counted, slots = steps / (real_t)a->every;
     if (slots < REAL_C(0.0))
         slots = REAL_C(0.0);
@@ -93,6 +96,7 @@ void composition_analyses_set(struct composition_analyses *all, struct compositi
     for (unsigned k = 0; k < setup->inputs; k++) {
         if (r->s.role[k] != IS_ANALYSIS)
             continue;
+        REFLUX_ASSERT(all->n < ANALYSES_MAX);
         struct composition_analysis *a = &all->analysis[all->n++];
         a->input = (uint8_t)k;
         a->stage = (uint8_t)(r->s.place[k][AT_STAGE] - 1u);
@@ -106,6 +110,7 @@ void composition_analyses_set(struct composition_analyses *all, struct compositi
 bool composition_analyses_step(struct composition_analyses *all, struct composition_model *model,
                                unsigned i, const struct composition_sample *sample, bool filtered)
 {
+    REFLUX_ASSERT(i < all->n);
     struct composition_analysis *a = &all->analysis[i];
     real_t *offset = composition_model_offset(model, i);
     if (offset)
@@ -126,17 +131,20 @@ unsigned composition_analyses_count(const struct composition_analyses *all)
 
 unsigned composition_analyses_input(const struct composition_analyses *all, unsigned i)
 {
+    REFLUX_ASSERT(i < all->n);
     return all->analysis[i].input;
 }
 
 real_t composition_analyses_correction(const struct composition_analyses *all, unsigned i)
 {
+    REFLUX_ASSERT(i < all->n);
     return all->analysis[i].correction;
 }
 
 bool composition_analyses_is_at(const struct composition_analyses *all, unsigned i, size_t stage,
                                 size_t component)
 {
+    REFLUX_ASSERT(i < all->n);
     return all->analysis[i].stage == stage && all->analysis[i].component == component;
 }
 
@@ -160,17 +168,20 @@ bool composition_analyses_in_section(const struct composition_analyses *all, siz
 
 size_t composition_analyses_stage(const struct composition_analyses *all, unsigned i)
 {
+    REFLUX_ASSERT(i < all->n);
     return all->analysis[i].stage;
 }
 
 size_t composition_analyses_component(const struct composition_analyses *all, unsigned i)
 {
+    REFLUX_ASSERT(i < all->n);
     return all->analysis[i].component;
 }
 
 bool composition_analyses_take(struct composition_analyses *all, unsigned i, real_t *surprise,
                                real_t *moved)
 {
+    REFLUX_ASSERT(i < all->n);
     struct composition_analysis *a = &all->analysis[i];
     if (!a->fresh)
         return false;

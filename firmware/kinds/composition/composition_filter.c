@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/workspace.h"
 #include "kinds/composition/composition_filter_state.h"
 
@@ -189,6 +190,7 @@ const real_t *composition_filter_gain(const struct composition_filter *f)
 
 real_t composition_filter_sd(const struct composition_filter *f, unsigned k)
 {
+    REFLUX_ASSERT(k < BLOCK_POINTS_MAX);
     return f->certainty.sd[k];
 }
 

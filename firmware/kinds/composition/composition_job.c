@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_job_state.h"
 
 #define ZERO REAL_C(0.0)
@@ -69,6 +70,7 @@ static real_t sd_of_extra(const struct composition_parts *p, size_t k)
 
 static void let_extra_grow(struct composition_job *job, const struct composition_parts *p, size_t k)
 {
+    REFLUX_ASSERT(k < COVARIANCE_EXTRAS_MAX);
     real_t sd = sd_of_extra(p, k);
     bool is_offset = k >= composition_model_feed_extras(p->model);
     real_t keep = ONE - job->h / (is_offset ? OFFSET_S : p->settings->feed_s);
@@ -151,6 +153,7 @@ static void watch_gain(struct composition_job *job, const real_t *gain, size_t n
 
 static void slopes_at(const struct composition_job *job, size_t stage, real_t *dt)
 {
+    REFLUX_ASSERT(stage < job->transition.stages);
     real_t full[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     size_t c = job->transition.m + 1u;
     for (size_t j = 0; j < c; j++)
@@ -162,6 +165,7 @@ static void slopes_at(const struct composition_job *job, size_t stage, real_t *d
 static void work_in_sensor(struct composition_job *job, const struct composition_parts *p,
                            unsigned k)
 {
+    REFLUX_ASSERT(k < SENSORS_MAX && composition_model_length(p->model) <= COMPOSITION_LENGTH_MOST);
     size_t length = composition_model_length(p->model);
     size_t stage = composition_sensors_stage(p->sensors, k);
     real_t *gain = &job->gain[k * length];
@@ -205,6 +209,7 @@ static void put_fraction(const struct composition_job *job, const struct composi
 static void work_in_analysis(struct composition_job *job, const struct composition_parts *p,
                              unsigned i)
 {
+    REFLUX_ASSERT(i < ANALYSES_MAX && composition_sensors_count(p->sensors) <= SENSORS_MAX);
     size_t length = composition_model_length(p->model);
     real_t slope[COLUMN_COMPONENTS_MAX];
     real_t *gain = &job->gain[(composition_sensors_count(p->sensors) + i) * length];
@@ -245,6 +250,7 @@ static bool put_feed(const struct composition_job *job, const struct composition
 
 static void find_point(struct composition_job *job, const struct composition_parts *p, unsigned k)
 {
+    REFLUX_ASSERT(k < p->points && k < BLOCK_POINTS_MAX);
     size_t stage = p->settings->point[k][AT_STAGE] - 1u,
            component = p->settings->point[k][OF_COMPONENT];
     real_t slope[COLUMN_COMPONENTS_MAX];
@@ -333,6 +339,7 @@ static void do_phase(struct composition_job *job, const struct composition_parts
         }
         break;
     default:
+        REFLUX_ASSERT(false); /* a job that is done has no piece */
         break;
     }
 }

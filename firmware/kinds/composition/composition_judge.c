@@ -1,5 +1,6 @@
 #include "kinds/composition/composition_judge.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_filter.h"
 #include "kinds/composition/composition_judge_state.h"
 
@@ -89,6 +90,7 @@ bool composition_judge_sees(const struct composition_parts *p)
 /* A point of the feed belongs to no section. */
 bool composition_judge_is_unseen(const struct composition_parts *p, unsigned k)
 {
+    REFLUX_ASSERT(k < p->points);
     size_t feed_stage = feed_stage_of(p);
     bool above = p->settings->point[k][AT_STAGE] > feed_stage;
     return p->settings->quantity[k] == OF_STAGE &&
@@ -138,6 +140,7 @@ bool composition_judge_is_unsure(const struct composition_parts *p, unsigned k)
 /* value 0: the event does not hold. */
 static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
+    REFLUX_ASSERT(event < COMPOSITION_EVENTS);
     if (!value)
         return;
     io->requests.raised = (uint16_t)(io->requests.raised | 1u << event);

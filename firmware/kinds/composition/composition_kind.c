@@ -1,6 +1,7 @@
 /* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/composition/composition_block.h"
 #include "kinds/composition/composition_filter.h"
@@ -96,6 +97,7 @@ static bool has_same_extras(const struct composition_settings *s,
 
 static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->inputs <= BLOCK_INPUTS_MAX && setup->points <= BLOCK_POINTS_MAX);
     struct composition_block *b = state;
     const struct column_record *record = setup->named;
     const struct composition_settings *s = setup->settings;
@@ -137,6 +139,7 @@ static enum err composition_configure(void *state, const struct block_setup *set
 
 static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
 {
+    REFLUX_ASSERT(k < b->inputs);
     real_t eu =
         b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->inputs.value[k]);
     return column_drive_factor(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
@@ -235,6 +238,7 @@ static real_t stage_estimate(const struct composition_block *b, unsigned k)
 /* A point in its own unit. */
 static real_t estimate_of(const struct composition_block *b, unsigned k)
 {
+    REFLUX_ASSERT(k < b->points);
     real_t value = b->s.quantity[k] == OF_STAGE ? stage_estimate(b, k) : feed_estimate(b, k);
     return column_drive_factor(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
 }

@@ -10,6 +10,7 @@
  * drive it as far as the flows' limits. Folami 5.2 had such a model; the implicit step and f are ours. */
 #include "kinds/composition/composition_model.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_model_state.h"
 
 #define ZERO REAL_C(0.0)
@@ -42,6 +43,7 @@ void composition_model_set(struct composition_model *m, const struct block_setup
     m->between = s->between;
     m->h = setup->interval_s;
     m->extras = (uint8_t)composition_extras(s, setup->inputs, fractions);
+    REFLUX_ASSERT(m->extras <= COVARIANCE_EXTRAS_MAX);
     m->has_feed = m->extras && s->feed_z > 0;
     m->has_flow = m->extras && composition_feed_f(s, setup->inputs) > 0;
     m->feed = (uint8_t)((m->has_feed ? fractions : 0u) + (m->has_flow ? 1u : 0u));
@@ -144,11 +146,13 @@ bool composition_model_has_flow(const struct composition_model *m)
 
 real_t composition_model_extra(const struct composition_model *m, size_t k)
 {
+    REFLUX_ASSERT(k < m->extras);
     return m->extra[k];
 }
 
 real_t *composition_model_offset(struct composition_model *m, unsigned i)
 {
+    REFLUX_ASSERT(m->extras <= m->feed || m->feed + i < m->extras);
     return m->extras > m->feed ? &m->extra[m->feed + i] : NULL;
 }
 
@@ -230,6 +234,7 @@ void composition_model_push(const struct composition_model *m, struct column *co
 void composition_model_slopes(const struct composition_model *m, size_t stage, real_t *dt,
                               real_t *dy)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages);
     size_t n = m->table.config.components;
     const real_t *x = m->is_linear ? m->table.profile : m->x;
     real_t full[COLUMN_COMPONENTS_MAX];
@@ -241,6 +246,7 @@ void composition_model_slopes(const struct composition_model *m, size_t stage, r
 
 real_t composition_model_temperature_before(const struct composition_model *m, size_t stage)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages);
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     real_t t = m->column.temperature[stage];
     size_t fractions = m->table.config.components - 1;
@@ -255,6 +261,7 @@ real_t composition_model_temperature_before(const struct composition_model *m, s
 real_t composition_model_temperature_change(const struct composition_model *m, size_t stage,
                                             const real_t *dt)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages);
     size_t fractions = m->table.config.components - 1;
     real_t sum = ZERO;
     for (size_t j = 0; j < fractions; j++)
@@ -264,6 +271,7 @@ real_t composition_model_temperature_change(const struct composition_model *m, s
 
 real_t composition_model_temperature(const struct composition_model *m, size_t stage)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages);
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     real_t t = composition_model_temperature_before(m, stage);
     if (m->truncated[stage] || !m->solved)
@@ -383,6 +391,7 @@ enum err composition_model_settle(struct composition_model *m, real_t h, real_t 
 real_t composition_model_own_rate(const struct composition_model *m, size_t stage, size_t component,
                                   const real_t *dy)
 {
+    REFLUX_ASSERT(stage < m->table.config.stages && component + 1 < m->table.config.components);
     const struct column *column = &m->column;
     const struct column_config *config = &m->table.config;
     size_t top = config->stages - 1, fractions = config->components - 1;

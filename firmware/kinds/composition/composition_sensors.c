@@ -14,6 +14,7 @@
  * scalar: each deviation is taken after the ones before it have moved the estimate. */
 #include "kinds/composition/composition_sensors.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_sensors_state.h"
 #include "num/real.h"
 
@@ -39,6 +40,7 @@
 static void set_sensor(struct composition_sensors *all, const struct composition_record *r,
                        unsigned k)
 {
+    REFLUX_ASSERT(all->n < SENSORS_MAX);
     const struct composition_settings *s = &r->s;
     struct composition_sensor *o = &all->sensor[all->n++]; /* its past stays */
     real_t lambda = r->tune[k][TUNE_LAMBDA] > 0 ? r->tune[k][TUNE_LAMBDA] : LAMBDA_INITIAL;
@@ -91,6 +93,7 @@ void composition_sensors_begin(struct composition_sensors *all)
 
 void composition_sensors_put(struct composition_sensors *all, unsigned k, bool present)
 {
+    REFLUX_ASSERT(k < all->n);
     all->sensor[k].present = present;
 }
 
@@ -119,16 +122,19 @@ unsigned composition_sensors_count(const struct composition_sensors *all)
 
 unsigned composition_sensors_input(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return all->sensor[k].input + 1u;
 }
 
 size_t composition_sensors_stage(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return all->sensor[k].stage;
 }
 
 real_t composition_sensors_noise2(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return all->sensor[k].noise2;
 }
 
@@ -139,18 +145,21 @@ real_t composition_sensors_model2(const struct composition_sensors *all)
 
 bool composition_sensors_draws(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return draws(&all->sensor[k]);
 }
 
 bool composition_sensors_draws_in(const struct composition_sensors *all, unsigned k,
                                   size_t feed_stage, bool above)
 {
+    REFLUX_ASSERT(k < all->n);
     return draws(&all->sensor[k]) && sits_above(&all->sensor[k], feed_stage) == above;
 }
 
 bool composition_sensors_innovation(const struct composition_sensors *all, unsigned k,
                                     struct composition_innovation *innovation)
 {
+    REFLUX_ASSERT(k < all->n);
     const struct composition_sensor *s = &all->sensor[k];
     bool filters = all->method != METHOD_GEOMETRIC && s->moves && s->spread > ZERO;
     *innovation =
@@ -160,6 +169,7 @@ bool composition_sensors_innovation(const struct composition_sensors *all, unsig
 
 void composition_sensors_find_noise(struct composition_sensors *all, unsigned k, real_t noise2)
 {
+    REFLUX_ASSERT(k < all->n);
     if (all->finds_noise)
         all->sensor[k].noise2 = noise2 < NOISE_LEAST2 ? NOISE_LEAST2 : noise2;
 }
@@ -171,11 +181,13 @@ bool composition_sensors_finds_noise(const struct composition_sensors *all)
 
 real_t composition_sensors_e(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return all->sensor[k].e;
 }
 
 real_t composition_sensors_slope(const struct composition_sensors *all, unsigned k)
 {
+    REFLUX_ASSERT(k < all->n);
     return all->sensor[k].slope;
 }
 

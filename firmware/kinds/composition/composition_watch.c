@@ -1,5 +1,6 @@
 #include "kinds/composition/composition_watch.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/composition_watch_state.h"
 
 #define ZERO REAL_C(0.0)
@@ -157,16 +158,19 @@ real_t composition_watch_factor(const struct composition_watch *w,
 
 real_t composition_watch_pull(const struct composition_watch *w, unsigned k)
 {
+    REFLUX_ASSERT(k < SENSORS_MAX);
     return w->sensor[k].pull;
 }
 
 real_t composition_watch_square(const struct composition_watch *w, unsigned k)
 {
+    REFLUX_ASSERT(k < SENSORS_MAX);
     return w->sensor[k].square;
 }
 
 real_t composition_watch_correlation(const struct composition_watch *w, unsigned k)
 {
+    REFLUX_ASSERT(k < SENSORS_MAX);
     const struct composition_means *s = &w->sensor[k];
     return s->square > 0 ? s->product / s->square : 0;
 }

@@ -1,5 +1,6 @@
 #include "kinds/composition/covariance_band.h"
 
+#include "base/assertion.h"
 #include "num/ud.h"
 
 #define ZERO REAL_C(0.0)
@@ -105,6 +106,7 @@ static void renew_extras(struct covariance_band *c, const struct covariance_step
 
 static void add_band_noise(struct covariance_band *c, const struct covariance_step *step)
 {
+    REFLUX_ASSERT(step->noise_first <= c->stages * c->m);
     size_t m = c->m, n = c->stages * m, stride = covariance_band_stride(m, c->extras);
     size_t i = step->noise_first;
 
@@ -148,6 +150,8 @@ static struct band_view view_of(struct covariance_band *c)
 bool covariance_band_carry_piece(struct covariance_band *c, const struct covariance_step *step,
                                  size_t effort)
 {
+    REFLUX_ASSERT(c->stages <= COLUMN_STAGES_MAX && c->m >= 1 && c->m <= M_MAX &&
+                  c->extras <= COVARIANCE_EXTRAS_MAX && c->next <= c->stages);
     if (c->phase == BAND_BEGINS) {
         add_band_noise(c, step);
         renew_extras(c, step);

@@ -1,5 +1,6 @@
 #include "kinds/composition/covariance_root.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/covariance_root_state.h"
 #include "num/ud.h"
 
@@ -186,6 +187,7 @@ static void turn_above(size_t m, const struct covariance_root *c, struct turn *t
 /* Their columns: what pushes, Phi, keep, and back to ones on the diagonal. */
 void covariance_root_extra(struct covariance_root *c, const struct covariance_step *step, size_t k)
 {
+    REFLUX_ASSERT(k < step->extras);
     real_t *column = c->ud + ud_count(c->n + k), root = real_sqrt(column[c->n + k]), all = ZERO;
 
     for (size_t i = 0; i < c->n; i++)

@@ -1,5 +1,6 @@
 #include "kinds/composition/covariance_ud.h"
 
+#include "base/assertion.h"
 #include "kinds/composition/covariance_root.h"
 #include "num/ud.h"
 
@@ -50,6 +51,7 @@ enum err covariance_ud_begin(struct covariance_ud *c, size_t stages, size_t m, s
 /* Adds variance to state `at`, and to the next one where two of `left` are left. Returns the number of states. */
 static size_t add_from(struct covariance_ud *c, size_t at, const real_t *variance, size_t left)
 {
+    REFLUX_ASSERT(at < triangle_of(c) && left <= triangle_of(c) - at);
     if (!(variance[0] > ZERO))
         return 1;
     if (left > 1 && variance[1] > ZERO) {
@@ -83,6 +85,7 @@ static size_t length_of(const struct covariance_ud *c, const struct covariance_s
     case PHASE_NOISE:
         return step->noise_count;
     case PHASE_DONE:
+        REFLUX_ASSERT(false); /* the step is over, and none of this is called */
         break;
     }
     return 0;
@@ -108,6 +111,7 @@ static size_t effort_of(const struct covariance_ud *c, const struct covariance_s
         return step->noise[i] > ZERO ? ud_count(i) : 1;
     }
     case PHASE_DONE:
+        REFLUX_ASSERT(false); /* the step is over, and none of this is called */
         break;
     }
     return 1;
@@ -131,6 +135,7 @@ static size_t do_next(struct covariance_ud *c, const struct covariance_step *ste
     case PHASE_NOISE:
         return add_noise(c, step);
     case PHASE_DONE:
+        REFLUX_ASSERT(false); /* the step is over, and none of this is called */
         break;
     }
     return 1;
@@ -139,6 +144,8 @@ static size_t do_next(struct covariance_ud *c, const struct covariance_step *ste
 bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_step *step,
                                size_t effort)
 {
+    REFLUX_ASSERT(c->stages <= COLUMN_STAGES_MAX && c->m >= 1 && c->m <= M_MAX &&
+                  c->extras <= COVARIANCE_EXTRAS_MAX);
     size_t done = 0;
 
     if (c->phase == PHASE_NOISE && c->next == 0)
@@ -165,6 +172,7 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
 static real_t project(const struct covariance_ud *c, const struct covariance_measurement *z,
                       real_t *f, real_t *g)
 {
+    REFLUX_ASSERT(z->count <= c->m && z->first + z->count <= c->n);
     size_t end = z->first + z->count, all = triangle_of(c), extra = c->n + z->extra;
     const real_t *column = c->ud + ud_count(z->first);
     real_t variance = ZERO;
