@@ -2,6 +2,8 @@
 
 #include <stdbool.h>
 
+#include "base/assertion.h"
+
 struct work {
     /* [D | I], turned into [I | D^-1]. */
     float a[DECOUPLER_MAX][2 * DECOUPLER_MAX];
@@ -15,6 +17,7 @@ static float magnitude(float x)
 /* Gauss and Jordan with partial pivoting: n rows of n + right numbers. */
 static bool eliminate(struct work *w, uint8_t n, uint8_t right)
 {
+    REFLUX_ASSERT(n <= DECOUPLER_MAX && right <= DECOUPLER_MAX);
     const uint8_t columns = (uint8_t)(n + right);
     for (uint8_t k = 0; k < n; k++) {
         uint8_t pivot = k;
@@ -113,6 +116,7 @@ enum err decoupler_check(const struct block_setup *setup, uint8_t *worst)
 static void multiply(const struct decoupler *k, const num_t m[DECOUPLER_MAX][DECOUPLER_MAX],
                      const num_t *x, num_t *y)
 {
+    REFLUX_ASSERT(k->n <= DECOUPLER_MAX);
     num_t factor[DECOUPLER_MAX];
     uint8_t column[DECOUPLER_MAX];
     unsigned n = k->n, columns = 0;
@@ -142,6 +146,7 @@ void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *d
 
 void decoupler_give_way(const struct decoupler *decoupler, const num_t *du, num_t *dv)
 {
+    REFLUX_ASSERT(decoupler->n <= DECOUPLER_MAX);
     struct work w;
     uint8_t limited[DECOUPLER_MAX];
     uint8_t n = 0;

@@ -1,6 +1,8 @@
 /* The static decoupler as a kind of block: a compensator. Member k is loop k. */
 #include "kinds/decoupler/decoupler.h"
 
+#include "base/assertion.h"
+
 struct decoupler_state {
     struct decoupler decoupler;
     /* Selected members, a bit each. */
@@ -64,6 +66,7 @@ static bool decoupler_select_members(void *state, const void *settings, uint8_t 
 static void decoupler_step(void *state, struct block_io *io)
 {
     struct decoupler_state *s = state;
+    REFLUX_ASSERT(s->decoupler.n <= DECOUPLER_MAX);
     decoupler_forward(&s->decoupler, io->members.in, io->members.out);
     s->stepped = true;
     for (uint8_t i = 0; i < s->decoupler.n; i++)
