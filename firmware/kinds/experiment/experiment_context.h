@@ -3,6 +3,7 @@
 #ifndef REFLUX_EXPERIMENT_EXPERIMENT_CONTEXT_H
 #define REFLUX_EXPERIMENT_EXPERIMENT_CONTEXT_H
 
+#include "base/assertion.h"
 #include "kinds/experiment/plant_experiment.h"
 
 struct polynomial_settings;
@@ -24,6 +25,7 @@ struct experiment_context {
 
 static inline float experiment_span(const struct experiment_context *c, unsigned k)
 {
+    REFLUX_ASSERT(k < 2u * c->n);
     return c->input[k].hi - c->input[k].lo;
 }
 

@@ -1,5 +1,6 @@
 #include "kinds/experiment/experiment_job.h"
 
+#include "base/assertion.h"
 #include "kinds/experiment/experiment_finding.h"
 #include "kinds/experiment/experiment_finding_state.h"
 #include "kinds/experiment/experiment_record.h"
@@ -26,10 +27,12 @@ void experiment_job_begin(struct experiment_job *job, const struct experiment_co
 
 struct experiment_rows *experiment_job_rows(struct experiment_job *job)
 {
+    REFLUX_ASSERT(job);
     return &job->rows;
 }
 
 struct experiment_finding *experiment_job_finding(struct experiment_job *job)
 {
+    REFLUX_ASSERT(job);
     return &job->finding;
 }

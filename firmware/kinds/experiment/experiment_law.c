@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/experiment/experiment_law_state.h"
 #include "kinds/experiment/experiment_lease.h"
 #include "kinds/experiment/experiment_loops.h"
@@ -92,6 +93,7 @@ const char *experiment_law_words(const struct experiment_law *l)
 
 static bool is_first_order(const struct experiment_context *c, unsigned i)
 {
+    REFLUX_ASSERT(i < EXPERIMENT_KEPT && c->n <= EXPERIMENT_KEPT);
     bool more = false;
     for (unsigned k = 1; k < DIFFERENCE_A_MOST; k++)
         more = more || c->s.a[i][k] < 0 || c->s.a[i][k] > 0;
@@ -126,6 +128,7 @@ static void put_plant(const struct experiment_context *c, struct state_model *pl
 
 static void put_order_of_law(struct experiment_law *l, const struct experiment_context *c)
 {
+    REFLUX_ASSERT(experiment_leased(&l->lease));
     struct state_law_job *job = experiment_leased(&l->lease);
     if (!is_period_of(c, c->law->period_s)) {
         refuse_design(l, "period", "that of the experiment in the block with the law", 0);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "design/pole_placement.h"
 #include "design/polynomial_decoupler.h"
 #include "kinds/experiment/experiment_loops_state.h"
@@ -87,6 +88,7 @@ static void design_decoupler(struct experiment_loops_job *job, const struct expe
 static void design_controller(struct experiment_loops_job *job, const struct experiment_context *c,
                               unsigned i)
 {
+    REFLUX_ASSERT(i < EXPERIMENT_KEPT && i < c->n);
     struct pole_placement_goal goal;
     struct pole_placement_refusal reason;
     struct polynomial a = {.n = DIFFERENCE_A_MOST + 1, .value = {REAL_C(1.0)}};
@@ -138,6 +140,7 @@ void experiment_loops_take(struct experiment_loops *l, const struct experiment_l
 static void put_coefficient(struct block_proposal *room, uint16_t number, uint8_t id, unsigned at,
                             float value)
 {
+    REFLUX_ASSERT(number >= 1 && room->n < PROPOSAL_MAX);
     room->value[room->n++] = (struct proposed_value){
         proposed_in_row((uint8_t)(number - 1u), id, (uint16_t)(at / POLYNOMIAL_TAPS),
                         (uint8_t)(at % POLYNOMIAL_TAPS)),
@@ -169,6 +172,7 @@ static unsigned put_decoupler(const struct experiment_loops *to, const struct ex
 static void put_controller(const struct experiment_loops *l, const struct experiment_context *c,
                            unsigned i, struct block_proposal *room)
 {
+    REFLUX_ASSERT(i < EXPERIMENT_KEPT && i < c->n);
     put_coefficient(room, c->s.place[i], RST_ID_PERIOD, 0, l->period_s);
     for (unsigned id = RST_ID_P; id <= RST_ID_R; id++)
         for (unsigned k = 0; k < RST_COEFFICIENTS && room->n < PROPOSAL_MAX; k++)

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/experiment/experiment_model_state.h"
 
 /* Largest part of the movement of an MV that loops may have made. With more, instruments depend on noise. */
@@ -17,6 +18,7 @@ static void take_output(struct experiment_model *m, float *coefficients,
                         const struct experiment_context *c, const struct plant_output *from,
                         unsigned i)
 {
+    REFLUX_ASSERT(i < c->n && c->n <= EXPERIMENT_MOST);
     struct experiment_found *to = &m->found[i];
     to->na = from->na;
     to->nb = from->nb;
@@ -55,11 +57,13 @@ uint8_t experiment_model_take(struct experiment_model *m, float *coefficients,
 
 const struct experiment_found *experiment_model_found(const struct experiment_model *m, unsigned i)
 {
+    REFLUX_ASSERT(i < EXPERIMENT_MOST);
     return &m->found[i];
 }
 
 float experiment_model_fit(const struct experiment_model *m, unsigned n)
 {
+    REFLUX_ASSERT(n <= EXPERIMENT_MOST);
     float least = m->found[0].fit;
     for (unsigned i = 1; i < n; i++)
         least = m->found[i].fit < least ? m->found[i].fit : least;
@@ -68,6 +72,7 @@ float experiment_model_fit(const struct experiment_model *m, unsigned n)
 
 float experiment_model_gain(const float *coefficients, unsigned n, unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < n && j < n && n <= EXPERIMENT_MOST);
     const float *a = &coefficients[experiment_a(i)], *b = &coefficients[experiment_b(n, i, j)];
     float at_rest = 1, sum = 0;
     for (unsigned k = 0; k < DIFFERENCE_A_MOST; k++)

@@ -1,5 +1,6 @@
 #include "kinds/experiment/experiment_proposals.h"
 
+#include "base/assertion.h"
 #include "kinds/experiment/experiment_ids.h"
 #include "kinds/experiment/experiment_model.h"
 #include "kinds/experiment/experiment_proposals_state.h"
@@ -57,6 +58,7 @@ bool experiment_proposes(const struct experiment_proposals *p)
 static void put_model(const struct experiment_context *c, const float *coefficients,
                       struct block_proposal *room, unsigned left)
 {
+    REFLUX_ASSERT(room->n == 0);
     struct proposed_value wanted;
     float actual, known = left < PROPOSAL_MAX ? 1.0f : 0.0f;
     if (c->s.known != (uint8_t)known)

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/experiment/experiment_record_state.h"
 
@@ -73,6 +74,7 @@ static void begin_live(struct experiment_rows *rows, unsigned n)
 void experiment_rows_begin(struct experiment_rows *rows, const struct experiment_context *c,
                            void *memory)
 {
+    REFLUX_ASSERT(c->n <= EXPERIMENT_MOST);
     char *at = memory;
     for (unsigned i = 0; i < c->n; i++) {
         rows->rls[i] = (struct rls *)(void *)at;
@@ -133,6 +135,7 @@ enum experiment_reason experiment_read(struct experiment_record *r,
                                        const struct experiment_context *c,
                                        const struct block_io *io, bool excites, uint8_t *at_fault)
 {
+    REFLUX_ASSERT(c->n <= EXPERIMENT_MOST);
     for (unsigned i = 0; i < c->n; i++) {
         bool good = io->inputs.quality[i] == QUALITY_GOOD;
         if (good)
@@ -159,6 +162,7 @@ static bool decimate_all(struct experiment_record *r, unsigned n, real_t *y)
 static real_t applied_of(const struct experiment_record *r, const struct experiment_context *c,
                          const struct block_io *io, unsigned j)
 {
+    REFLUX_ASSERT(j < c->n);
     const struct applied_history *h = io->inputs.applied[c->n + j];
     return h ? num_to_float(applied_ticks_ago(h, 1)) : r->rest[j];
 }
@@ -206,6 +210,7 @@ static void end_of_rest(struct experiment_record *r, const struct experiment_con
 bool experiment_settle(struct experiment_record *r, const struct experiment_context *c,
                        const struct block_io *io, uint8_t *at_fault)
 {
+    REFLUX_ASSERT(c->n <= EXPERIMENT_MOST);
     real_t y[EXPERIMENT_MOST];
     for (unsigned j = 0; j < c->n; j++) {
         real_t u = applied_of(r, c, io, j);
@@ -242,6 +247,7 @@ void experiment_signal_begin(struct experiment_record *r, const struct experimen
 static void put_inputs(struct experiment_record *r, const struct experiment_context *c,
                        struct experiment_rows *rows)
 {
+    REFLUX_ASSERT(r->samples >= 1 && r->samples <= c->wanted);
     real_t *row = &rows->u[(size_t)(r->samples - 1u) * c->n];
     for (unsigned j = 0; j < c->n; j++) {
         real_t moved = r->applied[j] / (real_t)c->ticks - r->rest[j];
@@ -257,6 +263,7 @@ static void put_inputs(struct experiment_record *r, const struct experiment_cont
 static void learn_live(struct experiment_record *r, const struct experiment_context *c,
                        struct experiment_rows *rows, const real_t *y)
 {
+    REFLUX_ASSERT(r->samples >= 1 && r->samples <= c->wanted && live_parameters(c->n) <= RLS_MAX);
     const real_t *u = &rows->u[(size_t)(r->samples - 1u) * c->n],
                  *last = &rows->y[(size_t)(r->samples - 1u) * c->n];
     for (unsigned i = 0; i < c->n; i++) {
@@ -275,6 +282,7 @@ static void learn_live(struct experiment_record *r, const struct experiment_cont
 bool experiment_record_tick(struct experiment_record *r, const struct experiment_context *c,
                             struct experiment_rows *rows, const struct block_io *io)
 {
+    REFLUX_ASSERT(c->n <= EXPERIMENT_MOST);
     real_t y[EXPERIMENT_MOST];
     for (unsigned j = 0; j < c->n && r->samples > 0; j++)
         r->applied[j] += applied_of(r, c, io, j);
@@ -297,6 +305,7 @@ bool experiment_record_tick(struct experiment_record *r, const struct experiment
 bool experiment_ask_signal(const struct experiment_record *r, const struct experiment_context *c,
                            struct block_io *io)
 {
+    REFLUX_ASSERT(c->n <= EXPERIMENT_MOST);
     for (unsigned j = 0; j < c->n && r->samples > 0; j++) {
         float span = experiment_span(c, c->n + j);
         real_t reach = (c->s.reach[j] > 0 ? c->s.reach[j] : 2 * c->s.amplitude[j]) / span;
@@ -320,17 +329,20 @@ uint32_t experiment_record_samples(const struct experiment_record *r)
 
 real_t experiment_others(const struct experiment_record *r, unsigned j)
 {
+    REFLUX_ASSERT(j < EXPERIMENT_MOST);
     return r->sum[j].all > ZERO ? r->sum[j].others / r->sum[j].all : ZERO;
 }
 
 float experiment_live_error(const struct experiment_record *r, unsigned i)
 {
+    REFLUX_ASSERT(i < EXPERIMENT_MOST);
     return r->live_error[i];
 }
 
 float experiment_live_gain(const struct experiment_rows *rows, const struct experiment_context *c,
                            unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < c->n && j < c->n);
     const struct rls *r = rows->rls[i];
     float at_rest = 1, sum = 0;
     unsigned nb = live_nb(c->n);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/workspace.h"
 #include "block/refuse.h"
 #include "block/step_period.h"
@@ -104,6 +105,7 @@ uint32_t experiment_samples(const struct experiment_settings *s)
 
 void experiment_context_take(struct experiment_context *c, const struct block_setup *setup)
 {
+    REFLUX_ASSERT(setup->inputs <= 2u * EXPERIMENT_MOST);
     float pieces = PIECES_A_SECOND * setup->interval_s;
     memcpy(&c->s, setup->settings, sizeof c->s);
     c->law = c->s.law && !setup->named_other ? setup->named : NULL;

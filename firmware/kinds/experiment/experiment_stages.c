@@ -1,5 +1,6 @@
 #include "kinds/experiment/experiment_stages.h"
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/experiment/experiment_finding.h"
 #include "kinds/experiment/experiment_job.h"
@@ -155,6 +156,7 @@ static void keep_workspace(const struct experiment_parts *p)
 
 static float value_of_experiment_event(const struct experiment_parts *p)
 {
+    REFLUX_ASSERT(p->stages->event >= 1 && p->stages->event <= EXPERIMENT_EVENTS);
     switch (p->stages->event - 1) {
     case EVENT_LAW:
         return experiment_law_radius(p->law);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "num/polynomial.h"
 
 #define ZERO REAL_C(0.0)
@@ -31,6 +32,7 @@ enum finding_phase {
 
 bool plant_roots_within(const real_t *a, size_t n, real_t radius)
 {
+    REFLUX_ASSERT(n < POLYNOMIAL_MOST);
     struct polynomial p = {.n = (uint8_t)(n + 1u), .value = {ONE}};
     memcpy(&p.value[1], a, n * sizeof a[0]);
     return polynomial_zeros_within(&p, radius);
@@ -61,6 +63,7 @@ static bool gains_of_fit(const struct arx_fit *fit, uint8_t inputs, real_t *gain
 /* All of the grid, and the best of the others. */
 static bool is_worth_a_fit(const struct plant_finding *f, uint16_t trial)
 {
+    REFLUX_ASSERT(trial < f->search.trials);
     const struct arx_search *s = &f->search;
     const struct arx_trial *t = &s->trial[trial];
     bool grid = true;
@@ -78,6 +81,7 @@ static bool is_worth_a_fit(const struct plant_finding *f, uint16_t trial)
 /* The criterion of errors on data that the model has not seen: of the simulation, of least squares one sample ahead. */
 static real_t validation_criterion(const struct plant_finding *f, const struct arx_judgement *j)
 {
+    REFLUX_ASSERT(f->trial < f->search.trials);
     real_t n = (real_t)j->rows, p = (real_t)f->search.trial[f->trial].parameters;
     real_t square = f->wanted.method == ARX_LS ? j->step_squares : j->simulated_squares;
     real_t least = REAL_C(1e-24) * j->squares;
@@ -204,6 +208,7 @@ static void begin_left(struct plant_finding *f)
 /* A sample; false: it has run away. */
 static bool take_left(struct plant_finding *f)
 {
+    REFLUX_ASSERT(f->left.k < f->data.samples);
     struct plant_leftover *l = &f->left;
     uint8_t n = f->data.inputs;
     const real_t *u = &f->data.u[(size_t)l->k * n];
@@ -281,6 +286,7 @@ static void begin_orders(struct plant_finding *f)
 void plant_finding_begin(struct plant_finding *f, const struct arx_data *data,
                          const struct plant_wanted *wanted)
 {
+    REFLUX_ASSERT(data->inputs <= DIFFERENCE_MOST && data->outputs <= DIFFERENCE_MOST);
     memset(f, 0, sizeof *f);
     f->wanted = *wanted;
     f->data = *data;
@@ -303,6 +309,7 @@ static void end_orders(struct plant_finding *f)
 
 bool plant_finding_piece(struct plant_finding *f, uint32_t most)
 {
+    REFLUX_ASSERT(f->output < DIFFERENCE_MOST);
     switch ((enum finding_phase)f->phase) {
     case FIND_ORDERS:
         if (!arx_select_piece(&f->searching, most))
@@ -343,5 +350,6 @@ unsigned plant_finding_done(const struct plant_finding *f)
 
 const struct plant_output *plant_finding_output(const struct plant_finding *f, unsigned i)
 {
+    REFLUX_ASSERT(i < DIFFERENCE_MOST);
     return &f->found[i];
 }
