@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/feedforward_search.h"
 
+#include "base/assertion.h"
 #include "num/real_trig.h"
 
 #define ZERO REAL_C(0.0)
@@ -44,6 +45,7 @@ struct cplx feedforward_response(const struct feedforward_shape *f, real_t h_s, 
 
 real_t feedforward_objective(const struct feedforward_wanted *w, const struct feedforward_shape *f)
 {
+    REFLUX_ASSERT(w->points <= FEEDFORWARD_POINTS);
     real_t j = ZERO;
     for (unsigned i = 0; i < w->points; i++)
         if (w->weight[i] > ZERO)
@@ -127,6 +129,7 @@ static real_t size_of_ratio(const struct feedforward_wanted *w)
 static real_t try_pair(struct feedforward_search *s, const struct feedforward_wanted *w, real_t lag,
                        real_t dead)
 {
+    REFLUX_ASSERT(w->points <= FEEDFORWARD_POINTS);
     struct linear l = {.w = w, .least = REAL_C(1e-4) * size_of_ratio(w) + REAL_C(1e-9)};
     for (unsigned i = 0; i < w->points; i++) {
         struct cplx difference = backward_difference(w->h_s, w->omega[i]);

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
@@ -26,6 +28,7 @@ void shadow_begin(struct loop_shadow *s, const struct fopdt *m, real_t gain, rea
 
 real_t shadow_step(struct loop_shadow *s, real_t v)
 {
+    REFLUX_ASSERT(s->dead + 1u < SHADOW_REACH);
     real_t y = s->x;
     if (s->lost)
         return ZERO;

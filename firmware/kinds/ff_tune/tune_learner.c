@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_learner.h"
 
+#include "base/assertion.h"
 #include "kinds/ff_tune/tune_learner_state.h"
 
 static const struct high_order_shape *shape_of(const struct tune_context *c, bool of_loop)
@@ -19,6 +20,7 @@ void tune_learner_begin(struct tune_learner *l, const struct tune_context *c,
 
 static unsigned reach_of_shape(const struct high_order_shape *s)
 {
+    REFLUX_ASSERT(s->inputs <= HIGH_ORDER_INPUTS);
     unsigned most = s->na;
     for (unsigned j = 0; j < s->inputs; j++)
         most =

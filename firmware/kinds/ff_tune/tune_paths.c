@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_paths.h"
 
+#include "base/assertion.h"
 #include "design/feedforward_rules.h"
 #include "kinds/ff_tune/tune_paths_state.h"
 
@@ -29,6 +30,7 @@ static real_t held_late(const struct tune_context *c)
 static unsigned known_points(const struct tune_context *c, const struct tune_band *b, bool of_path,
                              real_t *omega, struct cplx *g)
 {
+    REFLUX_ASSERT(b->from <= b->to && b->to <= FEEDFORWARD_POINTS);
     unsigned n = 0;
     for (unsigned i = b->from; i < b->to; i++) {
         if (!tune_is_known(c, &b->process[i]) || (of_path && !tune_is_known(c, &b->ratio[i])))

@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_proposals.h"
 
+#include "base/assertion.h"
 #include "kinds/ff_tune/tune_proposals_state.h"
 
 /* A proposal waits until a step of the disturbance is over, at most so many times what that takes. */
@@ -37,6 +38,7 @@ bool tune_off_waits(const struct tune_proposals *p)
 /* k: gain, lead, lag, dead time of the element. */
 static uint32_t setting_of_element(const struct tune_context *c, unsigned k)
 {
+    REFLUX_ASSERT(k < 4 && c->s.element >= 1);
     static const enum proposed of_ff[4] = {PROPOSED_FF_GAIN, PROPOSED_FF_LEAD, PROPOSED_FF_LAG,
                                            PROPOSED_FF_DEAD};
     uint8_t element = (uint8_t)(c->s.element - 1u);

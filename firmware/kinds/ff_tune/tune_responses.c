@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_responses.h"
 
+#include "base/assertion.h"
 #include "identify/disturbance_ratio.h"
 #include "kinds/ff_tune/tune_responses_state.h"
 
@@ -60,6 +61,7 @@ static void compare_looks(struct tune_responses *r, unsigned i, struct cplx befo
 enum err tune_responses_point(struct tune_responses *r, const struct tune_context *c,
                               const struct high_order *estimator, unsigned i, bool of_loop)
 {
+    REFLUX_ASSERT(i < r->band.points && r->band.points <= FEEDFORWARD_POINTS);
     real_t omega_h = r->band.omega[i] * c->h_s;
     bool staged = tune_is_staged(c);
     struct high_order_point *to = of_loop  ? &r->loop[i]
@@ -168,6 +170,7 @@ static enum tune_verdict find_band(struct tune_band *b, const struct tune_contex
 
 enum tune_verdict tune_responses_ratio(struct tune_responses *r, const struct tune_context *c)
 {
+    REFLUX_ASSERT(r->band.points <= FEEDFORWARD_POINTS);
     struct high_order_point sensitivity[FEEDFORWARD_POINTS];
     for (unsigned i = 0; i < r->band.points; i++)
         if (ratio_at_point(r, c, i, &sensitivity[i]))

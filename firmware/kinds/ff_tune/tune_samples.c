@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/ff_tune/tune_samples_state.h"
 
@@ -81,6 +82,7 @@ static uint16_t rests_after(uint16_t rests, bool moved)
 static void high_pass_sample(struct tune_samples *s, const struct tune_context *c,
                              real_t move_square)
 {
+    REFLUX_ASSERT(s->sum.ticks > 0);
     real_t part = REAL_C(1.0) / (real_t)s->sum.ticks;
     const real_t mean[TUNE_SIGNALS] = {[SIGNAL_Y] = s->sum.y * part,
                                        [SIGNAL_R] = s->sum.r * part,
@@ -127,6 +129,7 @@ bool tune_samples_take(struct tune_samples *s, const struct tune_context *c,
 
 real_t tune_sample(const struct tune_samples *s, enum tune_signal k)
 {
+    REFLUX_ASSERT(k < TUNE_SIGNALS);
     return num_to_float(s->passed[k]);
 }
 
@@ -137,6 +140,7 @@ real_t tune_sample_error(const struct tune_samples *s)
 
 num_t tune_sample_smooth(const struct tune_samples *s, enum tune_signal k)
 {
+    REFLUX_ASSERT(k < TUNE_SIGNALS);
     return num_from_float((float)s->smooth[k][1]);
 }
 

@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_search.h"
 
+#include "base/assertion.h"
 #include "kinds/ff_tune/tune_search_state.h"
 
 #define ONE REAL_C(1.0)
@@ -107,6 +108,7 @@ static real_t most_dead(const struct tune_context *c)
 static enum tune_verdict want_ratio(struct tune_search *s, const struct tune_context *c,
                                     const struct tune_band *b)
 {
+    REFLUX_ASSERT(b->from <= b->to && b->to <= FEEDFORWARD_POINTS);
     struct feedforward_wanted *w = &s->wanted;
     real_t doubted = 0, all = 0;
     unsigned known = 0;

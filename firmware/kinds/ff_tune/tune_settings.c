@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "block/refuse.h"
 #include "block/step_period.h"
 
@@ -98,6 +99,7 @@ static uint8_t small(uint16_t n)
 static void order_of(const uint16_t order[3], uint8_t inputs, const struct high_order_shape *source,
                      unsigned j, struct high_order_shape *shape)
 {
+    REFLUX_ASSERT(j < HIGH_ORDER_INPUTS);
     bool set = order[1] > 0;
     shape->inputs = inputs;
     if (j == 0)

@@ -1,5 +1,6 @@
 #include "kinds/ff_tune/tune_values.h"
 
+#include "base/assertion.h"
 #include "kinds/ff_tune/tune_disturbance.h"
 #include "kinds/ff_tune/tune_learner.h"
 #include "kinds/ff_tune/tune_search.h"
@@ -16,6 +17,7 @@ static float percent_done(const struct tune_parts *p)
 
 static float band_edge(const struct tune_band *b, bool upper)
 {
+    REFLUX_ASSERT(b->from < FEEDFORWARD_POINTS && b->to <= FEEDFORWARD_POINTS);
     if (!b->to)
         return 0;
     return (float)b->omega[upper ? b->to - 1u : b->from];
