@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_predictor.h"
 #include "kinds/gmv/gmv_state.h"
 #include "num/real.h"
@@ -26,6 +27,7 @@ static void configure_law(struct gmv *g, const struct gmv_config *c)
 
 void gmv_init(struct gmv *g, const struct gmv_config *c)
 {
+    REFLUX_ASSERT(c->shape.loops <= GMV_LOOPS);
     uint32_t offset = RLS_OFFSET;
     memset(g, 0, sizeof *g);
     gmv_samples_configure(&g->samples, c);
@@ -39,6 +41,7 @@ void gmv_init(struct gmv *g, const struct gmv_config *c)
 
 void gmv_retune(struct gmv *g, const struct gmv_config *c)
 {
+    REFLUX_ASSERT(c->shape.loops <= GMV_LOOPS);
     gmv_samples_configure(&g->samples, c);
     configure_law(g, c);
     gmv_learner_retune(&g->learner, c);
@@ -78,11 +81,13 @@ uint8_t gmv_learn(struct gmv *g, const struct gmv_sample *s, uint8_t learn)
 
 num_t gmv_used(const struct gmv *g, unsigned i, unsigned p)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS && p < GMV_PARAMETERS);
     return g->used[i][p];
 }
 
 void gmv_use(struct gmv *g, unsigned i, unsigned p, num_t value)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS && p < GMV_PARAMETERS);
     g->used[i][p] = value;
 }
 
@@ -97,6 +102,7 @@ void gmv_start_again(struct gmv *g, const float theta[GMV_LOOPS][GMV_PARAMETERS]
 
 void gmv_predict(const struct gmv *g, unsigned i, struct gmv_predictor *p)
 {
+    REFLUX_ASSERT(i < gmv_shape(g)->loops);
     gmv_predictor_fill(p, gmv_samples_shape(&g->samples), &g->samples, i, g->used[i]);
 }
 
@@ -109,11 +115,13 @@ float gmv_own_gain(const struct gmv *g, unsigned i)
 
 num_t gmv_lambda(const struct gmv *g, unsigned i)
 {
+    REFLUX_ASSERT(i < gmv_shape(g)->loops);
     return g->lambda[i];
 }
 
 void gmv_set_lambda(struct gmv *g, unsigned i, num_t lambda)
 {
+    REFLUX_ASSERT(i < gmv_shape(g)->loops);
     g->lambda[i] = lambda;
 }
 
@@ -164,12 +172,14 @@ bool gmv_is_excited(const struct gmv *g, unsigned i, float deviations)
 
 void gmv_use_estimates(struct gmv *g, unsigned i)
 {
+    REFLUX_ASSERT(i < gmv_shape(g)->loops);
     for (unsigned p = 0; p < gmv_parameters(gmv_samples_shape(&g->samples), i); p++)
         g->used[i][p] = rls_theta(gmv_rls(g, i), p);
 }
 
 void gmv_approach_estimates(struct gmv *g, unsigned i, num_t speed, num_t least)
 {
+    REFLUX_ASSERT(i < gmv_shape(g)->loops);
     for (unsigned p = 0; p < gmv_parameters(gmv_samples_shape(&g->samples), i); p++) {
         num_t used = g->used[i][p], wanted = rls_theta(gmv_rls(g, i), p);
         num_t most = num_mul(speed, num_max(num_abs(used), least));
@@ -324,6 +334,7 @@ static unsigned farthest_out(unsigned loops, const struct gmv_range *range, uint
 enum gmv_solved gmv_solve(struct gmv *g, const struct gmv_sample *s, uint8_t acting,
                           const struct gmv_range *range, num_t *u)
 {
+    REFLUX_ASSERT(gmv_shape(g)->loops <= GMV_LOOPS);
     unsigned loops = gmv_samples_shape(&g->samples)->loops;
     struct equations q;
     num_t move[GMV_LOOPS], before[GMV_LOOPS], next[GMV_LOOPS];

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_detune_state.h"
 
 /* From one multiple to the next. */
@@ -25,6 +26,7 @@ void gmv_detune_begin(struct gmv_detune *d, float times, float most, float bette
 
 static bool shakes_at_rest(const struct gmv_detune *d, const struct gmv_trial *t, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     const struct gmv_record *r = &d->record[i];
     float noise = gmv_record_noise(r), error_more = 0, moves = 0;
     gmv_trial_noise(t, i, &error_more, &moves);

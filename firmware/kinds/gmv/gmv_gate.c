@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_gate.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_gate_state.h"
 #include "kinds/gmv/gmv_record.h"
 #include "num/real.h"
@@ -31,6 +32,7 @@ void gmv_gate_thaw(struct gmv_gate *g)
 static enum gmv_rest reason_to_rest(struct gmv_gate *g, const struct gmv_supervise_config *c,
                                     const struct gmv_observation *seen, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     g->still_steps[i] = real_abs(seen->move[i]) >= GMV_STANDS_STILL
                             ? 0
                             : g->still_steps[i] + (g->still_steps[i] < UINT32_MAX);
@@ -65,6 +67,7 @@ uint8_t gmv_gate_look(struct gmv_gate *g, const struct gmv_supervise_config *c,
 void gmv_gate_weigh(struct gmv_gate *g, const struct gmv_supervise_config *c,
                     const struct gmv_result *result, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     float usual = (1.0f - result->forgetting[i]) * (float)result->parameters[i];
     float least = c->quiet * usual;
     if (g->is_quiet[i]) {

@@ -1,6 +1,7 @@
 #ifndef REFLUX_GMV_GMV_GATE_STATE_H
 #define REFLUX_GMV_GMV_GATE_STATE_H
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_gate.h"
 
 struct gmv_gate {
@@ -21,6 +22,7 @@ static inline void gmv_gate_freeze(struct gmv_gate *g)
 /* A bad reading is among the regressors of loop i. */
 static inline bool gmv_gate_spoilt(const struct gmv_gate *g, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return g->spoilt_steps[i] != 0;
 }
 

@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/gmv/gmv_events.h"
 #include "kinds/gmv/gmv_kind_state.h"
@@ -53,6 +54,7 @@ static void take_block_settings(struct gmv_block *s, const struct block_setup *s
 
 static enum err gmv_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->members <= GMV_LOOPS);
     struct gmv_block *s = state;
     struct gmv_config c;
     struct gmv_supervise_config watch;

@@ -1,10 +1,12 @@
 #include "kinds/gmv/gmv_learner.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_learner_state.h"
 #include "kinds/gmv/gmv_samples.h"
 
 static struct rls *estimator(struct gmv_learner *l, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return (struct rls *)(void *)((char *)l + l->rls_offset[i]);
 }
 

@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_monitors.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_monitors_state.h"
 #include "num/real.h"
 
@@ -47,6 +48,7 @@ bool gmv_monitors_setpoints_rest(const struct gmv_monitors *m, const struct gmv_
 
 bool gmv_gain_allowed(const struct gmv_supervise_config *c, unsigned i, float gain)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return (c->negative[i] ? -gain : gain) >= c->gain_least;
 }
 

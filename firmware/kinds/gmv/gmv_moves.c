@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_moves.h"
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/gmv/gmv_moves_state.h"
 #include "kinds/gmv/gmv_record.h"
@@ -28,11 +29,13 @@ static bool is_near(num_t a, num_t b)
 
 bool gmv_moves_continue(const struct gmv_moves *m, unsigned i, num_t out)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return is_near(out, m->applied[i]) || is_near(out, m->given[i]);
 }
 
 float gmv_moves_lacked(const struct gmv_moves *m, const struct gmv_sample *sample, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return m->has_asked ? num_to_float(num_sub(m->asked[i], gmv_applied(sample, i, 1))) : 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_moves.h"
 
 struct gmv_moves {
@@ -20,12 +21,14 @@ struct gmv_moves {
 
 static inline num_t gmv_moves_applied(const struct gmv_moves *m, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return m->applied[i];
 }
 
 /* Output of loop i that took effect. */
 static inline void gmv_moves_keep_applied(struct gmv_moves *m, unsigned i, num_t applied)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     m->applied[i] = applied;
 }
 

@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_predictor.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_samples.h"
 
 static num_t coefficient_of_p(const struct gmv_filter *filter, unsigned power)
@@ -83,6 +84,8 @@ static void predict_explicit(struct gmv_predictor *p, const struct gmv_shape *sh
 void gmv_predictor_fill(struct gmv_predictor *p, const struct gmv_shape *shape,
                         const struct gmv_samples *m, unsigned i, const num_t *theta)
 {
+    REFLUX_ASSERT(i < shape->loops && shape->na <= GMV_TERMS_MAX && shape->nb <= GMV_TERMS_MAX &&
+                  shape->delay[i][i] <= GMV_DELAY_MAX);
     p->nf = shape->na;
     p->ng = shape->nb;
     if (shape->way == GMV_EXPLICIT)

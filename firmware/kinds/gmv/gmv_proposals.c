@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_proposals.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_proposals_state.h"
 #include "kinds/gmv/gmv_settings.h"
 
@@ -31,6 +32,7 @@ void gmv_proposals_begin(struct gmv_proposals *s, const struct gmv *g)
 static void put_parameters(const struct gmv_proposals *s, const struct gmv_shape *shape,
                            struct block_proposal *room)
 {
+    REFLUX_ASSERT(room->n == 0);
     unsigned i, p;
     for (unsigned n = 0; nth_parameter(shape, n, &i, &p); n++)
         if (s->theta[i][p] != s->adopted[i][p])

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_samples_state.h"
 #include "num/real.h"
 
@@ -22,26 +23,31 @@ static num_t term_ago(const struct gmv_samples *m, const struct gmv_signal *s, u
 
 num_t gmv_pv_term(const struct gmv_samples *m, unsigned i, unsigned steps, unsigned k)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return term_ago(m, &m->y[i], steps, k);
 }
 
 num_t gmv_disturbance_term(const struct gmv_samples *m, unsigned n, unsigned steps, unsigned k)
 {
+    REFLUX_ASSERT(n < GMV_DISTURBANCES);
     return term_ago(m, &m->disturbance[n], steps, k);
 }
 
 num_t gmv_prediction_ago(const struct gmv_samples *m, unsigned i, unsigned steps)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return value_ago(m, &m->prediction[i], steps);
 }
 
 num_t gmv_residual_ago(const struct gmv_samples *m, unsigned i, unsigned steps)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return value_ago(m, &m->residual[i], steps);
 }
 
 num_t gmv_applied(const struct gmv_sample *s, unsigned j, unsigned steps)
 {
+    REFLUX_ASSERT(j < GMV_LOOPS && s->applied[j]);
     return applied_steps_ago(s->applied[j], steps, s->divisor);
 }
 
@@ -59,6 +65,7 @@ bool gmv_samples_complete(const struct gmv_samples *m)
 
 struct gmv_filter gmv_samples_filter(const struct gmv_samples *m, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return (struct gmv_filter){m->p[i], m->p_scale[i], m->weighs_setpoint[i]};
 }
 
@@ -67,6 +74,7 @@ struct gmv_filter gmv_samples_filter(const struct gmv_samples *m, unsigned i)
 void gmv_regressor(const struct gmv_samples *m, const struct gmv_sample *s, unsigned i,
                    unsigned steps, num_t *phi)
 {
+    REFLUX_ASSERT(i < m->shape.loops && gmv_parameters(&m->shape, i) <= GMV_PARAMETERS);
     const struct gmv_shape *shape = &m->shape;
     unsigned k = gmv_horizon(shape, i);
     for (unsigned a = 0; a < shape->na; a++)
@@ -137,11 +145,13 @@ unsigned gmv_regression(const struct gmv_samples *m, const struct gmv_sample *s,
 
 num_t gmv_weighed_pv(const struct gmv_samples *m, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return weighed(m, i, value_ago(m, &m->y[i], 0), value_ago(m, &m->y[i], 1));
 }
 
 num_t gmv_weighed_setpoint(const struct gmv_samples *m, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return m->weighs_setpoint[i] ? weighed(m, i, m->w[i], m->w_before[i])
                                  : accumulator_get(&m->setpoint[i]);
 }
@@ -170,6 +180,7 @@ static void fill_samples(struct gmv_samples *m, const struct gmv_sample *s)
 
 void gmv_samples_take(struct gmv_samples *m, const struct gmv_sample *s)
 {
+    REFLUX_ASSERT(m->shape.loops <= GMV_LOOPS && m->shape.disturbances <= GMV_DISTURBANCES);
     if (m->steps == 0)
         fill_samples(m, s);
     m->newest = (uint8_t)((m->newest + 1u) % GMV_KEPT);
@@ -189,11 +200,13 @@ void gmv_samples_take(struct gmv_samples *m, const struct gmv_sample *s)
 
 void gmv_keep_prediction(struct gmv_samples *m, unsigned i, num_t prediction)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     m->prediction[i].value[(m->newest - 1u) % GMV_KEPT] = prediction;
 }
 
 void gmv_add_residual(struct gmv_samples *m, unsigned i, num_t error)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     num_t *residual = &m->residual[i].value[m->newest];
     if (m->shape.bias == GMV_BIAS_RESIDUALS)
         *residual = num_add(*residual, num_mul(num_from_float(RESIDUAL_SHARE), error));

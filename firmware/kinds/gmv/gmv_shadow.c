@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_shadow.h"
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_settings.h"
 #include "kinds/gmv/gmv_shadow_state.h"
 #include "num/real.h"
@@ -7,6 +8,7 @@
 enum err gmv_shadow_configure(struct gmv_shadow *s, const struct block_setup *setup, unsigned i,
                               bool retune)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     const struct gmv_settings *from = setup->settings;
     struct pid_config c = pid_default_config();
     c.gain = real_abs(from->tune_gain[i]);

@@ -1,5 +1,7 @@
 #include "kinds/gmv/gmv_shape.h"
 
+#include "base/assertion.h"
+
 static unsigned inputs_of(const struct gmv_shape *shape, unsigned i)
 {
     unsigned count = 0;
@@ -25,6 +27,7 @@ unsigned gmv_parameters(const struct gmv_shape *shape, unsigned i)
 
 int gmv_place_of_u(const struct gmv_shape *shape, unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS && j < GMV_LOOPS);
     unsigned place = shape->na;
     if (!shape->delay[i][j])
         return -1;
@@ -50,11 +53,13 @@ int gmv_place_of_bias(const struct gmv_shape *shape, unsigned i)
 
 unsigned gmv_horizon(const struct gmv_shape *shape, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return shape->way == GMV_EXPLICIT ? 1u : shape->delay[i][i];
 }
 
 unsigned gmv_behind(const struct gmv_shape *shape, unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS && j < GMV_LOOPS);
     return shape->delay[i][j] - gmv_horizon(shape, i);
 }
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/gmv/gmv_predictor.h"
 #include "kinds/gmv/gmv_trial_state.h"
 #include "num/real.h"
@@ -336,6 +337,7 @@ static float size_of_upset(const struct gmv_trial *t, unsigned now)
 /* Compares the window that ends here with the first one that counts. True: the run is over. */
 static bool judge_window(struct gmv_trial *t, unsigned window)
 {
+    REFLUX_ASSERT(t->run < GMV_TRIAL_GAINS);
     float now = t->largest;
     t->largest = 0;
     if (window == 0) {
@@ -410,11 +412,13 @@ void gmv_trial_again(struct gmv_trial *t, float times)
 
 bool gmv_trial_acts(const struct gmv_trial *t, unsigned i)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     return t->loop[i].acts;
 }
 
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run)
 {
+    REFLUX_ASSERT(run < GMV_TRIAL_GAINS);
     return t->decay[run];
 }
 
@@ -456,6 +460,7 @@ float gmv_trial_ratio(const struct gmv_trial *t, const float *answer)
 
 void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_more, float *moves)
 {
+    REFLUX_ASSERT(i < GMV_LOOPS);
     const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
     float sample = UPSET(i) * UPSET(i);
     *error_more = not_above((law->noise - pi->noise) / sample, 1e6f);

@@ -1,5 +1,6 @@
 #include "kinds/gmv/gmv_values.h"
 
+#include "base/assertion.h"
 #include "num/real.h"
 
 /* In use, estimated, its standard deviation. */
@@ -43,6 +44,7 @@ static const char *block_value(const struct gmv_view *view, size_t n, float *val
 
 static const char *loop_value(const struct gmv_view *view, unsigned loop, size_t n, float *value)
 {
+    REFLUX_ASSERT(loop < GMV_LOOPS);
     const struct gmv_status *s = view->status;
     const struct rls *r = gmv_rls(view->gmv, loop);
     struct gmv_predicted predicted = gmv_predicted(view->gmv, loop);
