@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "kinds/inferential/inferential_state.h"
 
 /* An output that is cut by less, fraction of span, has not been cut: rounding behind a compensator. */
@@ -244,6 +245,7 @@ void inferential_back_calculate(struct inferential *s, num_t applied, uint8_t cl
 
 float inferential_load(const struct inferential *s, unsigned i)
 {
+    REFLUX_ASSERT(i < 2);
     struct accumulator sum = i == PRIMARY ? s->x1 : s->x2;
     if (i == SECONDARY && !uses_second(s->acts))
         return 0;

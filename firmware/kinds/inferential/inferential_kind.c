@@ -1,6 +1,7 @@
 /* Kind `inferential`: the loops of a block. The law: inferential.h. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "kinds/inferential/inferential.h"
 #include "kinds/inferential/inferential_parameters.h"
@@ -50,6 +51,7 @@ static uint16_t inferential_history(const struct block_setup *setup)
 
 static enum err inferential_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->members <= INFERENTIAL_LOOPS && setup->inputs >= setup->members);
     struct inferential_block *s = state;
     struct inferential_config c;
     if (!retune)
@@ -75,11 +77,13 @@ static enum err inferential_configure(void *state, const struct block_setup *set
 
 static float temperature(const struct inferential_block *s, unsigned k, unsigned i, num_t value)
 {
+    REFLUX_ASSERT(k < s->loops);
     return s->lo[k][i] + num_to_float(value) * inferential_config(&s->loop[k])->span[i];
 }
 
 static num_t second_of(const struct inferential_block *s, unsigned k, const struct block_io *io)
 {
+    REFLUX_ASSERT(k < s->loops && (s->second[k] == INFERENTIAL_NONE || s->second[k] < s->seconds));
     return s->second[k] == INFERENTIAL_NONE ? num_zero() : io->inputs.value[s->second[k]];
 }
 
@@ -104,6 +108,7 @@ static void compare_temperatures(struct inferential_block *s, unsigned k, const 
 
 static void follow_loop(struct inferential_block *s, unsigned k, const struct block_io *io)
 {
+    REFLUX_ASSERT(k < s->loops);
     inferential_follow(&s->loop[k], io->members.setpoint[k], io->members.in[k], second_of(s, k, io),
                        second_is_good(s, k, io), io->members.out[k]);
     s->begun = (uint8_t)(s->begun | (1u << k));
@@ -151,6 +156,7 @@ static void tell_events(struct inferential_block *s, struct block_io *io)
 static void inferential_block_step(void *state, struct block_io *io)
 {
     struct inferential_block *s = state;
+    REFLUX_ASSERT(s->loops <= INFERENTIAL_LOOPS);
     if (!has_own_mvs(s, io)) {
         io->requests.gives_up = "not_the_MV";
         s->acted = 0;

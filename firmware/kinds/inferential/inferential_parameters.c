@@ -1,5 +1,6 @@
 #include "kinds/inferential/inferential_parameters.h"
 
+#include "base/assertion.h"
 #include "block/refuse.h"
 #include "num/real.h"
 
@@ -104,6 +105,7 @@ unsigned inferential_second(const struct block_setup *setup, unsigned k)
 void inferential_config_of(const struct block_setup *setup, unsigned k,
                            struct inferential_config *out)
 {
+    REFLUX_ASSERT(k < setup->members && setup->inputs >= setup->members);
     const struct inferential_settings *c = setup->settings;
     unsigned second = inferential_second(setup, k);
     const struct block_signal *mv = &setup->input[setup->inputs - setup->members + k];

@@ -1,7 +1,10 @@
 #include "kinds/inferential/inferential_values.h"
 
+#include "base/assertion.h"
+
 const char *inferential_value(const struct inferential *l, unsigned k, size_t i, float *value)
 {
+    REFLUX_ASSERT(k < INFERENTIAL_LOOPS);
     float frequency = 0, damping = 0;
     const struct inferential_config *c = inferential_config(l);
     const struct inferential_inner last = inferential_inner(l);
