@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "block/feedforward.h"
 #include "block/refuse.h"
@@ -79,6 +80,7 @@ static bool is_term(const struct leadlag_settings *c, unsigned k)
 
 static struct element_settings element_of(const struct block_setup *setup, unsigned k)
 {
+    REFLUX_ASSERT(k < LEADLAG_TERMS);
     const struct leadlag_settings *c = setup->settings;
     const struct block_signal *d = &setup->input[c->from[k] - 1u];
     return (struct element_settings){.gain = c->gain[k],
@@ -93,6 +95,7 @@ static struct element_settings element_of(const struct block_setup *setup, unsig
 /* Returns the dead band as a fraction of the input's span. */
 static float dead_band_of(const struct block_setup *setup, unsigned k)
 {
+    REFLUX_ASSERT(k < LEADLAG_TERMS);
     const struct leadlag_settings *c = setup->settings;
     const struct block_signal *d = &setup->input[c->from[k] - 1u];
     return c->dead_band[k] / (d->hi - d->lo);
@@ -222,6 +225,7 @@ static void take_leadlag_limits(struct leadlag *s, const struct block_setup *set
 
 static enum err leadlag_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->inputs <= LEADLAG_INPUTS && setup->points <= LEADLAG_MVS);
     struct leadlag *s = state;
     const struct leadlag_settings *c = setup->settings;
     bool goes_on = retune && has_same_terms(s, setup);
@@ -250,6 +254,8 @@ static enum err leadlag_configure(void *state, const struct block_setup *setup, 
 /* The state may stand elsewhere than in the last call. */
 static void stand_rings(struct leadlag *s)
 {
+    REFLUX_ASSERT(s->terms <= LEADLAG_TERMS && s->inputs <= LEADLAG_INPUTS &&
+                  s->mvs <= LEADLAG_MVS);
     num_t *ring = (num_t *)(void *)(s + 1);
     for (unsigned k = 0; k < s->terms; k++)
         ring = feedforward_place_ring(&s->term[k].element, ring);
@@ -279,6 +285,7 @@ static void begin_at_rest(struct leadlag *s)
 {
     for (unsigned k = 0; k < s->terms; k++) {
         struct leadlag_term *t = &s->term[k];
+        REFLUX_ASSERT(t->from < s->inputs);
         t->d = s->d[t->from];
         feedforward_reset(&t->element, t->d);
         washout_reset(&t->washout, feedforward_output(&t->element));
@@ -290,6 +297,7 @@ static void sum_terms(struct leadlag *s, struct accumulator *sum)
 {
     for (unsigned k = 0; k < s->terms; k++) {
         struct leadlag_term *t = &s->term[k];
+        REFLUX_ASSERT(t->from < s->inputs && t->to < s->mvs);
         num_t d = s->d[t->from];
         t->d = num_clamp(t->d, num_sub(d, t->dead_band), num_add(d, t->dead_band));
         num_t u = feedforward_step(&t->element, t->d);
@@ -302,6 +310,7 @@ static void sum_terms(struct leadlag *s, struct accumulator *sum)
 /* Keeps an output within the limits and no faster than the rate. One that jumps has no rate. */
 static num_t limited_output(const struct leadlag *s, unsigned p, num_t asked, bool jumps)
 {
+    REFLUX_ASSERT(p < s->mvs);
     num_t u = num_clamp(asked, s->lo[p], s->hi[p]);
     if (jumps)
         return u;
