@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "num/solve_small.h"
 
 #define SINGULAR 1e-5f
@@ -11,6 +12,7 @@
 bool polynomial_solve(unsigned n, float a[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS], const float *b,
                       float *x)
 {
+    REFLUX_ASSERT(n <= POLYNOMIAL_LOOPS);
     float w[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS + 1];
     for (unsigned i = 0; i < n; i++) {
         for (unsigned j = 0; j < n; j++)
@@ -46,6 +48,7 @@ static bool recurse_once(const struct polynomial_settings *c, unsigned loops, un
 bool polynomial_forgets(const struct polynomial_settings *c, unsigned loops, unsigned taps,
                         unsigned members)
 {
+    REFLUX_ASSERT(loops <= POLYNOMIAL_LOOPS && taps >= 1 && taps <= POLYNOMIAL_TAPS);
     uint8_t member[POLYNOMIAL_LOOPS];
     unsigned n = 0;
     float left[POLYNOMIAL_TAPS][POLYNOMIAL_LOOPS] = {{0}};

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "block/refuse.h"
 #include "block/step_period.h"
 
@@ -49,11 +50,13 @@ static const struct block_event polynomial_events[] = {
 
 static num_t *coefficient(struct polynomials *s, unsigned i, unsigned j)
 {
+    REFLUX_ASSERT(i < s->loops && j < s->loops);
     return &s->data[((size_t)i * s->loops + j) * s->taps];
 }
 
 static num_t *past_of(struct polynomials *s, unsigned k)
 {
+    REFLUX_ASSERT(k + 1u < s->taps);
     unsigned of_g = (unsigned)s->loops * s->loops * s->taps;
     return &s->data[of_g + k * s->loops];
 }
@@ -96,6 +99,7 @@ static enum err refuse_singular(struct block_fault *fault, unsigned member, cons
 static void matrix_of(const struct polynomial_settings *c, unsigned loops, unsigned members,
                       unsigned going_on, float a[LOOPS][LOOPS])
 {
+    REFLUX_ASSERT(loops <= LOOPS);
     unsigned row = 0;
     for (unsigned i = 0; i < loops; i++) {
         unsigned col = 0;
@@ -203,6 +207,7 @@ static void take_coefficients(struct polynomials *s, const struct polynomial_set
 /* Other settings bump nothing: follow sees to that. */
 static enum err polynomial_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->members <= LOOPS);
     struct polynomials *s = state;
     const struct polynomial_settings *c = setup->settings;
     if (!retune)
@@ -276,6 +281,7 @@ static void pass_time(struct polynomials *s, const struct block_io *io)
 static void polynomial_step(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
+    REFLUX_ASSERT(s->loops <= LOOPS && s->taps >= 1 && s->taps <= POLYNOMIAL_TAPS);
     io->requests.raised = s->incomplete ? 1u : 0u;
     pass_time(s, io);
     for (unsigned j = 0; j < s->loops; j++) {
@@ -315,6 +321,7 @@ static num_t part_made(const struct polynomials *s, const struct block_io *io)
 static unsigned matrix_in_force(struct polynomials *s, unsigned members, unsigned going_on,
                                 uint8_t member[LOOPS], float a[LOOPS][LOOPS])
 {
+    REFLUX_ASSERT(s->loops <= LOOPS && s->taps <= POLYNOMIAL_TAPS);
     unsigned n = 0;
     for (unsigned k = 0; k < s->loops; k++)
         if (members & (1u << k))
