@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/channel.h"
 #include "block/refuse.h"
 #include "signal/lag.h"
@@ -69,6 +70,7 @@ static enum err ratio_check(const struct block_setup *setup, struct block_fault 
 
 static enum err ratio_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->members <= RATIO_LOOPS && setup->inputs == 1);
     struct ratio *s = state;
     const struct ratio_settings *c = setup->settings;
     float hold = c->hold_s / setup->interval_s;
@@ -109,6 +111,7 @@ static bool feed_is_usable(const struct block_io *io)
 
 static void ratio_step(void *state, struct block_io *io)
 {
+    REFLUX_ASSERT(!(io->members.acting >> RATIO_LOOPS));
     struct ratio *s = state;
     if (feed_is_usable(io)) {
         s->ratio = lag_step(&s->lag, ratio_of_feed(s, io->inputs.value[0]));
