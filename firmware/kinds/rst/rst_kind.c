@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "block/refuse.h"
 #include "num/accumulator.h"
 
@@ -107,6 +108,7 @@ static void set_coefficients(struct rst_coefficients *to, const struct rst_setti
 /* Adds what the past and these moves of w and y add to u, without the error's share. */
 static void add_moves(const struct rst *s, num_t dw, num_t dy, struct accumulator *sum)
 {
+    REFLUX_ASSERT(s->c.used <= MOST);
     const struct rst_coefficients *c = &s->c;
     accumulator_add_product(sum, c->r[0], dw);
     accumulator_add_product(sum, c->q[0], dy);
@@ -160,6 +162,7 @@ static enum err rst_configure(void *state, const struct block_setup *setup, bool
 /* Keeps as many as a step looks at. */
 static void keep_newest(const struct rst *s, num_t past[MOST], num_t newest)
 {
+    REFLUX_ASSERT(s->c.used >= 1 && s->c.used <= MOST);
     memmove(past + 1, past, (s->c.used - 1u) * sizeof *past);
     past[0] = newest;
 }
