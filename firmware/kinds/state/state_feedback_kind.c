@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "block/refuse.h"
 #include "law/state_law_settings.h"
 #include "num/accumulator.h"
@@ -148,6 +149,7 @@ static enum err state_feedback_check(const struct block_setup *setup, struct blo
 /* G (w + I - D) and F x, of MV i. */
 static struct accumulator asked_of(const struct state_feedback *s, unsigned i)
 {
+    REFLUX_ASSERT(i < LOOPS && s->loops <= LOOPS && s->inputs <= INPUTS);
     struct accumulator sum;
     accumulator_set(&sum, num_zero());
     for (unsigned k = 0; k < s->inputs; k++)
@@ -176,6 +178,7 @@ static void take_states(struct state_feedback *s, const struct block_io *io)
 
 static void take_rows(struct state_feedback *s, const struct state_rows *rows, float interval_s)
 {
+    REFLUX_ASSERT(rows->loops <= LOOPS);
     for (unsigned i = 0; i < rows->loops; i++) {
         float ti = rows->ti_s[i];
         for (unsigned k = 0; k < INPUTS; k++)
@@ -201,6 +204,7 @@ static bool is_for(const struct state_rows *rows, float interval_s)
 
 static enum err state_feedback_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->members <= LOOPS && setup->inputs <= INPUTS);
     struct state_feedback *s = state;
     struct state_rows rows = law_rows(setup);
     struct accumulator before[LOOPS];
@@ -328,6 +332,7 @@ static const char *state_feedback_describe(const void *state, size_t i, float *v
                                                  "given_4",    "integral_1", "integral_2",
                                                  "integral_3", "integral_4"};
     const struct state_feedback *s = state;
+    REFLUX_ASSERT(s->loops >= 1 && s->loops <= LOOPS);
     size_t which = i / s->loops, k = i % s->loops;
     if (which > 1)
         return NULL;
