@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/text.h"
 #include "base/workspace.h"
 #include "block/refuse.h"
@@ -79,6 +80,7 @@ static bool goal_differs(const struct state_law_settings *a, const struct state_
 
 static enum err state_law_configure(void *state, const struct block_setup *setup, bool retune)
 {
+    REFLUX_ASSERT(setup->inputs <= BLOCK_INPUTS_MAX);
     struct state_law_block *b = state;
     const struct state_law_settings *s = setup->settings;
     const struct column_record *record = s->column ? setup->named : NULL;
@@ -164,6 +166,7 @@ static void take_law(struct state_law_block *b)
 
 static void law_goes_on(struct state_law_block *b, struct block_io *io)
 {
+    REFLUX_ASSERT(b->stage != STATE_LAW_DESIGNS || b->job);
     if (io->requests.work_wanted)
         return;
     if (b->stage == STATE_LAW_ASKED && b->job) {
@@ -199,6 +202,7 @@ static void state_law_step(void *state, struct block_io *io)
         law_goes_on(b, io);
     propose_law_of_column(b, io->requests.proposal);
     io->requests.withdraws = !b->proposes;
+    REFLUX_ASSERT(b->event <= STATE_LAW_EVENTS);
     io->requests.raised = 0;
     if (b->event) {
         io->requests.raised = (uint16_t)(1u << (b->event - 1u));

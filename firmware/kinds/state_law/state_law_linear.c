@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
@@ -17,6 +19,7 @@
 void state_law_linear_put(struct state_law_linear *l, const struct state_law_settings *s,
                           const struct block_signal *input, unsigned inputs)
 {
+    REFLUX_ASSERT(inputs <= BLOCK_INPUTS_MAX);
     l->inputs = (uint8_t)inputs;
     l->loops = 0;
     l->basis = s->basis;
@@ -69,6 +72,7 @@ enum err state_law_linear_begin(struct state_law_linear *l, const struct column_
 static real_t *nudged(const struct state_law_place *place, struct column_inputs *in,
                       real_t *distance)
 {
+    REFLUX_ASSERT(place->component < COLUMN_COMPONENTS_MAX);
     real_t *flow = place->role == STATE_LAW_FEED     ? &in->feed_flow
                    : place->role == STATE_LAW_REFLUX ? &in->reflux_flow
                    : place->role == STATE_LAW_HEAT   ? &in->heat
@@ -98,6 +102,7 @@ static real_t room_around(real_t at, real_t hi, real_t distance)
 
 static real_t distance_of(const struct state_law_linear *l, size_t k)
 {
+    REFLUX_ASSERT(k < l->column.n_fractions + l->inputs);
     size_t n = l->column.n_fractions;
     struct column_inputs in = l->table.nominal;
     real_t distance;
@@ -118,6 +123,8 @@ static real_t distance_of(const struct state_law_linear *l, size_t k)
 
 static real_t seen_at(const struct state_law_linear *l, const struct state_law_place *place)
 {
+    REFLUX_ASSERT(place->stage < l->table.config.stages &&
+                  place->component < l->table.config.components);
     size_t components = l->table.config.components;
     real_t full[COLUMN_COMPONENTS_MAX];
     if (place->role == STATE_LAW_TEMPERATURE)
@@ -179,6 +186,7 @@ static void take_state(struct state_law_linear *l, size_t k, const real_t *slope
 /* Puts an input's column of B or E, behind those of its own kind. */
 static void take_input(struct state_law_linear *l, unsigned k, const real_t *slope)
 {
+    REFLUX_ASSERT(k < l->inputs);
     const struct state_law_place *place = &l->place[k];
     struct matrix *to = place->is_mv ? &l->plant->b : &l->plant->e;
     size_t col = 0;
