@@ -1,5 +1,6 @@
 #include "commission/adoption.h"
 
+#include "base/assertion.h"
 #include "commission/adoption_state.h"
 #include "commission/trial_step.h"
 
@@ -36,12 +37,14 @@ static void ask(struct supervisor *s, uint8_t i, enum loop_mode mode)
 
 static real_t measured(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
+    REFLUX_ASSERT(k < a->channels);
     return num_to_float(s->measurement[a->channel[k].measurement].value);
 }
 
 /* Returns the manipulated variable of a loop; PLAN_NONE: it drives another loop. */
 static uint8_t output_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
+    REFLUX_ASSERT(k < a->n + a->n_inner && a->loop[k].loop < CONFIG_LOOPS);
     return s->plan->loop[a->loop[k].loop].mv;
 }
 
@@ -149,6 +152,7 @@ static real_t hypotenuse(real_t x, real_t y)
 static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8_t k,
                      const struct steady_result *now)
 {
+    REFLUX_ASSERT(k < a->channels && a->turn < a->n);
     const struct adoption_channel *c = &a->channel[k];
     real_t h = s->plan->tick_s, step = real_abs(a->loop[a->turn].step) * BEND_SHARE;
     real_t since = (real_t)a->since * h - now->age_s, lasts = a->loop[a->turn].duration_s;
@@ -163,6 +167,7 @@ static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8
 static void take_line(struct adoption *a, const struct supervisor *s, uint8_t k,
                       const struct steady_result *now)
 {
+    REFLUX_ASSERT(k < a->channels);
     struct adoption_channel *c = &a->channel[k];
     real_t most = (real_t)longest(a, s) * s->plan->tick_s, least = INFINITY;
     for (uint8_t i = 0; i < a->n; i++)
@@ -336,6 +341,7 @@ static void say_setpoint(const struct adoption *a, const struct supervisor *s)
 
 static void begin_stage(struct adoption *a, struct supervisor *s, enum stage stage)
 {
+    REFLUX_ASSERT(a->turn < a->n);
     enter_stage(a, stage, duration(&a->loop[a->turn], s));
     if (stage == STAGE_STEP)
         a->loop[a->turn].iae = a->loop[a->turn].peak = REAL_C(0.0);
@@ -345,6 +351,7 @@ static void begin_stage(struct adoption *a, struct supervisor *s, enum stage sta
 
 static real_t setpoint_error(const struct adoption *a, const struct supervisor *s)
 {
+    REFLUX_ASSERT(a->turn < a->n);
     return a->asked[a->turn] - measured(a, s, a->turn);
 }
 
@@ -370,6 +377,7 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
+    REFLUX_ASSERT(a->turn < a->n);
     a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
                                   all_loops(a), a->stage_ticks, s->plan->tick_s);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
@@ -384,6 +392,7 @@ static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 {
+    REFLUX_ASSERT(a->turn < a->n);
     if (trial_step_swings(&a->trial_step)) {
         a->doubt = ADOPTION_SWINGS;
         rest_again(a, s);
@@ -430,6 +439,7 @@ void adoption_prepare(struct adoption *a, uint32_t window, uint32_t back)
 
 void adoption_add_channel(struct adoption *a, const struct adoption_channel *channel)
 {
+    REFLUX_ASSERT(a->channels < CHANNEL_MAX);
     a->channel[a->channels++] = *channel;
 }
 
@@ -447,6 +457,7 @@ enum err adoption_add_loop(struct adoption *a, const struct adoption_loop *loop,
 
 const char *adoption_culprit(const struct adoption *a, const struct config *config, real_t *peak)
 {
+    REFLUX_ASSERT(a->culprit < a->n || a->culprit < a->channels);
     bool has_loop = a->culprit < a->n;
     *peak = has_loop ? a->loop[a->culprit].peak : REAL_C(0.0);
     return has_loop ? config->loop[a->loop[a->culprit].loop].name

@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_ADOPTION_STATE_H
 #define REFLUX_COMMISSION_ADOPTION_STATE_H
 
+#include "base/assertion.h"
 #include "commission/trial_records.h"
 #include "commission/trial_step_state.h"
 
@@ -31,6 +32,7 @@ struct adoption {
 /* The setpoint step of loop k becomes another. */
 static inline void adoption_set_step(struct adoption *a, unsigned k, real_t step)
 {
+    REFLUX_ASSERT(k < a->n);
     a->loop[k].step = step;
 }
 
@@ -48,12 +50,14 @@ static inline uint8_t adoption_turn(const struct adoption *a)
 
 static inline const struct adoption_loop *adoption_loop(const struct adoption *a, unsigned k)
 {
+    REFLUX_ASSERT(k < CONFIG_LOOPS);
     return &a->loop[k];
 }
 
 /* Channel k is that of loop k; there are as many as outputs were tested. */
 static inline const struct adoption_channel *adoption_channel(const struct adoption *a, unsigned k)
 {
+    REFLUX_ASSERT(k < CHANNEL_MAX);
     return &a->channel[k];
 }
 

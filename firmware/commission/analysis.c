@@ -1,5 +1,6 @@
 #include "commission/analysis.h"
 
+#include "base/assertion.h"
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
 #include "exchange/plan.h"
@@ -153,6 +154,7 @@ static void identity(struct matrix *d, uint8_t n)
 /* Designs a decoupler for a block that single loops would control badly. */
 static void decouple_block(struct analysis *a, const struct block *block)
 {
+    REFLUX_ASSERT(a->pairs.n <= INTERACT_MAX);
     struct pairs part = {0};
     uint8_t place[INTERACT_MAX];
     for (uint8_t k = 0; k < a->pairs.n; k++) {
@@ -332,6 +334,7 @@ static enum err end_load(struct analysis *a)
 
 static enum err end_prediction(struct analysis *a)
 {
+    REFLUX_ASSERT(a->turn < a->pairs.n);
     const struct trial *t = &a->work.trial;
     if (a->extended == 0) /* later ones may have longer samples */
         a->tried[a->turn] = t->mark;

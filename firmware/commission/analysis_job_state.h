@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_ANALYSIS_JOB_STATE_H
 #define REFLUX_COMMISSION_ANALYSIS_JOB_STATE_H
 
+#include "base/assertion.h"
 #include "commission/analysis_state.h"
 
 /* The main loop's while the task is under way, else the tick's. */
@@ -21,6 +22,7 @@ static inline enum err analysis_job_error(const struct analysis_job *job)
 /* The tested input that is input i of the analysis. */
 static inline uint8_t analysis_job_input(const struct analysis_job *job, unsigned i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     return job->column[i];
 }
 

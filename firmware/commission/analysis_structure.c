@@ -1,5 +1,6 @@
 #include "commission/analysis_structure.h"
 
+#include "base/assertion.h"
 #include "exchange/plan.h"
 #include "interact/measure.h"
 
@@ -54,6 +55,7 @@ static unsigned members(uint16_t mask)
 /* A gain that was not seen may still be there: its error could hide one that is not small beside the others of its row. */
 static bool may_be_there(const struct analysis *a, uint8_t j, uint8_t i)
 {
+    REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
     real_t most = REAL_C(0.0);
     for (uint8_t k = 0; k < a->plant.inputs; k++)
         if (real_abs(a->plant.element[j][k].gain) > most)
@@ -118,6 +120,7 @@ void analysis_find_structure(struct analysis *a)
 
 static const struct cascade *cascade_of(const struct analysis *a, uint8_t k)
 {
+    REFLUX_ASSERT(k < a->pairs.n && a->layout.n_cascades <= INTERACT_MAX);
     for (uint8_t n = 0; n < a->layout.n_cascades; n++)
         if (a->layout.cascade[n].outer == a->pairs.output[k] &&
             (a->layout.inner_outputs >> a->layout.cascade[n].inner & 1u))
@@ -142,6 +145,7 @@ static void close_inner(struct analysis *a, struct interact_plant *plant,
                         struct beginning beginning[INTERACT_MAX][INTERACT_MAX], uint8_t k,
                         const struct cascade *c)
 {
+    REFLUX_ASSERT(k < a->pairs.n);
     uint8_t j = a->pairs.input[k];
     const struct fopdt inner = plant->element[c->inner][j];
     real_t part = plant->gain_sd[c->inner][j] / inner.gain, tau_c_s;
@@ -199,6 +203,7 @@ void analysis_ask_second(struct analysis *a)
  * the error is K_ij Ti/(K_ii Kc), with it K_ij times the delay. The loop reacts to that as well, so this is an estimate. */
 static struct feed feed_verdict(const struct analysis *a, uint8_t from, uint8_t to)
 {
+    REFLUX_ASSERT(from < a->pairs.n && to < a->pairs.n);
     struct feed f = {.verdict = FEED_NONE};
     if (!a->designed || from == to ||
         structure_cross_way(&a->plant, &a->pairs, &a->layout.structure, from, to, &f.way) != ERR_OK)

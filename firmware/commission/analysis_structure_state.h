@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 
+#include "base/assertion.h"
 #include "design/tuning.h"
 #include "interact/cascade.h"
 #include "interact/structure.h"
@@ -29,6 +30,7 @@ static inline uint8_t layout_cascades(const struct plant_layout *l)
 
 static inline const struct cascade *layout_cascade(const struct plant_layout *l, unsigned n)
 {
+    REFLUX_ASSERT(n < INTERACT_MAX);
     return &l->cascade[n];
 }
 
@@ -58,6 +60,7 @@ static inline unsigned layout_parts(const struct plant_layout *l)
 /* Settings of the inner loop below pair k. */
 static inline const struct tuning *layout_inner_tuning(const struct plant_layout *l, unsigned k)
 {
+    REFLUX_ASSERT(k < INTERACT_MAX);
     return &l->inner_tuning[k];
 }
 
@@ -69,6 +72,7 @@ static inline enum analysis_second layout_second(const struct plant_layout *l)
 /* Gain over residence time of pair k, as a relative gain. */
 static inline real_t layout_phi(const struct plant_layout *l, unsigned k)
 {
+    REFLUX_ASSERT(k < INTERACT_MAX);
     return l->pair_phi[k];
 }
 

@@ -1,5 +1,6 @@
 #include "commission/blocking.h"
 
+#include "base/assertion.h"
 #include "base/elapsed.h"
 #include "commission/analysis_job.h"
 #include "commission/analysis_structure.h"
@@ -19,6 +20,7 @@
 /* The measurement is lost: one or two invalid readings are held and change little, more do not. */
 static bool is_lost(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     const struct measurement_state *m = &s->measurement[i];
     return !channel_is_valid(s, i) && m->alarm &&
            (m->lost || !quality_usable(m->quality) ||
@@ -28,6 +30,7 @@ static bool is_lost(const struct supervisor *s, uint8_t i)
 /* Returns the loop that acts on output j, directly or through others, or PLAN_NONE. */
 static uint8_t acting(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     uint8_t i = s->plan->owner[j];
     return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
 }
@@ -36,6 +39,7 @@ static uint8_t acting(const struct supervisor *s, uint8_t j)
  * judged in every tick. */
 static bool comes_rarely(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     return sampling_every(&s->plan->config.measurement[i]) > 1;
 }
 
@@ -138,11 +142,13 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
 
 static uint8_t pair_measurement(const struct commission *c, uint8_t k)
 {
+    REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     return outputs_measurement(&c->outputs, c->work->analysis.pairs.output[k]);
 }
 
 static uint8_t pair_output(const struct commission *c, uint8_t k)
 {
+    REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     uint8_t input = analysis_job_input(&c->analysis_job, c->work->analysis.pairs.input[k]);
     return inputs_get(&c->inputs, input)->output;
 }
@@ -150,6 +156,7 @@ static uint8_t pair_output(const struct commission *c, uint8_t k)
 /* The output has not followed its command for longer than a valve needs. */
 static bool is_not_following(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return s->mv[j].alarm && elapsed_ms(s->time_ms, s->mv[j].differs_ms) >
                                  FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
 }
@@ -158,6 +165,7 @@ static bool is_not_following(const struct supervisor *s, uint8_t j)
  * not respond gets far off. */
 static bool is_far_off(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct mv_state *o = &s->mv[j];
     real_t apart = num_to_float(num_sub(o->constrained, o->readback));
     return real_abs(apart) > FAR_OFF;
@@ -165,6 +173,7 @@ static bool is_far_off(const struct supervisor *s, uint8_t j)
 
 static bool is_gone(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     const struct measurement_state *m = &s->measurement[i];
     return !m->seen || m->lost || !quality_usable(m->quality);
 }

@@ -1,17 +1,20 @@
 #include "commission/certainty.h"
 
+#include "base/assertion.h"
 #include "commission/analysis_structure.h"
 
 #define SEEN_SDS REAL_C(3.0) /* a gain nearer to 0 may not be there, or have the other sign */
 
 static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
 {
+    REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
     return real_abs(a->plant.element[j][i].gain) >= SEEN_SDS * a->plant.gain_sd[j][i] &&
            real_abs(a->plant.element[j][i].gain) > REAL_C(0.0);
 }
 
 static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
 {
+    REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
     return (a->certainty.used[j] & (1u << i)) != 0u;
 }
 
@@ -29,6 +32,7 @@ static void find_used(struct analysis *a)
 
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
 {
+    REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
     unsigned counts = is_used(a, j, i) ? CERTAINTY_FLAGS : CERTAINTY_OPEN_FLAGS;
     return (uint16_t)(a->flags[j][i] & counts);
 }
@@ -36,6 +40,7 @@ uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
 /* A relative gain may be certain where the gain is not: if one input alone seems to move an output, and only a little. */
 bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k)
 {
+    REFLUX_ASSERT(k < a->pairs.n);
     return !is_seen(a, a->pairs.output[k], a->pairs.input[k]);
 }
 

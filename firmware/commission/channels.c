@@ -1,5 +1,6 @@
 #include "commission/channels.h"
 
+#include "base/assertion.h"
 #include "base/crc32.h"
 
 #define END_SHARE 2.5e-4f /* of a span, from its end: a step of a converter of 12 bits */
@@ -17,6 +18,7 @@ uint32_t commission_longest(const struct supervisor *s)
 
 real_t commission_test_base(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return num_to_float(s->mv[j].manual);
 }
 
@@ -36,6 +38,7 @@ uint32_t commission_channels(const struct config *config)
 
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct mv_config *o = &s->plan->config.mv[j];
     real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
     return held - lo < hi - held ? held - lo : hi - held;
@@ -50,23 +53,27 @@ real_t commission_limit(const struct measurement_config *m)
 
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct mv_config *o = &s->plan->config.mv[j];
     return o->name[0] && o->start_up.test && s->mv[j].bound;
 }
 
 bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     const struct measurement_config *m = &s->plan->config.measurement[i];
     return m->name[0] && m->start_up.test && s->measurement[i].bound;
 }
 
 bool channel_is_valid(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
 }
 
 bool channel_is_at_end(const struct supervisor *s, uint8_t i)
 {
+    REFLUX_ASSERT(i < CHANNEL_MAX);
     const struct measurement_config *m = &s->plan->config.measurement[i];
     float margin = END_SHARE * (m->hi - m->lo), raw = s->measurement[i].raw;
     return raw <= m->lo + margin || raw >= m->hi - margin;

@@ -1,5 +1,6 @@
 #include "commission/expected.h"
 
+#include "base/assertion.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
 #include "commission/next_test.h"
@@ -34,6 +35,7 @@ static real_t least_half_s(const struct config *config, uint8_t j, real_t window
 
 struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct config *config = &s->plan->config;
     const struct mv_config *o = &config->mv[j];
     struct expected_input e = {.tested = commission_input_is_tested(s, j)};

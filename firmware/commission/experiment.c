@@ -1,5 +1,6 @@
 #include "commission/experiment.h"
 
+#include "base/assertion.h"
 #include "commission/experiment_state.h"
 #include "commission/limits.h"
 #include "commission/origin.h"
@@ -246,6 +247,7 @@ static enum err give_test_up(struct experiment *e)
 
 void experiment_baseline_before(const struct experiment *e, uint8_t j, struct baseline *b)
 {
+    REFLUX_ASSERT(j < e->config.outputs);
     const struct steady_result *at = &e->before[j];
     real_t turned = at->slope_sd_per_s * at->age_s;
     *b = (struct baseline){.offset = at->mean + at->slope_per_s * at->age_s - e->rest[j],
@@ -433,12 +435,14 @@ static enum err take_sample_in(struct experiment *e, const real_t *y)
     case EXPERIMENT_BACK:
         return coming_back(e, y);
     default:
+        REFLUX_ASSERT(false); /* rest and the end are dealt with above */
         return ERR_STATE;
     }
 }
 
 enum err experiment_step(struct experiment *e, const real_t *y)
 {
+    REFLUX_ASSERT(e->config.outputs <= CHANNEL_MAX);
     for (unsigned j = 0; j < e->config.outputs; j++)
         if (!real_is_finite(y[j]))
             return ERR_NOT_FINITE;
@@ -449,6 +453,7 @@ enum err experiment_step(struct experiment *e, const real_t *y)
 
 enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b)
 {
+    REFLUX_ASSERT(j < e->config.outputs);
     const struct steady_result *before = &e->before[j], *after = &e->after[j];
     real_t before_s = -before->age_s;
     real_t after_s = (real_t)(e->samples - 1u) * e->config.h_s - after->age_s;
@@ -467,6 +472,7 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
 
 real_t experiment_bend(const struct experiment *e, uint8_t j, real_t *sd)
 {
+    REFLUX_ASSERT(j < e->config.outputs);
     real_t a = e->before[j].slope_sd_per_s, b = e->after[j].slope_sd_per_s;
     if (!e->returned) {
         *sd = REAL_C(0.0);

@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_EXPERIMENT_STATE_H
 #define REFLUX_COMMISSION_EXPERIMENT_STATE_H
 
+#include "base/assertion.h"
 #include "commission/experiment_config.h"
 #include "commission/interim_fit.h"
 #include "commission/limits_state.h"
@@ -156,27 +157,32 @@ static inline const real_t *experiment_last(const struct experiment *e)
 /* Rest, slope and deviation at the reversal of output j. */
 static inline real_t experiment_rest(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return e->rest[j];
 }
 
 static inline real_t experiment_slope(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return e->drift_per_s[j];
 }
 
 static inline real_t experiment_at_turn(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return e->at_turn[j];
 }
 
 /* The lines of rest before the step and after it. */
 static inline const struct steady_result *experiment_before(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return &e->before[j];
 }
 
 static inline const struct steady_result *experiment_after(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return &e->after[j];
 }
 
@@ -204,6 +210,7 @@ static inline const struct identified *experiment_found(const struct experiment 
 /* The beginning of the response of output j. */
 static inline const struct early_response *experiment_early(const struct experiment *e, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return &e->early[j];
 }
 

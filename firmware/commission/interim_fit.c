@@ -2,12 +2,15 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
+
 #define KNOWN     REAL_C(0.33) /* largest standard deviation of a known gain, over the gain */
 #define FIT_UNITS 4u           /* evaluations in one piece */
 
 void interim_fit_begin(struct interim_fit *l, const struct record *record,
                        const struct baseline *baseline)
 {
+    REFLUX_ASSERT(record->outputs <= CHANNEL_MAX);
     l->seen = *record;
     memcpy(l->baseline, baseline, record->outputs * sizeof *baseline);
     l->output = 0;
@@ -16,6 +19,7 @@ void interim_fit_begin(struct interim_fit *l, const struct record *record,
 
 static void nothing_found(struct interim_fit *l)
 {
+    REFLUX_ASSERT(l->output < CHANNEL_MAX);
     l->found[l->output] = (struct identified){.flags = IDENTIFIED_NO_GAIN};
     l->output++;
 }

@@ -3,6 +3,7 @@
 #ifndef REFLUX_COMMISSION_INTERIM_FIT_H
 #define REFLUX_COMMISSION_INTERIM_FIT_H
 
+#include "base/assertion.h"
 #include "identify/fopdt_fit.h"
 #include "identify/record.h"
 
@@ -30,6 +31,7 @@ bool interim_fit_is_known(const struct identified *f);
 /* The model of output j. */
 static inline const struct identified *interim_fit_found(const struct interim_fit *l, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return &l->found[j];
 }
 

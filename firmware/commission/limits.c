@@ -1,5 +1,6 @@
 #include "commission/limits.h"
 
+#include "base/assertion.h"
 #include "commission/experiment_state.h"
 #include "commission/origin.h"
 
@@ -22,6 +23,7 @@ static real_t left_by_tests(const struct experiment *e, uint8_t j)
 
 real_t limits_room(const struct experiment *e, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t room = experiment_settings(e)->limit[j] - left_by_tests(e, j);
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
@@ -29,6 +31,7 @@ real_t limits_room(const struct experiment *e, uint8_t j)
 /* Distance of output j from the line of its drift; `way` -1: from the line of a drift that has reversed. */
 static real_t away_along(const struct experiment *e, uint8_t j, const real_t *y, real_t way)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t slope = experiment_slope(e, j);
     if (experiment_settings(e)->origin)
         slope = origin_drift(experiment_settings(e)->origin, j, slope);
@@ -91,6 +94,7 @@ void limits_watch(struct experiment *e, const real_t *y)
 /* Largest deviation of output j, signed, after a step of twice the amplitude the other way from `away`. */
 static real_t reversed(const struct experiment *e, uint8_t j, real_t away)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t up = away - REAL_C(2.0) * experiment_amplitude(e) * experiment_limits(e)->low[j];
     real_t down = away - REAL_C(2.0) * experiment_amplitude(e) * experiment_limits(e)->high[j];
     return real_abs(up) > real_abs(down) ? up : down;
@@ -98,6 +102,7 @@ static real_t reversed(const struct experiment *e, uint8_t j, real_t away)
 
 real_t limits_reach(const struct experiment *e, uint8_t j, real_t gain)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct limits *l = experiment_limits(e);
     real_t low = gain < l->low[j] ? gain : l->low[j], high = gain > l->high[j] ? gain : l->high[j];
     real_t up = real_abs(gain - REAL_C(2.0) * low), down = real_abs(gain - REAL_C(2.0) * high);
@@ -223,6 +228,7 @@ static real_t noise_beyond(const struct experiment *e, uint8_t j, real_t room)
 /* This is the second sample in a row. */
 static bool again(struct experiment *e, uint8_t j, bool over)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     experiment_guards(e)->over[j] = over ? (uint8_t)(experiment_guards(e)->over[j] + 1u) : 0;
     return experiment_guards(e)->over[j] >= 2;
 }

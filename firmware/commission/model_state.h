@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_MODEL_STATE_H
 #define REFLUX_COMMISSION_MODEL_STATE_H
 
+#include "base/assertion.h"
 #include "base/error.h"
 #include "exchange/config.h"
 #include "identify/identified.h"
@@ -27,12 +28,14 @@ static inline enum err model_error(const struct model_fits *m)
 /* The fit of output j. */
 static inline const struct identified *model_fitted(const struct model_fits *m, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return &m->fitted[j];
 }
 
 /* Measure of how output j went on climbing (test_verdict.h); 0 where it came to rest. */
 static inline real_t model_climbs(const struct model_fits *m, unsigned j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return m->climbs[j];
 }
 

@@ -1,5 +1,6 @@
 #include "commission/next_test.h"
 
+#include "base/assertion.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
 #include "commission/test_inputs.h"
@@ -20,6 +21,7 @@
 
 real_t commission_lasts(const struct commission *c, uint8_t k)
 {
+    REFLUX_ASSERT(k < CHANNEL_MAX);
     real_t longest_s = REAL_C(0.0);
     for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
         const struct identified *e = &c->work->element[j][k].fit;
@@ -35,6 +37,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
 
 real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
     const struct identified *e = &c->work->element[j][k].fit;
     real_t needed_s = UNSETTLED_LONGER * inputs_get(&c->inputs, k)->half_s;
     real_t over_s = e->dead_time_s + OVER * e->time_constant_s;
@@ -47,6 +50,7 @@ real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
  * less of its late part and be wrong by more; and plants that are slow by one input are mostly slow by others, too. */
 static bool shape_decides(const struct commission *c, uint8_t k)
 {
+    REFLUX_ASSERT(k < CHANNEL_MAX);
     for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
         const struct element *e = &c->work->element[j][k];
         if (e->misfit > REAL_C(0.5) * e->fit.gain_sd &&
@@ -116,6 +120,7 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
 /* Limit of output j less the deviation that earlier tests have left. */
 static real_t room_of(const struct commission *c, const struct experiment_config *x, uint8_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t room = x->limit[j] - real_abs(origin_left(&c->origin, j));
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
@@ -124,6 +129,7 @@ static real_t room_of(const struct commission *c, const struct experiment_config
 static real_t amplitude_by_model(const struct commission *c, uint8_t k,
                                  const struct experiment_config *x)
 {
+    REFLUX_ASSERT(k < CHANNEL_MAX);
     real_t a = x->amplitude_max < AMPLITUDE_MOST ? x->amplitude_max : AMPLITUDE_MOST;
     const struct tested_input *in = inputs_get(&c->inputs, k);
     const real_t *noise_sd = outputs_noise(&c->outputs);

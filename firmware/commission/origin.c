@@ -1,5 +1,6 @@
 #include "commission/origin.h"
 
+#include "base/assertion.h"
 #include "commission/origin_state.h"
 
 #define SURE_SDS   REAL_C(2.0) /* of a slope, and of a level */
@@ -38,6 +39,7 @@ static void allow(struct origin_channel *c, const struct steady_result *rest, re
 
 void origin_look(struct origin *o, uint32_t j, const struct steady_result *rest)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     if (real_abs(rest->slope_per_s) > DRIFT_SDS * rest->slope_sd_per_s)
         allow(&o->channel[j], rest, REAL_C(0.0));
     see_drift(&o->channel[j], rest);
@@ -45,6 +47,7 @@ void origin_look(struct origin *o, uint32_t j, const struct steady_result *rest)
 
 void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest, real_t level)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     struct origin_channel *c = &o->channel[j];
     if (o->fixed) {
         follow(c, rest, level, o->since_s);
@@ -60,17 +63,20 @@ void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest,
 
 real_t origin_spent(const struct origin *o, uint32_t j, real_t limit)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return real_abs(o->channel[j].left) / (LEFT_MOST * limit);
 }
 
 real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t most = o->channel[j].slope_most;
     return slope_per_s > most ? most : slope_per_s < -most ? -most : slope_per_s;
 }
 
 real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     const struct origin_channel *c = &o->channel[j];
     return steady_away(y - c->level, c->slope_per_s * o->since_s, limit);
 }
@@ -93,10 +99,12 @@ bool origin_is_fixed(const struct origin *o)
 
 real_t origin_left(const struct origin *o, uint32_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return o->channel[j].left;
 }
 
 real_t origin_moved(const struct origin *o, uint32_t j)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX);
     return o->channel[j].moved;
 }

@@ -1,5 +1,6 @@
 #include "commission/proposal_loops.h"
 
+#include "base/assertion.h"
 #include "commission/analysis_job.h"
 #include "commission/analysis_structure.h"
 #include "commission/commission_state.h"
@@ -11,6 +12,7 @@
 
 const struct tested_input *proposal_input(const struct commission *c, uint8_t k)
 {
+    REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     uint8_t input = c->work->analysis.pairs.input[k];
     return inputs_get(&c->inputs, analysis_job_input(&c->analysis_job, input));
 }
@@ -18,6 +20,7 @@ const struct tested_input *proposal_input(const struct commission *c, uint8_t k)
 const char *proposal_measurement_name(const struct commission *c, const struct config *config,
                                       uint8_t k)
 {
+    REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     const struct analysis *a = &c->work->analysis;
     return config->measurement[outputs_measurement(&c->outputs, a->pairs.output[k])].name;
 }
@@ -75,6 +78,7 @@ static bool is_taken(const struct config *config, const char *name)
 
 void proposal_name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
 {
+    REFLUX_ASSERT(i < CONFIG_LOOPS);
     char name[CHANNEL_NAME_SIZE] = {0};
     strncpy(name, pv, sizeof name - 1);
     /* There are more letters than names that could be taken. */

@@ -1,5 +1,6 @@
 #include "commission/test_inputs.h"
 
+#include "base/assertion.h"
 #include "base/error.h"
 #include "commission/test_inputs_state.h"
 
@@ -10,22 +11,26 @@ void inputs_begin(struct test_inputs *t)
 
 void inputs_add(struct test_inputs *t, uint8_t output, real_t test_base)
 {
+    REFLUX_ASSERT(t->n < CHANNEL_MAX);
     t->input[t->n].output = output;
     t->input[t->n++].test_base = test_base;
 }
 
 NOT_INLINE static struct tested_input *present(struct test_inputs *t)
 {
+    REFLUX_ASSERT(t->turn < t->n && t->order[t->turn] < t->n);
     return &t->input[t->order[t->turn]];
 }
 
 const struct tested_input *inputs_under_test(const struct test_inputs *t)
 {
+    REFLUX_ASSERT(t->turn < CHANNEL_MAX && t->order[t->turn] < CHANNEL_MAX);
     return &t->input[t->order[t->turn]];
 }
 
 bool inputs_is_due(const struct test_inputs *t, uint8_t k)
 {
+    REFLUX_ASSERT(k < t->n);
     return !t->input[k].skipped && (t->input[k].unsettled || !t->only_unsettled);
 }
 
@@ -55,6 +60,7 @@ bool inputs_next_round(struct test_inputs *t, bool only_unsettled)
 
 void inputs_repeat(struct test_inputs *t)
 {
+    REFLUX_ASSERT(t->turn > 0);
     t->turn--;
     struct tested_input *in = present(t);
     in->rounds = 0;

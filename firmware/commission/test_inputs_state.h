@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_TEST_INPUTS_STATE_H
 #define REFLUX_COMMISSION_TEST_INPUTS_STATE_H
 
+#include "base/assertion.h"
 #include "commission/tested_input.h"
 #include "exchange/config.h"
 
@@ -24,12 +25,14 @@ static inline uint8_t inputs_count(const struct test_inputs *t)
 
 static inline const struct tested_input *inputs_get(const struct test_inputs *t, unsigned k)
 {
+    REFLUX_ASSERT(k < CHANNEL_MAX);
     return &t->input[k];
 }
 
 /* Number of the input whose turn it is. */
 static inline uint8_t inputs_current(const struct test_inputs *t)
 {
+    REFLUX_ASSERT(t->turn < t->n);
     return t->order[t->turn];
 }
 
@@ -46,6 +49,7 @@ static inline uint8_t inputs_round(const struct test_inputs *t)
 /* The next one by turn is input k. */
 static inline void inputs_line_up(struct test_inputs *t, unsigned turn, uint8_t k)
 {
+    REFLUX_ASSERT(turn < CHANNEL_MAX && k < CHANNEL_MAX);
     t->order[turn] = k;
 }
 
@@ -74,6 +78,7 @@ static inline void inputs_set_half_least(struct test_inputs *t, uint32_t samples
 
 static inline void inputs_set_unsettled(struct test_inputs *t, unsigned k, bool unsettled)
 {
+    REFLUX_ASSERT(k < t->n);
     t->input[k].unsettled = unsettled;
 }
 

@@ -1,5 +1,6 @@
 #include "commission/test_outputs.h"
 
+#include "base/assertion.h"
 #include "base/elapsed.h"
 #include "commission/channels.h"
 #include "commission/test_outputs_state.h"
@@ -13,11 +14,13 @@ void outputs_begin(struct test_outputs *t, const struct supervisor *s)
 
 void outputs_add(struct test_outputs *t, uint8_t measurement)
 {
+    REFLUX_ASSERT(t->n < CHANNEL_MAX);
     t->measurement[t->n++] = measurement;
 }
 
 const char *outputs_name(const struct test_outputs *t, const struct supervisor *s, uint8_t j)
 {
+    REFLUX_ASSERT(j < t->n);
     return s->plan->config.measurement[t->measurement[j]].name;
 }
 

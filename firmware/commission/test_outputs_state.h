@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_TEST_OUTPUTS_STATE_H
 #define REFLUX_COMMISSION_TEST_OUTPUTS_STATE_H
 
+#include "base/assertion.h"
 #include "exchange/config.h"
 #include "num/real.h"
 #include "supervise/supervisor.h"
@@ -26,6 +27,7 @@ static inline uint8_t outputs_count(const struct test_outputs *t)
 /* Index of output j in the configuration. */
 static inline uint8_t outputs_measurement(const struct test_outputs *t, unsigned j)
 {
+    REFLUX_ASSERT(j < t->n);
     return t->measurement[j];
 }
 
@@ -55,6 +57,7 @@ static inline const real_t *outputs_noise(const struct test_outputs *t)
 
 static inline void outputs_set_noise(struct test_outputs *t, unsigned j, real_t sd)
 {
+    REFLUX_ASSERT(j < t->n);
     t->noise_sd[j] = sd;
 }
 

@@ -1,5 +1,7 @@
 #include "commission/test_verdict.h"
 
+#include "base/assertion.h"
+
 #define PART_POINTS   2u /* at least, in each part that is averaged */
 #define ASYMMETRY_SDS REAL_C(3.0)
 #define STANDS_OUT    REAL_C(6.0) /* standard deviations of the changes */
@@ -21,6 +23,7 @@ static struct level level_between(const struct record *r, uint32_t begin, uint32
 static real_t mean_over(const struct record *r, uint8_t j, const struct baseline *b, uint32_t from,
                         uint32_t to)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX && from < to && to <= r->points);
     real_t sum = REAL_C(0.0);
     for (uint32_t i = from; i < to; i++) /* RECORD_POINTS at most */
         sum += r->y[j][i] - b->offset - b->slope_per_s * record_time(r, i);

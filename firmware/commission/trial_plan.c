@@ -1,5 +1,6 @@
 #include "commission/trial_plan.h"
 
+#include "base/assertion.h"
 #include "commission/adoption.h"
 #include "commission/analysis_job.h"
 #include "commission/analysis_structure.h"
@@ -22,6 +23,7 @@
  * measurement without a loop within its limit. */
 static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
 {
+    REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     const struct analysis *a = &c->work->analysis;
     const struct trial_mark *by = &a->tried[k];
     real_t most = REAL_C(1.0);

@@ -1,5 +1,6 @@
 #include "commission/trial_step.h"
 
+#include "base/assertion.h"
 #include "commission/swing.h"
 #include "commission/trial_step_state.h"
 
@@ -13,6 +14,7 @@
 void trial_step_watch_output(struct trial_step *t, const struct supervisor *s, uint8_t k,
                              uint8_t output)
 {
+    REFLUX_ASSERT(k < CONFIG_LOOPS && output < CHANNEL_MAX);
     const struct mv_config *o = &s->plan->config.mv[output];
     real_t u = num_to_float(s->mv[output].constrained), span = o->hi - o->lo;
     real_t lo = (o->min - o->lo) / span, hi = (o->max - o->lo) / span;

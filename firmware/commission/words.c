@@ -1,5 +1,7 @@
 #include "commission/words.h"
 
+#include "base/assertion.h"
+
 const char *words_of_verdict(const struct analysis *a)
 {
     static const char *const words[] = {
@@ -7,6 +9,7 @@ const char *words_of_verdict(const struct analysis *a)
         [PAIRING_UNDETERMINED] = "not determined: the gains are not known well enough",
         [PAIRING_SINGULAR] = "not determined: within error, inputs act alike",
         [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and indices"};
+    REFLUX_ASSERT((unsigned)a->verdict < sizeof words / sizeof words[0]);
     const unsigned shape = DOUBT_SHAPE | DOUBT_SHAPE_FINAL;
     unsigned doubts = certainty_doubts(&a->certainty);
     if (a->verdict != PAIRING_UNDETERMINED)
