@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/secret.h"
 #include "console/command_table.h"
 #include "console/completion.h"
@@ -238,6 +239,7 @@ static bool print_row(struct console *c)
 
 static bool read_input(struct console *c)
 {
+    REFLUX_ASSERT(c->rx_next <= c->rx_n && c->rx_n <= sizeof c->rx);
     bool any = false;
     while (!reply_is_pending(&c->client) && !reply_header_is_due(&c->client) &&
            hal_uart_room(HAL_UART_CONSOLE) >= REPLY_ROOM) {

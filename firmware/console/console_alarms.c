@@ -1,6 +1,7 @@
 /* Console commands on what is wrong: alarm, alarm ack, alarm shelve. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "console/block_words.h"
 #include "console/command_table.h"
 #include "console/loop_guard_words.h"
@@ -12,6 +13,7 @@
 
 static void entry_line(const struct service *s, uint8_t i, struct text *line)
 {
+    REFLUX_ASSERT(i < CONFIG_ALARMS);
     static const char *const priorities[] = {"low", "medium", "high"};
     const struct config *config = &service_in_force(s)->config;
     const struct alarm_config *c = &config->alarm[i];

@@ -1,6 +1,7 @@
 /* Console command `block`. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "console/command_table.h"
 #include "console/phrases.h"
 
@@ -19,6 +20,7 @@ static void block_summary(const struct client *c, uint8_t block, struct text *li
     struct block_reading r;
     if (!operate_block(&c->session, block, &r))
         return;
+    REFLUX_ASSERT((unsigned)r.work < sizeof works / sizeof works[0]);
     put_block(line, block);
     put_word(line, r.name);
     text_str(line, !r.kind ? " unknown" : r.gave_up ? " off: " : " on");

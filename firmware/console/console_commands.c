@@ -1,6 +1,7 @@
 /* Console commands about the board as a whole: version, status, log, events, reboot. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "console/access_words.h"
 #include "console/analyser_words.h"
 #include "console/command_table.h"
@@ -43,6 +44,7 @@ static void fault_line(struct text *line)
 static void image_line(const struct client *c, struct text *line)
 {
     static const char *const states[] = {"without a checksum", "whole", "DAMAGED"};
+    REFLUX_ASSERT((unsigned)c->service->image < sizeof states / sizeof states[0]);
     text_str(line, "image ");
     text_str(line, states[c->service->image]);
     if (!hal_image_bytes())

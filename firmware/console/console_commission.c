@@ -1,6 +1,7 @@
 /* `commission`: automatic start-up from the console. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "commission/commission.h"
 #include "commission/expected.h"
 #include "console/command_table.h"
@@ -52,6 +53,7 @@ static void test_line(const struct commission *c, const struct config *config, s
     hal_tick_unlock();
     if (!testing)
         return;
+    REFLUX_ASSERT((unsigned)reached.phase < sizeof stages / sizeof stages[0]);
     const struct mv_config *o = &config->mv[in->output];
     text_str(line, "input ");
     text_str(line, o->name);

@@ -1,4 +1,5 @@
 /* Results of automatic start-up as listings: one fact a line, `name value unit`, for people and programs alike. */
+#include "base/assertion.h"
 #include "commission/commission.h"
 #include "commission/words.h"
 #include "console/commission_listings.h"
@@ -35,6 +36,7 @@ static bool input_line(const struct client *c, unsigned k, struct text *line)
 /* Gains in engineering units: what a person would measure. */
 static void element_line(const struct client *c, unsigned j, unsigned k, struct text *line)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
     const struct mv_config *u = commission_output(c, k);
@@ -59,6 +61,7 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
 /* Gives the estimates from moments and plateaus of the same test. */
 static void second_line(const struct client *c, unsigned j, unsigned k, struct text *line)
 {
+    REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
     const struct mv_config *u = commission_output(c, k);
@@ -216,6 +219,7 @@ static void decoupler_words(const struct analysis *a, struct text *line)
 
 static void proposed_loop_line(const struct client *c, unsigned k, struct text *line)
 {
+    REFLUX_ASSERT(k < INTERACT_MAX);
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
     const struct tuning *t = &a->loops.tuning[k];

@@ -1,6 +1,7 @@
 /* Console commands on loops: loop, mode, sp, out, tune. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "console/command_table.h"
 #include "console/phrases.h"
 #include "hal/tick.h"
@@ -72,6 +73,7 @@ static void loop_summary(const struct client *c, uint8_t i, struct text *line)
     struct loop_reading r;
     if (!operate_loop(&c->session, i, &r))
         return;
+    REFLUX_ASSERT((unsigned)r.mode < MODE_NAMES);
     text_str(line, plan->config.loop[i].name);
     put_word(line, mode_names[r.mode]);
     text_str(line, "  pv ");

@@ -1,6 +1,7 @@
 /* Console command on sequences: seq. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "console/command_table.h"
 #include "console/phrases.h"
 #include "console/sequence_words.h"
@@ -23,6 +24,7 @@ static void amount(struct text *line, float x, const char *unit)
 static void condition_text(const struct plan *plan, unsigned k, struct text *line)
 {
     static const char *const comparisons[] = {"at once", "above", "below", "steady within"};
+    REFLUX_ASSERT(k < CONFIG_STEPS);
     const struct step_config *c = &plan->config.step[k];
     if (c->until == STEP_TIME) {
         seconds(line, c->wait_s * UINT32_C(1000));
@@ -33,6 +35,8 @@ static void condition_text(const struct plan *plan, unsigned k, struct text *lin
         text_str(line, "the operator confirms");
         return;
     }
+    REFLUX_ASSERT(c->until < sizeof comparisons / sizeof comparisons[0] &&
+                  plan->step[k].measurement < CHANNEL_MAX);
     text_str(line, c->measurement);
     put_word(line, comparisons[c->until]);
     amount(line, c->limit, plan->config.measurement[plan->step[k].measurement].unit);
@@ -46,6 +50,8 @@ static void action_text(const struct plan *plan, unsigned k, struct text *line)
 {
     static const char *const names[] = {"wait", "out",       "manual",     "auto",  "cascade",
                                         "sp",   "offset on", "offset off", "guard", "drop"};
+    REFLUX_ASSERT(k < CONFIG_STEPS &&
+                  (unsigned)plan->config.step[k].action < sizeof names / sizeof names[0]);
     const struct step_config *c = &plan->config.step[k];
     uint8_t what = plan->step[k].what;
     text_str(line, names[c->action]);
@@ -62,6 +68,8 @@ static void action_text(const struct plan *plan, unsigned k, struct text *line)
 static void row_text(const struct plan *plan, unsigned k, struct text *line)
 {
     static const char *const otherwise[] = {"abort", "go on", "hold"};
+    REFLUX_ASSERT(k < CONFIG_STEPS && (unsigned)plan->config.step[k].otherwise <
+                                          sizeof otherwise / sizeof otherwise[0]);
     const struct step_config *c = &plan->config.step[k];
     step_number(line, k);
     text_str(line, ": ");
@@ -83,6 +91,7 @@ static void row_text(const struct plan *plan, unsigned k, struct text *line)
 
 static void reading_text(const struct service *s, unsigned k, struct text *line)
 {
+    REFLUX_ASSERT(k < CONFIG_STEPS && service_in_force(s)->step[k].measurement < CHANNEL_MAX);
     const struct plan *plan = service_in_force(s);
     uint8_t i = plan->step[k].measurement;
     float value;
@@ -100,6 +109,7 @@ static void progress_text(const struct service *s, struct text *line)
 {
     const struct plan *plan = service_in_force(s);
     const struct sequence *q = &s->supervisor->sequence;
+    REFLUX_ASSERT(q->step < CONFIG_STEPS);
     const struct step_config *c = &plan->config.step[q->step];
     bool looks = plan->step[q->step].measurement != PLAN_NONE;
     text_str(line, "  ");

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/secret.h"
 
 _Static_assert(LINE_EDITOR_MAX <= 250, "positions are bytes");
@@ -47,6 +48,7 @@ static void put_line(const struct line_editor *e, unsigned from, unsigned to)
 /* Writes the line behind the cursor and puts the cursor back; `blanks` wipe characters that were there before. */
 static void put_tail(const struct line_editor *e, unsigned blanks)
 {
+    REFLUX_ASSERT(e->cursor <= e->n);
     unsigned tail = (unsigned)e->n - e->cursor;
     put_line(e, e->cursor, e->n);
     put_times(e, ' ', blanks);
@@ -63,6 +65,7 @@ void line_editor_show(const struct line_editor *e)
 
 static void insert(struct line_editor *e, char x, bool people)
 {
+    REFLUX_ASSERT(e->cursor <= e->n && e->n <= LINE_EDITOR_MAX);
     if (e->n == LINE_EDITOR_MAX) {
         e->overlong = true;
         return;
@@ -80,6 +83,7 @@ static void insert(struct line_editor *e, char x, bool people)
 /* Takes out what stands before the cursor. */
 static void rub_out(struct line_editor *e, bool people)
 {
+    REFLUX_ASSERT(e->cursor <= e->n && e->n <= LINE_EDITOR_MAX);
     if (e->cursor == 0)
         return;
     memmove(e->line + e->cursor - 1, e->line + e->cursor, (size_t)(e->n - e->cursor) + 1u);
@@ -120,6 +124,7 @@ static void replace(struct line_editor *e, const char *line, bool people)
         put(e, "\033[K", 3);
     }
     size_t n = strlen(line);
+    REFLUX_ASSERT(n <= LINE_EDITOR_MAX);
     memmove(e->line, line, n + 1);
     e->n = e->cursor = (uint8_t)n;
     if (people)
@@ -131,6 +136,7 @@ static void replace(struct line_editor *e, const char *line, bool people)
 /* The line that was finished `back` lines ago, 1 = the newest; NULL when none is kept. */
 static const char *past(const struct line_editor *e, unsigned back)
 {
+    REFLUX_ASSERT(e->history_n <= sizeof e->history);
     unsigned at = e->history_n;
     while (back--) {
         if (at == 0)
@@ -219,6 +225,7 @@ static void complete_word(struct line_editor *e)
     char line[LINE_EDITOR_MAX + 1], best[32], buffer[32];
     struct text word = text_on(buffer, sizeof buffer);
     unsigned found = 0, agree = 0, begin = e->cursor;
+    REFLUX_ASSERT(e->cursor <= LINE_EDITOR_MAX);
     memcpy(line, e->line, e->cursor);
     line[e->cursor] = '\0';
     while (begin && line[begin - 1] != ' ')
