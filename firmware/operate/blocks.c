@@ -1,6 +1,7 @@
 /* Blocks (blockN): switched off and on, and asked for the verbs of their kinds. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "exchange/tables.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
@@ -15,6 +16,7 @@ static bool is_block(const struct config *config, uint8_t block)
 
 static uint8_t slot_of(uint8_t block)
 {
+    REFLUX_ASSERT(block < CONFIG_BLOCKS);
     return (uint8_t)(SLOT_RECORDS + block);
 }
 
@@ -26,10 +28,12 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
     if (!is_block(&plan->config, block))
         return false;
     uint8_t kind = plan->block[slot_of(block)].kind;
+    REFLUX_ASSERT(kind == PLAN_NONE || kind < block_kind_count);
     *reading = (struct block_reading){.kind = kind == PLAN_NONE ? NULL : block_kinds[kind],
                                       .name = plan->config.block[block].kind};
     hal_tick_lock();
     const struct served_state *state = &sup->served[block];
+    REFLUX_ASSERT(state->input < BLOCK_INPUTS_MAX);
     uint8_t input = plan->record[block].input[state->input];
     if (sup->block[slot_of(block)].off)
         reading->gave_up = state->gave_up        ? state->gave_up
@@ -80,6 +84,7 @@ static const struct block_kind *kind_asked(const struct session *session, uint8_
 {
     const struct plan *plan = service_plan(session->door->service);
     uint8_t place = is_block(&plan->config, block) ? plan->block[slot_of(block)].kind : PLAN_NONE;
+    REFLUX_ASSERT(place == PLAN_NONE || place < block_kind_count);
     *err = ERR_OK;
     if (place != PLAN_NONE)
         return block_kinds[place];

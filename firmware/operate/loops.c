@@ -1,4 +1,5 @@
 /* Modes, setpoints and outputs of loops, and settings for one from a model of its process. */
+#include "base/assertion.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
 
@@ -134,6 +135,7 @@ enum err operate_output(struct session *session, uint8_t loop, uint8_t output, f
 
 static void read_loop(const struct service *s, uint8_t loop, struct loop_reading *reading)
 {
+    REFLUX_ASSERT(loop < CONFIG_LOOPS && service_in_force(s)->loop[loop].pv < CHANNEL_MAX);
     const struct plan *plan = service_in_force(s);
     const struct loop_plan *p = &plan->loop[loop];
     const struct loop_state *l = &s->supervisor->loop[loop];

@@ -8,6 +8,7 @@
  * Behind an open transaction, a save, a sequence and automatic start-up it waits. One is looked at at a time. */
 #include <string.h>
 
+#include "base/assertion.h"
 #include "operate/operate_internal.h"
 
 #define NONE_WAITS "no proposal waits to be accepted; `proposal` shows what there is"
@@ -47,6 +48,7 @@ static uint8_t value_refused(const struct config *config, const struct block_pro
 static void refuse_proposal(struct operate *door, uint8_t at, const struct config_fault *fault)
 {
     const struct proposal_slot *slot = slot_of_tick(door);
+    REFLUX_ASSERT(slot->block < CONFIG_BLOCKS);
     if (at >= PROPOSAL_MAX)
         at = value_refused(&service_plan(door->service)->config, &slot->content, fault);
     bool one = at < slot->content.n && at < PROPOSAL_MAX;
@@ -92,6 +94,7 @@ static void offer(struct operate *door)
 {
     struct service *s = door->service;
     const struct proposal_slot *slot = slot_of_tick(door);
+    REFLUX_ASSERT(slot->block < CONFIG_BLOCKS);
     struct config_fault fault;
     if (stage_proposal(door, NULL, &fault) != ERR_OK)
         return;

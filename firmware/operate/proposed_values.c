@@ -1,4 +1,5 @@
 /* Proposals of blocks, as ids and values, written into settings. */
+#include "base/assertion.h"
 #include "base/crc32.h"
 #include "operate/operate_internal.h"
 
@@ -90,6 +91,7 @@ enum err proposed_write_all(struct config *config, uint8_t block, const struct p
                             uint8_t n, struct way_back *back, uint8_t *at,
                             struct config_fault *fault)
 {
+    REFLUX_ASSERT(n <= PROPOSAL_MAX);
     if (back)
         *back = (struct way_back){.n = n, .block = block, .shape = proposed_shape(config)};
     for (*at = 0; *at < n; (*at)++) {
@@ -106,6 +108,7 @@ enum err proposed_write_all(struct config *config, uint8_t block, const struct p
 /* Is any of the values another than the one there was? */
 static bool changes_something(const struct proposed_value *v, const struct way_back *back)
 {
+    REFLUX_ASSERT(back->n <= PROPOSAL_MAX);
     for (uint8_t k = 0; k < back->n; k++)
         if (v[k].value != back->value[k].value)
             return true;

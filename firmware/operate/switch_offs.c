@@ -6,10 +6,12 @@
  *
  * Behind a save, a sequence and automatic start-up it waits. */
 #include "supervise/switch_offs.h"
+#include "base/assertion.h"
 #include "operate/operate_internal.h"
 
 static struct switch_off_slot *switch_off_slot_of(const struct operate *door, uint8_t n)
 {
+    REFLUX_ASSERT(n < CONFIG_BLOCKS);
     return &door->service->supervisor->switch_off[n];
 }
 
@@ -57,6 +59,7 @@ static void adopt_or_refuse(struct operate *door, uint8_t n)
     uint8_t at;
     enum err err = write_switch_off(door, service_stage(s), n, v, &back, &fault, &at);
     if (err) {
+        REFLUX_ASSERT(at < SWITCH_OFF_MAX);
         operate_keep_refusal(door, n, v[at].value, &fault);
         set_switch_off(door, n, SWITCH_OFF_FREE);
         return;
