@@ -364,7 +364,7 @@ static void test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults(void
     power_on();
     ask_ok("begin");
     pass(2500);
-    TEST_ASSERT_TRUE(said("STORAGE_REFUSED configured"));
+    TEST_ASSERT_TRUE(said("alarm STORAGE_REFUSED configured 0"));
     ask_ok("abandon");
     ask_refused("save", "STATE");
     ask_ok("load");

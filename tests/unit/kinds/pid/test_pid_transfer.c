@@ -302,6 +302,24 @@ static void an_output_with_another_meaning_keeps_what_is_under_way(void)
     }
 }
 
+/* A limited output is not the sum of the terms. The shift discards the excess, so the next step gives the value applied. */
+static void a_limited_output_with_another_meaning_continues_from_the_value_applied(void)
+{
+    for (int form = 0; form < 2; form++) {
+        struct pid_config c = rich_config();
+        c.form = (enum pid_form)form;
+        c.td_s = 0.0f;
+        c.out_hi = 0.5f;
+        struct pid pid = make_pid(c, 1.0f);
+        pid_follow(&pid, N(0.5), N(0.45), N(0.45));
+        (void)pid_step(&pid, N(0.6), N(0.45));
+        TEST_ASSERT_TRUE(D(pid.output) < D(pid.raw) - 0.1);
+        pid_shift(&pid, N(0.3));
+        (void)pid_step(&pid, N(0.6), N(0.45));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-7, 0.3, D(pid.raw));
+    }
+}
+
 static void retuning_before_the_first_step_only_takes_the_settings(void)
 {
     struct pid_config c = rich_config();
@@ -354,5 +372,6 @@ int main(void)
     RUN_TEST(the_block_interface_drives_the_same_controller);
     RUN_TEST(retunes_at_random_follow_the_description);
     RUN_TEST(an_output_with_another_meaning_keeps_what_is_under_way);
+    RUN_TEST(a_limited_output_with_another_meaning_continues_from_the_value_applied);
     return UNITY_END();
 }
