@@ -5,11 +5,6 @@ reflux_test(num LABEL unit SOURCES test_num.c LIBS reflux_num)
 reflux_test(ud LABEL unit SOURCES test_ud.c LIBS reflux_num)
 reflux_test(signal LABEL unit SOURCES test_signal.c LIBS reflux_signal)
 reflux_test(tuning LABEL unit SOURCES test_tuning.c LIBS reflux_design)
-# Their numbers as they were, in the float build.
-if(NOT REFLUX_FIXED_POINT)
-  reflux_test(control_numbers LABEL unit SOURCES test_control_numbers.c
-              LIBS reflux_every_kind)
-endif()
 
 # Not a test: the tables behind the figures of docs/pid.md and docs/feedforward.md.
 add_executable(pid_trace "${PROJECT_SOURCE_DIR}/tests/bench/pid_trace.c")

@@ -12,7 +12,6 @@ foreach(kind "" _double)
   endforeach()
 endforeach()
 reflux_test(ranges LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_ranges.c LIBS reflux_design)
-reflux_test(design_numbers LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_design_numbers.c LIBS reflux_design)
 reflux_test(interact_numbers LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_interact_numbers.c LIBS reflux_interact)
 reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignment.c LIBS reflux_interact)
 

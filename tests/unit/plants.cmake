@@ -1,7 +1,7 @@
 # The column model in both scalar types (one source, two programs), its solver, and the plants.
 reflux_test(column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model_double)
 reflux_test(column_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model)
-reflux_test(column_numbers LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_numbers.c LIBS reflux_model)
+reflux_test(column_ranges LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_ranges.c LIBS reflux_model)
 foreach(part column_implicit column_transition column_truncated)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_model_double m)
   reflux_test(${part}_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_model m)
