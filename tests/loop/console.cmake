@@ -4,6 +4,6 @@ foreach(part access console_people listings paste)
               LIBS reflux_hal_memory reflux_app reflux_link)
 endforeach()
 target_sources(test_paste PRIVATE "${PROJECT_SOURCE_DIR}/tests/support/uart_model.c")
-# What may be set and what may not, beside tests/reference/settings.txt.
+# Stored sets and .conf files stay valid, beside tests/reference/settings.txt.
 reflux_test(settings LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_settings.c
             LIBS reflux_hal_memory reflux_app reflux_link)
