@@ -13,6 +13,7 @@ static void refused(const char *const *pairs, enum err err, const char *field)
 {
     struct config_fault fault;
     char message[100];
+    memset(&fault, 0xA5, sizeof fault);
     bench_config();
     bench_rows();
     put_all(pairs);
@@ -23,6 +24,8 @@ static void refused(const char *const *pairs, enum err err, const char *field)
     TEST_ASSERT_EQUAL_STRING_MESSAGE(field, fault.field, message);
     TEST_ASSERT_EQUAL_MESSAGE(pairs[0][4] - '0', fault.index, message);
     TEST_ASSERT_NOT_NULL(fault.wanted);
+    TEST_ASSERT_FALSE_MESSAGE(fault.must_be, message);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, fault.bytes, message);
 }
 #define REFUSED(err, field, ...) refused((const char *const[]){__VA_ARGS__, NULL}, err, field)
 

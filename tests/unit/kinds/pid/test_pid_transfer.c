@@ -158,6 +158,28 @@ static void switching_the_derivative_on_makes_no_kick_from_an_old_measurement(vo
     TEST_ASSERT_FALSE(pid.inhibited);
 }
 
+/* The inhibitor watches the slope of the measurement. A retune that leaves it on must not forget that slope. */
+static void a_retune_keeps_the_slope_that_inhibits_the_integral(void)
+{
+    struct pid_config c = rich_config();
+    c.inhibit_s = 30.0f;
+    struct pid plain = make_pid(c, 1.0f), retuned_one = plain;
+    for (int k = 0; k < 60; k++) {
+        double y = 0.3 + 0.0025 * k;
+        (void)tick(&plain, 0.5, y);
+        (void)tick(&retuned_one, 0.5, y);
+    }
+    TEST_ASSERT_TRUE(plain.inhibited);
+    c.gain = 2.0f;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&retuned_one, &c, 1.0f));
+    for (int k = 60; k < 80; k++) {
+        double y = 0.3 + 0.0025 * k;
+        (void)tick(&plain, 0.5, y);
+        (void)tick(&retuned_one, 0.5, y);
+        TEST_ASSERT_EQUAL_INT(plain.inhibited, retuned_one.inhibited);
+    }
+}
+
 static void retuning_every_tick_does_not_stop_integral_or_derivative(void)
 {
     struct pid_config c = rich_config();
@@ -367,6 +389,7 @@ int main(void)
     RUN_TEST(any_parameter_can_be_changed_without_a_bump);
     RUN_TEST(switching_the_derivative_off_while_it_acts_makes_no_bump);
     RUN_TEST(switching_the_derivative_on_makes_no_kick_from_an_old_measurement);
+    RUN_TEST(a_retune_keeps_the_slope_that_inhibits_the_integral);
     RUN_TEST(retuning_every_tick_does_not_stop_integral_or_derivative);
     RUN_TEST(retuning_before_the_first_step_only_takes_the_settings);
     RUN_TEST(the_block_interface_drives_the_same_controller);
