@@ -1,10 +1,13 @@
-/* Words of automatic start-up on the whole firmware, kept word by word: when each event comes, its subject and its value, how
- * it ends, and every listing at its end. Wood and Berry's column with and without noise and with settings that ask for
- * every way of testing, ways to end before the time, relay tests, and other plants of the library.
+/* Guards the promise of docs/commissioning-method.md that a start-up is the same run on every processor and in every build: the same
+ * events in the same ticks, the same results, the same end. A number that depends on the compiler, the optimiser or the machine, or a
+ * job that is taken in another tick, moves a line.
  *
- * Kept in reference/commission_float.txt and, for the fixed-point controllers, commission_fixed.txt; how they are made anew
- * is in support/kept_transcript.h. How right the numbers have to be say the other tests of automatic start-up.
- */
+ * The lines are each event with its tick, subject and value, and every listing at the end: Wood and Berry's column with and without noise
+ * and with settings that ask for every way of testing, ways to end before the time, relay tests, and other plants of the library. The
+ * other tests of automatic start-up check how right the numbers are.
+ *
+ * Kept in reference/commission_float.txt and, for fixed-point controllers, commission_fixed.txt; support/kept_transcript.h says how to
+ * write them anew. */
 #include "commission_wood_berry.h"
 #include "kept_transcript.h"
 
@@ -196,7 +199,8 @@ static const struct start_up cases[] = {
 
 static void what_automatic_start_up_says_is_what_was_kept(void)
 {
-    kept_open("reference/commission_" SCALAR ".txt");
+    kept_open("reference/commission_" SCALAR ".txt",
+              "a start-up is the same run on every processor and in every build");
     for (unsigned i = 0; i < CASES; i++)
         runs(&cases[i]);
     kept_close();

@@ -1,6 +1,7 @@
-/* Reads what firmware before the Kalman filters stored of a `composition` block: the flash of a board with
- * host_sim/scenarios/splitter-estimate.conf and `set block3.noise 0.3`, kept in tests/reference/stored/splitter-estimate.bin. It was made by reflux-host of
- * revision 05e59d3 with --nvm; what follows at its end is erased. */
+/* Guards a promise to owners of stored sets: later firmware reads what earlier firmware stored. Here it is what firmware before the Kalman
+ * filters stored of a `composition` block: the flash of a board with host_sim/scenarios/splitter-estimate.conf and
+ * `set block3.noise 0.3`. reflux-host of revision 05e59d3 made tests/reference/stored/splitter-estimate.bin with --nvm, and what follows at
+ * its end is erased. */
 #include "plant_board.h"
 
 void setUp(void)

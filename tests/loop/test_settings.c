@@ -360,7 +360,8 @@ static void settings_that_limit_each_other(void)
 
 static void what_was_taken_is_taken_and_means_the_same(void)
 {
-    kept_open("reference/settings.txt");
+    kept_open("reference/settings.txt",
+              "a set or .conf file taken today is taken by later firmware, and means the same");
     each_parameter_has_its_range();
     settings_that_limit_each_other();
     kept_close();

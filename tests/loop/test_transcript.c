@@ -1,9 +1,12 @@
-/* Every listing of the console, whole, in many states of the board: beside tests/reference/listings.txt. A line that is
- * another has been changed on purpose, or is a defect. After a person has looked at the difference:
+/* Guards a promise to programs and people that read the console: no word, line or unit of a listing changes unless somebody decides it.
+ * The tools parse these listings (tools/reflux/commission), and operators know them by heart.
+ *
+ * Compares every listing in many states of the board with tests/reference/listings.txt, words to the letter and numbers within a
+ * thousandth. Where a change is meant, read the difference before you commit it:
  *
  *     cd tests; ../build/host/tests/loop/test_transcript --write reference/listings.txt
  *
- * What a start-up finds is kept as the float build has it; the rest is the same in both formats. */
+ * Results of a start-up are kept as the float build has them. The rest is the same in both formats. */
 #include "commission_wood_berry.h"
 #include "hal/retained.h"
 #include "transcript.h"
@@ -407,6 +410,8 @@ int main(int argc, char **argv)
         printf("%s cannot be read; it is found from tests/\n", KEPT);
         return 1;
     }
+    transcript_add(
+        "## Promise: no word, line or unit of a listing changes unless somebody decides it\n");
     memory_port_set_tick_lock(hold, let_go);
     UNITY_BEGIN();
     RUN_TEST(a_board_without_settings_lists_what_it_is);

@@ -1,8 +1,8 @@
-/* Numbers that a person has looked at once and that are kept, line by line: a change of any of them is seen, whichever line
- * of the firmware it came from. What is right about them other tests say.
+/* Compares lines with a kept file. A file is kept only where it guards a promise: kept_open() is given the promise, which is the first
+ * line of the file, and the head of the test explains it.
  *
- * Where a change is meant, the kept file is made anew by running the test with REFLUX_KEEP=1 in the environment, in the
- * folder tests/; what then differs is to be read, number by number, before it is committed. */
+ * Where a change is meant, run the test with REFLUX_KEEP=1 in the environment, in the folder tests/. The test then writes the file
+ * anew. Read the difference, number by number, before you commit it. */
 #ifndef REFLUX_TESTS_KEPT_TRANSCRIPT_H
 #define REFLUX_TESTS_KEPT_TRANSCRIPT_H
 
@@ -24,7 +24,10 @@ static struct {
     bool anew;
 } kept;
 
-static inline void kept_open(const char *path)
+__attribute__((format(printf, 1, 2))) static inline void kept_line(const char *format, ...);
+
+/* promise: one sentence, what breaks for somebody when a line changes by mistake. */
+static inline void kept_open(const char *path, const char *promise)
 {
     const char *keep = getenv("REFLUX_KEEP");
     kept.anew = keep && keep[0] == '1';
@@ -32,6 +35,7 @@ static inline void kept_open(const char *path)
     kept.line = 0;
     kept.file = fopen(path, kept.anew ? "w" : "r");
     TEST_ASSERT_NOT_NULL_MESSAGE(kept.file, path);
+    kept_line("## Promise: %s", promise);
 }
 
 /* The next line, without its end. */

@@ -1,8 +1,8 @@
-/* Compares what a stored set says of a block with a kept list: the ids of its parameters, their types and shapes, lowest and highest value, default, and the
- * numbers behind their words. A set that was saved years ago holds these numbers, so that none of them ever means something else.
+/* Guards a promise to owners of stored sets: a set that was saved years ago means the same to later firmware. A set holds the ids of a
+ * block's parameters, their types and shapes, and the numbers behind their words, so none of them may ever mean something else.
  *
- * Kept in reference/block_parameter_ids.txt; how it is made anew: support/kept_transcript.h. What may change there are lines and
- * words that are added, wider ranges, and defaults for a reason. */
+ * Kept in reference/block_parameter_ids.txt, which support/kept_transcript.h says how to write anew. Lines and words may be added, ranges
+ * may widen, and a default may change for a reason. */
 #include "block/block.h"
 #include "kept_transcript.h"
 #include "unity.h"
@@ -14,7 +14,8 @@ static void a_parameter_of_a_block_keeps_its_id_its_shape_and_its_words(void)
 {
     static const char *const types[] = {
         [BLOCK_FLOAT] = "float", [BLOCK_U16] = "u16", [BLOCK_WORD] = "word"};
-    kept_open("reference/block_parameter_ids.txt");
+    kept_open("reference/block_parameter_ids.txt",
+              "a block saved years ago means the same to later firmware");
     for (unsigned k = 0; k < block_kind_count; k++) {
         const struct block_kind *kind = block_kinds[k];
         kept_line("# %s", kind->name);
