@@ -140,6 +140,9 @@ static void a_latched_one_stays_on_the_list_until_it_is_acknowledged(void)
     ask(REQUEST_ACK, 2, 0);
     TEST_ASSERT_FALSE(bench.s.alarm[2].listed);
     TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ACK, "T1.lo"));
+    for (unsigned i = 0; i < bench.n_seen; i++)
+        if (bench.seen[i].code == EVENT_ALARM_ACK)
+            TEST_ASSERT_EQUAL_FLOAT(0.0f, bench.seen[i].value);
 }
 
 static void an_acknowledged_one_stays_while_its_condition_holds(void)
