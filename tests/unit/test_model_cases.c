@@ -252,8 +252,8 @@ static void run(const struct plant_case *p)
 
 static void the_models_of_small_plants_are_those_kept(void)
 {
-    kept_open("reference/model_cases.txt",
-              "a threshold, a weight or a fall-back of a test or its model that changes by mistake moves a line");
+    kept_open("reference/model_cases.txt", "a threshold, a weight or a fall-back of a test or its "
+                                           "model that changes by mistake moves a line");
     for (unsigned i = 0; i < CASES; i++) {
         memset(&c, 0, sizeof c);
         commission_lease(&c);
