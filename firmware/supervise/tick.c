@@ -64,7 +64,7 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
         return false;
     bool output = s->plan->feedforward[k].from_mv;
     *d = output ? s->mv[from].applied : s->measurement[from].value;
-    return output ? s->mv[from].bound : s->measurement[from].seen;
+    return output ? s->mv[from].bound : s->measurement[from].bound && s->measurement[from].seen;
 }
 
 /* Computes the corrections. `before` gets those of the tick before, for each loop. */

@@ -81,6 +81,21 @@ static void an_input_the_plant_does_not_have_calls_for_nothing(void)
     TEST_ASSERT_TRUE(num_eq(bench.s.loop[BOTTOM].feedforward, num_zero()));
 }
 
+/* Its last value would stand for ever. */
+static void a_measurement_that_the_plant_has_lost_calls_for_nothing(void)
+{
+    bottom_in_automatic(from_reflux);
+    put("ff1.from", "feed");
+    put("ff1.reference", "0");
+    apply();
+    reading(FEED, 5);
+    ticks(3);
+    TEST_ASSERT_FALSE(num_eq(bench.s.loop[BOTTOM].feedforward, num_zero()));
+    bench.s.measurement[FEED].bound = false;
+    ticks(3);
+    TEST_ASSERT_TRUE(num_eq(bench.s.loop[BOTTOM].feedforward, num_zero()));
+}
+
 static void it_goes_and_comes_without_a_bump_with_the_input_it_looks_at(void)
 {
     bottom_in_automatic(from_reflux);
@@ -176,6 +191,7 @@ int main(void)
     RUN_TEST(a_read_back_that_differs_is_what_the_plant_got);
     RUN_TEST(an_input_without_a_loop_may_be_fed_forward_too);
     RUN_TEST(an_input_the_plant_does_not_have_calls_for_nothing);
+    RUN_TEST(a_measurement_that_the_plant_has_lost_calls_for_nothing);
     RUN_TEST(it_goes_and_comes_without_a_bump_with_the_input_it_looks_at);
     RUN_TEST(it_begins_changes_and_goes_without_a_bump);
     RUN_TEST(automatic_begins_without_a_bump);
