@@ -67,14 +67,25 @@ static void append_channels(char *text, size_t size, const struct plant_class *c
     }
 }
 
+const char *events_option(enum plant_kind kind, size_t n)
+{
+    for (size_t k = 0; k < OPTION_COUNT; k++) {
+        if (!(kind == PLANT_MEASUREMENT ? options[k].sensor : options[k].actuator)) {
+            continue;
+        }
+        if (n == 0) {
+            return options[k].name;
+        }
+        n--;
+    }
+    return NULL;
+}
+
 static void append_options(char *text, size_t size, enum plant_kind kind)
 {
-    const char *comma = "";
-    for (size_t k = 0; k < OPTION_COUNT; k++) {
-        if (kind == PLANT_MEASUREMENT ? options[k].sensor : options[k].actuator) {
-            sim_append(text, size, "%s%s", comma, options[k].name);
-            comma = ", ";
-        }
+    const char *name;
+    for (size_t n = 0; (name = events_option(kind, n)) != NULL; n++) {
+        sim_append(text, size, "%s%s", n > 0 ? ", " : "", name);
     }
 }
 

@@ -30,6 +30,9 @@ struct events {
     struct swings swings;
 };
 
+/* Returns the name of the n-th option of a measurement or of a manipulated variable, and NULL past the last. */
+const char *events_option(enum plant_kind kind, size_t n);
+
 /* Reads one event; false with one line saying what is wrong, where, and what would be right. */
 bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,
                 size_t err_size);

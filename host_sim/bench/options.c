@@ -4,11 +4,28 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/events.h"
 #include "bench/text.h"
 #include "plants/plant_library.h"
 #include "plants/plant_task.h"
 
 #define DURATION_MAX_S 3.2e9 /* a century */
+#define HELP_COLUMNS   100   /* where a list of options is wrapped */
+#define HELP_INDENT    "                         "
+
+/* Prints the options of one kind of channel as lines of --help. */
+static void print_options(const char *title, enum plant_kind kind)
+{
+    const char *name;
+    int column = printf(HELP_INDENT "%s:", title);
+    for (size_t n = 0; (name = events_option(kind, n)) != NULL; n++) {
+        if (column + 1 + (int)strlen(name) > HELP_COLUMNS) {
+            column = printf("\n" HELP_INDENT " ") - 1;
+        }
+        column += printf(" %s", name);
+    }
+    (void)putchar('\n');
+}
 
 void options_print_help(void)
 {
@@ -30,13 +47,11 @@ void options_print_help(void)
         "max)\n"
         "  --event T:NAME=VALUE   at plant time T; repeatable. NAME: a disturbance, "
         "CHANNEL.option, noise\n"
-        "                         disturbances: swing (amplitude of a sine) period (s, 1200)\n"
-        "                         measurements: bias drift noise resolution lag quality stuck\n"
-        "                           frozen dead free spike spike_rate hum hum_period dropout nan "
-        "every phase "
-        "delay\n"
-        "                         manipulated variables: hi lo slew lag stiction gain stuck free "
-        "readback\n"
+        "                         disturbances: swing (amplitude of a sine) period (s, 1200)\n",
+        stdout);
+    print_options("measurements", PLANT_MEASUREMENT);
+    print_options("manipulated variables", PLANT_MV);
+    (void)fputs(
         "                         (docs/faults.md says what each does)\n"
         "  --measure NAME         a truth of the plant becomes a measurement, without lag and "
         "noise;\n"

@@ -130,6 +130,19 @@ class Options(Bench):
             self.assertEqual(done.returncode, 0)
             self.assertIn(text, done.stdout)
 
+    def test_help_lists_the_options_of_instruments_that_the_page_explains(self):
+        text = subprocess.run([SIM, "--help"], capture_output=True, text=True, timeout=HANG_S).stdout
+        with open(os.path.join(ROOT, "docs", "faults.md"), encoding="utf-8") as file:
+            page = file.read()
+        for title, head in (("measurements", "measurement"), ("manipulated variables", "manipulated variable")):
+            with self.subTest(title):
+                listed = re.search(rf"^ +{title}:((?:(?:\n {{27}}| )[a-z_]+)+)$", text, re.MULTILINE)
+                self.assertIsNotNone(listed, text)
+                table = page.split(f"| option of a {head} |")[1].split("\n\n")[0]
+                self.assertEqual(sorted(listed[1].split()), sorted(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)),
+                                 f"options of {title} in --help, and in the table of docs/faults.md that explains them")
+        self.assertLessEqual(max(map(len, text.splitlines())), 120)
+
 
 class Runs(Bench):
     SCRIPT = "0 log on\n100 status\n200 ?nonsense\n500 log off\n"
