@@ -6,7 +6,7 @@
  * all: not a number, quality, dropout. An analyser shows, from every n-th sample to the next, what came out of
  * quantisation some samples ago; it can be stuck, frozen or dead like any other.
  *
- * Actuator: limits, stiction, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
+ * Actuator: stiction, limits, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
  * the plant gets the mean of the interval, so that the amount delivered is right, and the read-back of the next
  * sample is that same mean.
  *
