@@ -4,7 +4,7 @@
  * Compares every listing in many states of the board with tests/reference/listings.txt, words to the letter and numbers within a
  * thousandth. Where a change is meant, read the difference before you commit it:
  *
- *     cd tests; ../build/host/tests/loop/test_transcript --write reference/listings.txt
+ *     (cd tests; ../build/host/tests/loop/test_transcript --write reference/listings.txt)
  *
  * Results of a start-up are kept as the float build has them. The rest is the same in both formats. */
 #include "commission_wood_berry.h"
@@ -12,6 +12,9 @@
 #include "transcript.h"
 
 #define KEPT "reference/listings.txt"
+#define ADVICE                                                                                     \
+    "A difference that is meant: write the file anew with a float build, then read its diff:\n"    \
+    "    (cd tests; ../build/host/tests/loop/test_transcript --write " KEPT ")"
 
 static size_t begun;
 static const char *title;
@@ -433,5 +436,7 @@ int main(int argc, char **argv)
     RUN_TEST(a_relay_test_is_listed_while_it_runs_and_after);
 #endif
     int failed = UNITY_END();
+    if (failed && !writing)
+        puts(ADVICE);
     return writing && !transcript_write(argv[2]) ? 1 : failed;
 }
