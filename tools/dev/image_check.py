@@ -151,8 +151,9 @@ def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_
     report.findings += [f"recursion: {cycle}" for cycle in graph.cycles]
     report.findings += [f"pointer: {line}" for line in sorted(set(graph.unlisted))]
     unused = graph.unlisted_addresses(handlers(image, entries, report.findings))
-    report.findings += [f"pointer: the address of {name} is kept, but it is the target of no line in {calls.path.name}"
-                        for name in unused]
+    report.findings += [f"pointer: the address of {name} is kept, but it is the target of no line in {calls.path.name}; "
+                        f"add {name} there to the line of the function that calls it, or to the @set that this line names"
+                        + (" (@listings for reply_list())" if name.endswith("_line") else "") for name in unused]
     report.frames_agree, differ = stack_use.compare_with_compiler(graph, folder)
     report.findings += [f"stack: {line}" for line in differ]
     report.functions, report.used_lines = len(graph.nodes), calls.used
@@ -208,5 +209,5 @@ def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
 def unused_lines(reports: list[Report], calls_file: Path = CALLS) -> list[str]:
     """Lines of the list that no image needs any more."""
     used = set().union(*(r.used_lines for r in reports)) | {"nobody"}
-    return [f"pointer: the line of {name} in {calls_file.name} is used by no image"
+    return [f"pointer: the line of {name} in {calls_file.name} is used by no image; delete it"
             for name in stack_use.read_list(calls_file).targets if name not in used]

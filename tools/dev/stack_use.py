@@ -170,8 +170,8 @@ class Graph:
     def _listed(self, caller: str, place: str) -> list[int]:
         names = self.indirect.targets.get(caller)
         if names is None:
-            self.unlisted.append(f"{caller} ({place}) calls through a pointer and has no line in "
-                                 f"{self.indirect.path.name}")
+            self.unlisted.append(f"{caller} ({place}) calls through a pointer and has no line in {self.indirect.path.name}; "
+                                 f"write there `{caller}: TARGET ...  # why these and no others`")
             return []
         self.indirect.used.add(caller)
         return [start for name in names for start in self._starts(name)]
