@@ -1,8 +1,8 @@
 /* Compares lines with a kept file. A file is kept only where it guards a promise: kept_open() is given the promise, which is the first
  * line of the file, and the head of the test explains it.
  *
- * Where a change is meant, run the test with REFLUX_KEEP=1 in the environment, in the folder tests/. The test then writes the file
- * anew. Read the difference, number by number, before you commit it. */
+ * Where a change is meant, run the test with REFLUX_KEEP=1 in the environment, in the folder tests/: a failure prints this
+ * command. The test then writes the file anew. Read the difference, number by number, before you commit it. */
 #ifndef REFLUX_TESTS_KEPT_TRANSCRIPT_H
 #define REFLUX_TESTS_KEPT_TRANSCRIPT_H
 
@@ -38,10 +38,25 @@ static inline void kept_open(const char *path, const char *promise)
     kept_line("## Promise: %s", promise);
 }
 
+/* Fails with the command that makes the kept file anew: the program of tests/LABEL/.../NAME.c is tests/LABEL/NAME. */
+static inline void kept_fail(const char *difference)
+{
+    char text[5 * TRANSCRIPT_LINE];
+    const char *label = __BASE_FILE__, *name = __BASE_FILE__, *found;
+    while ((found = strstr(label, "tests/")) != NULL)
+        label = found + strlen("tests/");
+    name = strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
+    snprintf(text, sizeof text,
+             "%s\n  to keep it as it is now: (cd tests; REFLUX_KEEP=1 ../build/%s/tests/%.*s/%.*s)",
+             difference, strstr(kept.path, "fixed") ? "host-fixed" : "host",
+             (int)strcspn(label, "/"), label, (int)strcspn(name, "."), name);
+    TEST_FAIL_MESSAGE(text);
+}
+
 /* The next line, without its end. */
 __attribute__((format(printf, 1, 2))) static inline void kept_line(const char *format, ...)
 {
-    char is[TRANSCRIPT_LINE], was[TRANSCRIPT_LINE + 2], text[5 * TRANSCRIPT_LINE];
+    char is[TRANSCRIPT_LINE], was[TRANSCRIPT_LINE + 2], text[4 * TRANSCRIPT_LINE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(is, sizeof is, format, arguments);
@@ -53,14 +68,15 @@ __attribute__((format(printf, 1, 2))) static inline void kept_line(const char *f
         fprintf(kept.file, "%s\n", is);
         return;
     }
-    TEST_ASSERT_NOT_NULL_MESSAGE(fgets(was, sizeof was, kept.file), "the kept file is shorter");
+    if (!fgets(was, sizeof was, kept.file))
+        kept_fail("the kept file is shorter");
     was[strcspn(was, "\n")] = '\0';
     if (strcmp(is, was) == 0)
         return;
     snprintf(text, sizeof text, "%s:%u %s\n  kept  %s\n  now   %s", kept.path, kept.line,
              kept.section, was, is);
     fclose(kept.file);
-    TEST_FAIL_MESSAGE(text);
+    kept_fail(text);
 }
 
 static inline void kept_close(void)
@@ -68,7 +84,8 @@ static inline void kept_close(void)
     char more[4];
     bool ends = kept.anew || !fgets(more, sizeof more, kept.file);
     TEST_ASSERT_EQUAL_INT(0, fclose(kept.file));
-    TEST_ASSERT_TRUE_MESSAGE(ends, "the kept file goes on");
+    if (!ends)
+        kept_fail("the kept file goes on");
 }
 
 #endif
