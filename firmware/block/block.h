@@ -37,7 +37,13 @@
 #include "num/num.h"
 #include "signal/integral_clamp.h"
 
-enum block_stage { STAGE_ESTIMATE, STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
+enum block_stage {
+    STAGE_ESTIMATE,
+    STAGE_CONTROL,
+    STAGE_COMPENSATE,
+    STAGE_FEED_FORWARD,
+    BLOCK_STAGES
+};
 
 /* Reaction of a block of several members to the loss of one of its further inputs, and of an element to the loss of
  * any input. */

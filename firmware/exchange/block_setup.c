@@ -6,12 +6,11 @@
 
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
 {
-    uint8_t from = plan->feedforward[element].from;
-    bool output = plan->feedforward[element].from_mv;
-    const struct measurement_config *m = &plan->config.measurement[from];
-    const struct mv_config *o = &plan->config.mv[from];
-    *lo = output ? o->lo : m->lo;
-    *hi = output ? o->hi : m->hi;
+    uint8_t input = plan->feedforward[element].input;
+    const struct measurement_config *m = &plan->config.measurement[input];
+    const struct mv_config *o = &plan->config.mv[input & (uint8_t)~INPUT_IS_MV];
+    *lo = input & INPUT_IS_MV ? o->lo : m->lo;
+    *hi = input & INPUT_IS_MV ? o->hi : m->hi;
 }
 
 void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)
@@ -42,7 +41,7 @@ void plan_setup_matrix(const struct plan *plan, struct block_setup *setup,
     }
 }
 
-void plan_setup_element(const struct plan *plan, uint8_t k, struct block_instance *b)
+void plan_setup_feedforward(const struct plan *plan, uint8_t k, struct block_instance *b)
 {
     const struct ff_config *f = &plan->config.feedforward[k];
     float lo, hi;
@@ -65,10 +64,10 @@ void plan_setup_element(const struct plan *plan, uint8_t k, struct block_instanc
 
 void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
 {
-    if (slot >= SLOT_RECORDS)
-        plan_setup_record(plan, (uint8_t)(slot - SLOT_RECORDS), &b->setup);
-    else if (slot >= SLOT_ELEMENTS)
-        plan_setup_element(plan, (uint8_t)(slot - SLOT_ELEMENTS), b);
+    if (slot >= SLOT_NUMBERED)
+        plan_setup_numbered(plan, (uint8_t)(slot - SLOT_NUMBERED), &b->setup);
+    else if (slot >= SLOT_FEEDFORWARDS)
+        plan_setup_feedforward(plan, (uint8_t)(slot - SLOT_FEEDFORWARDS), b);
     else if (slot == SLOT_MATRIX)
         plan_setup_matrix(plan, &b->setup, &b->settings.matrix);
     else

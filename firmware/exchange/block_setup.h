@@ -22,7 +22,8 @@ void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instan
 void plan_setup_own(const struct plan *plan, uint8_t loop, struct block_instance *instance);
 void plan_setup_matrix(const struct plan *plan, struct block_setup *setup,
                        struct matrix_settings *matrix);
-void plan_setup_element(const struct plan *plan, uint8_t element, struct block_instance *instance);
+void plan_setup_feedforward(const struct plan *plan, uint8_t element,
+                            struct block_instance *instance);
 
 /* Returns the span of the source of a feedforward element ffN, EU. The source must be resolved already. */
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);

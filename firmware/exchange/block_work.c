@@ -11,7 +11,7 @@ static bool work_piece(void *context)
 void block_work_init(struct supervisor *s)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        s->worker[n] = (struct supervisor_work){s, (uint8_t)(SLOT_RECORDS + n)};
+        s->worker[n] = (struct supervisor_work){s, (uint8_t)(SLOT_NUMBERED + n)};
         job_init(&s->work[n], "block", work_piece, &s->worker[n]);
     }
 }

@@ -7,9 +7,9 @@
 
 /* Returns the base ticks of a step of blockN. Compensators and feedforward elements run in every base tick,
  * whatever the divisors of the loops. */
-uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
+uint16_t plan_divisor(const struct plan *plan, uint8_t n)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     if (!r->members || plan_has_stage(plan, n, STAGE_COMPENSATE))
         return 1;
     return plan->config.loop[r->member[0]].divisor;
@@ -36,7 +36,7 @@ const struct block_parameter *plan_names_with(const struct block_kind *kind)
 /* Returns the number of the block that block n names; 0 if it names none. */
 uint16_t plan_number_named(const struct plan *plan, uint8_t n)
 {
-    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    uint8_t kind = plan->block[SLOT_NUMBERED + n].kind;
     const struct block_parameter *with =
         kind == PLAN_NONE ? NULL : plan_names_with(block_kinds[kind]);
     const uint8_t *settings = config_record(&plan->config, n);
@@ -56,24 +56,24 @@ const void *plan_named(const struct plan *plan, uint8_t n)
 bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind)
 {
     return plan_named(plan, n) &&
-           plan->block[SLOT_RECORDS + plan_number_named(plan, n) - 1u].kind ==
+           plan->block[SLOT_NUMBERED + plan_number_named(plan, n) - 1u].kind ==
                block_kind_find(kind);
 }
 
 bool plan_names_other(const struct plan *plan, uint8_t n)
 {
-    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    uint8_t kind = plan->block[SLOT_NUMBERED + n].kind;
     return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
            plan_names_a(plan, n, block_kinds[kind]->other_kind);
 }
 
-void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
+void plan_setup_numbered(const struct plan *plan, uint8_t n, struct block_setup *setup)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     setup->settings = config_record(&plan->config, n);
     setup->named = plan_named(plan, n);
     setup->named_other = plan_names_other(plan, n);
-    setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
+    setup->interval_s = plan->tick_s * (float)plan_divisor(plan, n);
     setup->members = r->members;
     setup->inputs = r->inputs;
     setup->points = r->points;

@@ -5,9 +5,9 @@
 #include "exchange/plan.h"
 
 #if CONFIG_BLOCKS
-void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
+void plan_setup_numbered(const struct plan *plan, uint8_t n, struct block_setup *setup);
 /* Returns the base ticks of a step of blockN. */
-uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);
+uint16_t plan_divisor(const struct plan *plan, uint8_t n);
 /* Returns the parameter with which a block of that kind names another, or NULL. */
 const struct block_parameter *plan_names_with(const struct block_kind *kind);
 /* Returns the number of the block that block n names; 0 if it names none. */
@@ -18,7 +18,8 @@ const void *plan_named(const struct plan *plan, uint8_t n);
 bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind);
 bool plan_names_other(const struct plan *plan, uint8_t n);
 #else
-static inline void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
+static inline void plan_setup_numbered(const struct plan *plan, uint8_t n,
+                                       struct block_setup *setup)
 {
     (void)plan;
     (void)n;

@@ -15,7 +15,7 @@
 #include "exchange/config.h"
 
 #ifndef PLAN_ARENA_BYTES
-#define PLAN_ARENA_BYTES 16384 /* states of channels, loops and blocks */
+#define PLAN_ARENA_BYTES 16448 /* states of channels, loops and blocks */
 #endif
 
 /* Bytes of a grain. Places in the arena are multiples of it, so that any state may stand there. */
@@ -47,16 +47,17 @@ struct loop_plan {
     uint8_t inner; /* loop whose setpoint it drives, or PLAN_NONE */
     uint8_t outer; /* loop that drives its setpoint, or PLAN_NONE */
     bool decouple;
-    /* Slot of the block that serves it in place of its own controller, or PLAN_NONE. */
-    uint8_t server;
 };
 
 /* Blocks have fixed slots in a plan: first the loops' own controllers, then the static decoupler, the feedforward
  * elements (ffN), and the blocks with a number (blockN). */
-#define SLOT_MATRIX   CONFIG_LOOPS
-#define SLOT_ELEMENTS (CONFIG_LOOPS + 1)
-#define SLOT_RECORDS  (SLOT_ELEMENTS + CONFIG_FEEDFORWARDS)
-#define PLAN_BLOCKS   ((uint8_t)(SLOT_RECORDS + CONFIG_BLOCKS))
+#define SLOT_MATRIX       CONFIG_LOOPS
+#define SLOT_FEEDFORWARDS (CONFIG_LOOPS + 1)
+#define SLOT_NUMBERED     (SLOT_FEEDFORWARDS + CONFIG_FEEDFORWARDS)
+#define PLAN_BLOCKS       ((uint8_t)(SLOT_NUMBERED + CONFIG_BLOCKS))
+
+/* Only a blockN may be of an earlier stage. */
+#define LISTED_FIRST (CONFIG_BLOCKS ? STAGE_ESTIMATE : STAGE_COMPENSATE)
 
 struct block_place {
     uint16_t grain, grains; /* first grain of its state in the arena, and how many */
@@ -67,12 +68,15 @@ struct block_place {
 #define INFER_IS_ESTIMATE 0x80u
 /* Bit of an input that is a manipulated variable; without it the input is a measurement. */
 #define INPUT_IS_MV 0x80u
+_Static_assert(CHANNEL_MAX < 0x80, "no MV is PLAN_NONE");
 
 /* Largest value that a feedforward element with a number (blockN) adds to an MV, either way, fraction of span. */
-#define PLAN_ELEMENT_MOST 1.0f
+#define PLAN_ADDED_MOST 1.0f
+/* The same of ffN, whose own limits lie within. */
+#define PLAN_FEEDFORWARD_MOST 2.0f
 
 /* Members, inputs and points of a block with a number (blockN). */
-struct record_plan {
+struct numbered_plan {
     uint8_t members, inputs, points;
     uint8_t member[BLOCK_MEMBERS_MAX]; /* loops */
     uint8_t input[BLOCK_INPUTS_MAX];
@@ -100,16 +104,21 @@ struct plan {
     uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
     struct block_place block[PLAN_BLOCKS];
-    struct record_plan record[CONFIG_BLOCKS];
-    uint8_t records; /* number of the last used blockN; 0 = none */
+    struct numbered_plan numbered[CONFIG_BLOCKS];
+    uint8_t numbered_end; /* number of the last used blockN; 0 = none */
+    /* The decoupler, ffN and blockN by stage, each stage in the order of their slots: plan_stage_begin(). */
+    uint8_t listed[PLAN_BLOCKS - SLOT_MATRIX];
+    uint8_t listed_end[BLOCK_STAGES - LISTED_FIRST];
+    /* Slot of the block that acts for loop i in place of its own controller, or PLAN_NONE. */
+    uint8_t server[CONFIG_BLOCKS ? CONFIG_LOOPS : 0];
     /* Number, from 0, of the blockN that writes measurement i, or PLAN_NONE. */
     uint8_t writer[PLAN_POINTS];
     /* Base ticks for which the applied values of MV j are kept; 0 = they are not. */
     uint16_t history[PLAN_POINTS];
     uint8_t histories; /* MVs from this one on have no history */
     struct {
-        uint8_t from, to; /* index of the measurement (or MV), and of the MV; PLAN_NONE = unused */
-        bool from_mv;     /* `from` is a manipulated variable */
+        uint8_t input; /* what ffN looks at, like an input of a block; PLAN_NONE = unused */
+        uint8_t point; /* the MV that it adds to */
     } feedforward[CONFIG_FEEDFORWARDS];
     struct {
         uint8_t measurement, mv; /* PLAN_NONE = unused */
@@ -133,6 +142,21 @@ static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_
     REFLUX_ASSERT(slot < PLAN_BLOCKS && plan->block[slot].kind < block_kind_count);
     return block_kinds[plan->block[slot].kind];
 }
+/* The blocks of a stage, but for the loops' own controllers, are listed[k], from k = plan_stage_begin() on and before
+ * plan_stage_end(). They run in this order. */
+static inline uint8_t plan_stage_begin(const struct plan *plan, enum block_stage stage)
+{
+    return stage > LISTED_FIRST ? plan->listed_end[stage - LISTED_FIRST - 1] : 0;
+}
+static inline uint8_t plan_stage_end(const struct plan *plan, enum block_stage stage)
+{
+    return plan->listed_end[stage - LISTED_FIRST];
+}
+/* Returns the most that a feedforward block adds to an MV, either way, fraction of span. */
+static inline float plan_added_most(uint8_t slot)
+{
+    return slot >= SLOT_NUMBERED ? PLAN_ADDED_MOST : PLAN_FEEDFORWARD_MOST;
+}
 /* Returns the number, from 0, of the block that writes a measurement, or PLAN_NONE if the plant announces it. */
 static inline uint8_t plan_writer(const struct plan *plan, uint8_t measurement)
 {
@@ -147,7 +171,7 @@ static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement
 /* Returns the slot of the block that serves a loop in place of its own controller, or PLAN_NONE. */
 static inline uint8_t plan_server(const struct plan *plan, uint8_t loop)
 {
-    return CONFIG_BLOCKS ? plan->loop[loop].server : (uint8_t)PLAN_NONE;
+    return CONFIG_BLOCKS ? plan->server[loop] : (uint8_t)PLAN_NONE;
 }
 /* Returns true if the alarm is on an event of a block, such as "block2.drift". No other name has a dot. */
 static inline bool alarm_is_on_event(const struct alarm_config *a)
@@ -157,7 +181,7 @@ static inline bool alarm_is_on_event(const struct alarm_config *a)
 /* Returns true if the kind of block n is known, and runs in that stage. */
 static inline bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
 {
-    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    uint8_t slot = (uint8_t)(SLOT_NUMBERED + n);
     return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
 }
 /* Returns the setpoint limits in force, EU. */

@@ -20,10 +20,10 @@ float plan_own_reach(const struct plan *plan, uint8_t i)
 float plan_added_reach(const struct plan *plan, uint8_t output)
 {
     float reach = 0.0f;
-    for (uint8_t n = 0; CONFIG_BLOCKS && n < plan->records; n++)
-        for (uint8_t k = 0; k < plan->record[n].points; k++)
-            if (plan_has_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
-                reach += PLAN_ELEMENT_MOST;
+    for (uint8_t n = 0; CONFIG_BLOCKS && n < plan->numbered_end; n++)
+        for (uint8_t k = 0; k < plan->numbered[n].points; k++)
+            if (plan_has_stage(plan, n, STAGE_FEED_FORWARD) && plan->numbered[n].point[k] == output)
+                reach += PLAN_ADDED_MOST;
     return reach;
 }
 
@@ -31,10 +31,10 @@ float plan_added_reach(const struct plan *plan, uint8_t output)
  * outputs. */
 float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
 {
-    for (uint8_t behind = (uint8_t)(n + 1u); CONFIG_BLOCKS && behind < plan->records; behind++)
-        for (uint8_t k = 0; k < plan->record[behind].members; k++)
+    for (uint8_t behind = (uint8_t)(n + 1u); CONFIG_BLOCKS && behind < plan->numbered_end; behind++)
+        for (uint8_t k = 0; k < plan->numbered[behind].members; k++)
             if (plan_has_stage(plan, behind, STAGE_COMPENSATE) &&
-                plan->record[behind].member[k] == i)
+                plan->numbered[behind].member[k] == i)
                 return NUM_MAX_MAGNITUDE;
     return plan_own_reach(plan, i);
 }

@@ -393,7 +393,7 @@ static inline bool element_is_silenced(const struct supervisor *s, uint8_t eleme
 static inline const char *supervisor_excited_by(const struct supervisor *s)
 {
     uint8_t holder = s->excitation.holder;
-    return holder ? plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + holder - 1u))->name : NULL;
+    return holder ? plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + holder - 1u))->name : NULL;
 }
 /* Returns the setpoint in force without a test signal. */
 static inline num_t loop_own_setpoint(const struct loop_state *l)
@@ -408,7 +408,7 @@ static inline void loop_applied(struct loop_state *l, num_t v)
 /* Returns the slot of the block that acts for loop i, or PLAN_NONE if its own controller does. */
 static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
 {
-    uint8_t slot = s->plan->loop[i].server;
+    uint8_t slot = s->plan->server[i];
     return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
 }
 #else

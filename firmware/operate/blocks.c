@@ -17,7 +17,7 @@ static bool is_block(const struct config *config, uint8_t block)
 static uint8_t slot_of(uint8_t block)
 {
     REFLUX_ASSERT(block < CONFIG_BLOCKS);
-    return (uint8_t)(SLOT_RECORDS + block);
+    return (uint8_t)(SLOT_NUMBERED + block);
 }
 
 bool operate_block(const struct session *session, uint8_t block, struct block_reading *reading)
@@ -34,7 +34,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
     hal_tick_lock();
     const struct served_state *state = &sup->served[block];
     REFLUX_ASSERT(state->input < BLOCK_INPUTS_MAX);
-    uint8_t input = plan->record[block].input[state->input];
+    uint8_t input = plan->numbered[block].input[state->input];
     if (sup->block[slot_of(block)].off)
         reading->gave_up = state->gave_up        ? state->gave_up
                            : input & INPUT_IS_MV ? plan->config.mv[input & ~INPUT_IS_MV].name

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "exchange/arena_sizes.h"
+#include "exchange/block_links.h"
 #include "exchange/block_settings.h"
 #include "exchange/block_setup.h"
 #include "plan/plan_blocks.h"
@@ -22,7 +23,7 @@ static uint8_t first_of_stage(enum block_stage stage)
 
 static uint8_t plan_find_kind(const struct plan *plan, uint8_t slot)
 {
-    if (slot >= SLOT_ELEMENTS)
+    if (slot >= SLOT_FEEDFORWARDS)
         return first_of_stage(STAGE_FEED_FORWARD);
     if (slot == SLOT_MATRIX)
         return first_of_stage(STAGE_COMPENSATE);
@@ -81,16 +82,16 @@ enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
                : ERR_OK;
 }
 
-enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *fault)
+enum err plan_check_feedforward(struct plan *plan, uint8_t k, struct config_fault *fault)
 {
     struct block_instance b;
     struct block_fault reason;
     const char *from = plan->config.feedforward[k].from;
-    uint8_t slot = (uint8_t)(SLOT_ELEMENTS + k);
+    uint8_t slot = (uint8_t)(SLOT_FEEDFORWARDS + k);
     plan->block[slot].kind = plan_find_kind(plan, slot);
     if (plan->block[slot].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "ff", k + 1u, "from", from, NOT_IN_BUILD);
-    plan_setup_element(plan, k, &b);
+    plan_setup_feedforward(plan, k, &b);
     enum err err = plan_kind(plan, slot)->check(&b.setup, &reason);
     if (err && !reason.field[0])
         return plan_refuse(fault, err, "tick", 0, "base", from, reason.wanted);
@@ -101,12 +102,12 @@ static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct conf
 {
     static const char *const wanted = "finds no memory";
     const struct config *c = &plan->config;
-    if (CONFIG_BLOCKS && slot >= SLOT_RECORDS) {
-        unsigned n = slot - SLOT_RECORDS;
+    if (CONFIG_BLOCKS && slot >= SLOT_NUMBERED) {
+        unsigned n = slot - SLOT_NUMBERED;
         return plan_refuse(fault, ERR_MEMORY, "block", n + 1u, "kind", c->block[n].kind, wanted);
     }
-    if (slot >= SLOT_ELEMENTS) {
-        unsigned k = slot - SLOT_ELEMENTS;
+    if (slot >= SLOT_FEEDFORWARDS) {
+        unsigned k = slot - SLOT_FEEDFORWARDS;
         return plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead", c->feedforward[k].from,
                            "dead times need more memory than this board has");
     }
@@ -114,11 +115,23 @@ static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct conf
                        wanted);
 }
 
+static void list_stages(struct plan *plan)
+{
+    uint8_t n = 0;
+    for (unsigned stage = LISTED_FIRST; stage < BLOCK_STAGES; stage++) {
+        for (uint8_t slot = SLOT_MATRIX; slot < PLAN_BLOCKS; slot++)
+            if (plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage)
+                plan->listed[n++] = slot;
+        plan->listed_end[stage - LISTED_FIRST] = n;
+    }
+}
+
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
 {
     uint8_t n[PLACED_KINDS];
     arena_count(plan, n);
     uint32_t at = arena_state_bytes(n) / ARENA_GRAIN;
+    list_stages(plan);
     for (uint8_t slot = 0; slot < PLAN_BLOCKS; slot++) {
         struct block_place *place = &plan->block[slot];
         uint32_t grains = 0;

@@ -264,11 +264,11 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
                 err = plan_check_own(plan, i, fault);
         }
     if (!err)
-        err = plan_resolve_records(plan, fault);
+        err = plan_resolve_numbered(plan, fault);
     if (!err)
         err = order_loops(plan, fault);
     if (!err)
-        err = plan_check_records(plan, fault);
+        err = plan_check_numbered(plan, fault);
     if (!err)
         err = plan_check_matrix(plan, fault);
     if (!err)

@@ -14,8 +14,8 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
         reach[i] = 0;
         for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
-            if (plan->feedforward[i].from != PLAN_NONE && plan->feedforward[k].from_mv &&
-                plan->feedforward[k].from == plan->feedforward[i].to)
+            if (plan->feedforward[i].input != PLAN_NONE &&
+                plan->feedforward[k].input == (INPUT_IS_MV | plan->feedforward[i].point))
                 reach[i] = (uint8_t)(reach[i] | 1u << k);
     }
     for (uint8_t through = 0; through < CONFIG_FEEDFORWARDS; through++)
@@ -33,29 +33,32 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
 static void resolve_source(struct plan *plan, uint8_t i)
 {
     const char *from = plan->config.feedforward[i].from;
-    plan->feedforward[i].from = config_find_measurement(&plan->config, from);
-    plan->feedforward[i].from_mv = plan->feedforward[i].from == PLAN_NONE;
-    if (plan->feedforward[i].from_mv)
-        plan->feedforward[i].from = config_find_mv(&plan->config, from);
+    uint8_t input = config_find_measurement(&plan->config, from);
+    if (input == PLAN_NONE) {
+        input = config_find_mv(&plan->config, from);
+        if (input != PLAN_NONE)
+            input = (uint8_t)(INPUT_IS_MV | input);
+    }
+    plan->feedforward[i].input = input;
 }
 
 enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault)
 {
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
         const struct ff_config *f = &plan->config.feedforward[i];
-        plan->feedforward[i].from = PLAN_NONE;
+        plan->feedforward[i].input = PLAN_NONE;
         if (!f->from[0])
             continue;
         resolve_source(plan, i);
-        if (plan->feedforward[i].from == PLAN_NONE)
+        if (plan->feedforward[i].input == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "from", f->from,
                                "must be a configured measurement or manipulated variable");
-        plan->feedforward[i].to = config_find_mv(&plan->config, f->to);
-        if (plan->feedforward[i].to == PLAN_NONE ||
-            plan->owner[plan->feedforward[i].to] == PLAN_NONE)
+        plan->feedforward[i].point = config_find_mv(&plan->config, f->to);
+        if (plan->feedforward[i].point == PLAN_NONE ||
+            plan->owner[plan->feedforward[i].point] == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "to", f->to,
                                "must be a manipulated variable that a loop drives");
-        enum err err = plan_check_element(plan, i, fault);
+        enum err err = plan_check_feedforward(plan, i, fault);
         if (err)
             return err;
     }

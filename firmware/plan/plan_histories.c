@@ -15,13 +15,12 @@ static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)
 /* Returns the base ticks that blockN wants to look back. */
 static uint32_t ticks_wanted(const struct plan *plan, uint8_t n)
 {
-    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    uint8_t slot = (uint8_t)(SLOT_NUMBERED + n);
     if (plan->block[slot].kind == PLAN_NONE || !plan_kind(plan, slot)->history)
         return 0;
     struct block_setup setup;
-    plan_setup_record(plan, n, &setup);
-    return applied_history_ticks(plan_kind(plan, slot)->history(&setup),
-                                 plan_record_divisor(plan, n));
+    plan_setup_numbered(plan, n, &setup);
+    return applied_history_ticks(plan_kind(plan, slot)->history(&setup), plan_divisor(plan, n));
 }
 
 static enum err refuse_history(const struct plan *plan, uint8_t n, uint32_t grains,
@@ -36,7 +35,7 @@ static enum err refuse_history(const struct plan *plan, uint8_t n, uint32_t grai
 enum err plan_resolve_histories(struct plan *plan, uint32_t at, struct config_fault *fault)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        const struct record_plan *r = &plan->record[n];
+        const struct numbered_plan *r = &plan->numbered[n];
         uint32_t ticks = ticks_wanted(plan, n);
         /* The depth of a history that is too large by itself may not even fit 16 bits. */
         uint32_t grains = at + ARENA_GRAINS(applied_history_bytes(ticks));

@@ -14,7 +14,7 @@ enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault
  * have it check the settings. Their channels must be resolved already. */
 enum err plan_check_own(struct plan *plan, uint8_t loop, struct config_fault *fault);
 enum err plan_check_matrix(struct plan *plan, struct config_fault *fault);
-enum err plan_check_element(struct plan *plan, uint8_t element, struct config_fault *fault);
+enum err plan_check_feedforward(struct plan *plan, uint8_t element, struct config_fault *fault);
 /* Resolves an alarm on `blockN.CODE`. */
 enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault);
 #if COMMISSION_CHANNELS
@@ -38,28 +38,24 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
  * there was none. */
 const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE]);
 #if CONFIG_BLOCKS
-/* plan_records.c: resolves the blocks with a number (blockN). Channels and loops must be resolved already, but not
+/* plan_numbered.c: resolves the blocks with a number (blockN). Channels and loops must be resolved already, but not
  * the order of the loops. */
-enum err plan_resolve_records(struct plan *plan, struct config_fault *fault);
+enum err plan_resolve_numbered(struct plan *plan, struct config_fault *fault);
 /* Has the kinds check the settings of blocks with a number; the loops must be in order. */
-enum err plan_check_records(struct plan *plan, struct config_fault *fault);
-/* plan_record_stages.c: resolve the MVs that a feedforward element adds to; check that a compensator or an element
+enum err plan_check_numbered(struct plan *plan, struct config_fault *fault);
+/* plan_numbered_stages.c: resolve the MVs that a feedforward element adds to; check that a compensator or an element
  * has what it needs; and check that none moves an MV that it looks at, after all feedforward elements have been
  * resolved. */
 enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault);
 enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault);
 enum err plan_check_rings(const struct plan *plan, struct config_fault *fault);
-/* Returns the grains in the arena behind the state of the block: one for each member of a compensator
- * (compensate_blocks.c), else 0. */
-uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot);
 /* Finds the depth of each MV's history, and checks that they fit behind the blocks, from grain `at` on. The kinds
  * must have accepted their settings already. */
 enum err plan_resolve_histories(struct plan *plan, uint32_t at, struct config_fault *fault);
 #else
-#define plan_resolve_records(plan, fault)       ERR_OK
-#define plan_check_records(plan, fault)         ERR_OK
+#define plan_resolve_numbered(plan, fault)      ERR_OK
+#define plan_check_numbered(plan, fault)        ERR_OK
 #define plan_check_rings(plan, fault)           ERR_OK
-#define plan_grains_behind(plan, slot)          0u
 #define plan_resolve_histories(plan, at, fault) ERR_OK
 #endif
 /* Gives the blocks their places in the arena, after all checks. */

@@ -172,9 +172,8 @@ static bool same_feedforward(const struct plan *plan, const struct plan *old, ui
     return strcmp(a->from, b->from) == 0 && strcmp(a->to, b->to) == 0 && a->gain == b->gain &&
            a->lead_s == b->lead_s && a->lag_s == b->lag_s && a->dead_s == b->dead_s &&
            a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
-           plan->feedforward[i].from == old->feedforward[i].from &&
-           plan->feedforward[i].from_mv == old->feedforward[i].from_mv &&
-           plan->feedforward[i].to == old->feedforward[i].to;
+           plan->feedforward[i].input == old->feedforward[i].input &&
+           plan->feedforward[i].point == old->feedforward[i].point;
 }
 
 static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
@@ -196,7 +195,7 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
     if (before)
         rejoin(s, before->to);
     rejoin(s, f->to);
-    uint8_t slot = (uint8_t)(SLOT_ELEMENTS + i);
+    uint8_t slot = (uint8_t)(SLOT_FEEDFORWARDS + i);
     s->block[slot].running = false; /* it begins at rest at the next tick */
     if (!f->from[0])
         return;

@@ -1,7 +1,7 @@
 #include "supervise/back_calculate.h"
 
 #include "supervise/blocks.h"
-#include "supervise/compensate_blocks.h"
+#include "supervise/compensate.h"
 #include "supervise/constrain.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
@@ -85,34 +85,6 @@ static void back_outer(struct supervisor *s, uint8_t i)
     tell_applied(s, i, setpoint_taken(s, p->inner, l->v), l->clamp);
 }
 
-/* Computes for compensated loops what took effect: v plus the back-calculation of (applied - commanded). Where the
- * compensator asks for more than num_t holds, the command does not say by how much the output falls short of it.
- * Then the back-calculation of the output itself counts. */
-static void back_compensated(struct supervisor *s, num_t *told)
-{
-    const struct block_state *b = &s->block[SLOT_MATRIX];
-    num_t u[DECOUPLER_MAX];
-    bool whole = false;
-    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
-        if (!(b->acting & (1u << i)))
-            continue;
-        const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        u[i] = mv_shortfall(o);
-        whole = whole || num_lt(num_from_float(COMMAND_MAX), num_abs(o->commanded));
-    }
-    for (uint8_t i = 0; whole && i < DECOUPLER_MAX; i++) {
-        if (!(b->acting & (1u << i)))
-            continue;
-        const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        u[i] = num_sub(mv_without_signal(o, o->applied), s->loop[i].feedforward);
-    }
-    struct block_io io = {.members.acting = b->acting, .members.in = u, .members.out = told};
-    block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);
-    for (uint8_t i = 0; !whole && i < DECOUPLER_MAX; i++)
-        if (b->acting & (1u << i))
-            told[i] = num_add(s->loop[i].v, told[i]);
-}
-
 void back_calculate_loops(struct supervisor *s)
 {
     num_t told[CONFIG_LOOPS];
@@ -122,8 +94,6 @@ void back_calculate_loops(struct supervisor *s)
         if (j != PLAN_NONE)
             told[i] = num_add(told[i], mv_shortfall(&s->mv[j]));
     }
-    if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
-        back_compensated(s, told);
     compensators_back_calculate(s, told);
     /* Inner loops come first, because the limits of an outer loop depend on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {

@@ -148,7 +148,7 @@ static enum excite_reason plant_disturbance(const struct supervisor *s)
 
 static bool is_controller(const struct supervisor *s)
 {
-    return plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + s->excitation.holder - 1u))->stage ==
+    return plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + s->excitation.holder - 1u))->stage ==
            STAGE_CONTROL;
 }
 
@@ -156,7 +156,7 @@ static bool is_controller(const struct supervisor *s)
  * in every tick. */
 static bool has_turns(const struct supervisor *s, uint8_t n)
 {
-    const struct record_plan *r = &s->plan->record[n];
+    const struct numbered_plan *r = &s->plan->numbered[n];
     if (!is_controller(s))
         return true;
     for (uint8_t k = 0; k < r->members; k++)
@@ -213,7 +213,7 @@ static const char *who_excites(const struct supervisor *s)
 
 static bool is_holder(const struct supervisor *s, uint8_t slot)
 {
-    return s->excitation.holder == slot - SLOT_RECORDS + 1;
+    return s->excitation.holder == slot - SLOT_NUMBERED + 1;
 }
 
 void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason)
@@ -235,7 +235,7 @@ void excitation_end_by_hand(struct supervisor *s, uint8_t j)
 static bool resolve_target(const struct supervisor *s, uint8_t n, const struct block_excitation *a,
                            struct excited *t)
 {
-    const struct record_plan *r = &s->plan->record[n];
+    const struct numbered_plan *r = &s->plan->numbered[n];
     bool input = a->what == EXCITE_INPUT;
     if (a->what > EXCITE_SETPOINT || a->which >= (input ? r->inputs : r->members))
         return false;
@@ -347,7 +347,7 @@ static enum excite_reason begin_excitation(struct supervisor *s, uint8_t n,
 void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
                      struct block_excitation *ask)
 {
-    const struct excite_answer *told = &s->excitation.answer[slot - SLOT_RECORDS];
+    const struct excite_answer *told = &s->excitation.answer[slot - SLOT_NUMBERED];
     memset(ask, 0, BLOCK_EXCITES_MAX * sizeof *ask);
     io->requests.excite = ask;
     io->requests.excite_state = told->state;
@@ -358,7 +358,7 @@ void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *
 void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     struct excitation_state *e = &s->excitation;
-    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
     struct excited target[BLOCK_EXCITES_MAX];
     uint8_t targets = resolve_targets(s, n, io, target);
     e->asked = is_holder(s, slot) ? s->ticks : e->asked;

@@ -13,10 +13,10 @@ void loop_to_manual(struct supervisor *s, uint8_t i)
 
 bool loop_acts_on(const struct supervisor *s, uint8_t measurement)
 {
-    bool acts = false;
     for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
-        acts = acts || (loop_acts(s, k) && s->plan->loop[k].pv == measurement);
-    return acts;
+        if (s->plan->loop[k].pv == measurement && loop_acts(s, k))
+            return true;
+    return false;
 }
 
 static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)

@@ -4,7 +4,7 @@
 
 void estimates_keep(struct supervisor *s)
 {
-    for (uint8_t i = 0; s->plan->records && i < s->placed[PLACED_MEASUREMENTS]; i++) {
+    for (uint8_t i = 0; s->plan->numbered_end && i < s->placed[PLACED_MEASUREMENTS]; i++) {
         struct measurement_state *m = &s->measurement[i];
         const struct measurement_config *c = &s->plan->config.measurement[i];
         if (!plan_is_estimate(s->plan, i))

@@ -12,14 +12,14 @@ struct block_proposal *proposal_room(struct supervisor *s)
 void proposal_withdraw(struct supervisor *s, uint8_t slot)
 {
     if (atomic_load(&s->proposal.state) != PROPOSAL_FREE &&
-        s->proposal.block == slot - SLOT_RECORDS)
+        s->proposal.block == slot - SLOT_NUMBERED)
         atomic_store(&s->proposal.withdrawn, true);
 }
 
 void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     struct block_proposal *p = io->requests.proposal;
-    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
     if (!p || !p->n)
         return;
     for (uint8_t k = 0; k < p->n && k < PROPOSAL_MAX; k++)

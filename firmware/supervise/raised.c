@@ -5,7 +5,7 @@
 
 void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_RECORDS), kind = s->block[slot].kind;
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED), kind = s->block[slot].kind;
     uint16_t before = s->served[n].raised, now = 0;
     for (uint8_t k = 0; k < block_kinds[kind]->events; k++) {
         const struct block_event *event = &block_kinds[kind]->event[k];
@@ -22,9 +22,4 @@ void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
                   io->requests.event_value[k], kind);
     }
     s->served[n].raised = now & ((1u << BLOCK_EVENTS_MAX) - 1u);
-}
-
-void raised_forget(struct supervisor *s, uint8_t slot)
-{
-    s->served[slot - SLOT_RECORDS].raised = 0;
 }

@@ -9,7 +9,13 @@
 /* Reports the events of a block that has made a step. */
 void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io);
 /* Clears the events of a block that runs no step. */
-void raised_forget(struct supervisor *s, uint8_t slot);
+static inline void raised_forget(struct supervisor *s, uint8_t slot)
+{
+    if (slot >= SLOT_NUMBERED)
+        s->served[slot - SLOT_NUMBERED].raised = 0;
+}
+#else
+#define raised_forget(s, slot) ((void)(s))
 #endif
 
 #endif

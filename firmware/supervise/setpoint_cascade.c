@@ -11,8 +11,8 @@ static const struct block_return *return_of(const struct supervisor *s, uint8_t 
     uint8_t pv = s->plan->loop[outer].pv, n = s->plan->writer[pv];
     if (n == PLAN_NONE)
         return NULL;
-    uint16_t place = plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + n))->returns;
-    const struct record_plan *r = &s->plan->record[n];
+    uint16_t place = plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + n))->returns;
+    const struct numbered_plan *r = &s->plan->numbered[n];
     if (!place)
         return NULL;
     const uint8_t *settings = config_record(&s->plan->config, n);

@@ -18,7 +18,7 @@ static bool is_element(uint8_t element)
 
 struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
 {
-    struct switch_off_slot *w = &s->switch_off[slot - SLOT_RECORDS];
+    struct switch_off_slot *w = &s->switch_off[slot - SLOT_NUMBERED];
     if (atomic_load(&w->state) != SWITCH_OFF_FREE)
         return NULL;
     w->content.n = 0;
@@ -41,7 +41,7 @@ static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
 
 void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
     struct switch_off_slot *w = &s->switch_off[n];
     const struct block_switch_off *is = io->requests.switch_off;
     char name[CHANNEL_NAME_SIZE];
@@ -75,6 +75,19 @@ void switch_off_forget_element(struct supervisor *s, uint8_t k)
     forget(s, switch_off_element(k));
 }
 
+bool switched_off(const struct supervisor *s, uint8_t slot)
+{
+    return element_is_silenced(s, switch_off_element((uint8_t)(slot - SLOT_FEEDFORWARDS)));
+}
+
+bool switched_off_changes(struct supervisor *s, uint8_t slot, struct block_io *io)
+{
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
+    bool changes = s->served[n].silenced != s->silenced[1 + n];
+    io->requests.silenced = s->served[n].silenced = s->silenced[1 + n];
+    return changes;
+}
+
 /* Returns true if both blocks have the same k-th values in the rows that have a value for each term. */
 static bool same_term(const struct block_kind *kind, const uint8_t *a, const uint8_t *b, uint8_t k)
 {
@@ -89,7 +102,7 @@ static bool same_term(const struct block_kind *kind, const uint8_t *a, const uin
 
 void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
     for (uint8_t k = 0; k < ELEMENT_TERMS && s->silenced[1 + n]; k++)
         if (!same || !same_term(plan_kind(s->plan, slot), config_record(&old->config, n),
                                 config_record(&s->plan->config, n), k))

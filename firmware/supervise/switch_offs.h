@@ -16,9 +16,15 @@ void switch_offs_lift(struct supervisor *s);
 void switch_off_forget_element(struct supervisor *s, uint8_t k);
 /* Lets those terms of blockN act again that have other settings; all of them if it is another block. */
 void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same);
+/* Returns true if ffN, in its slot, is switched off. */
+bool switched_off(const struct supervisor *s, uint8_t slot);
+/* Tells a blockN which of its terms are switched off. Returns whether these are others than in its last step. */
+bool switched_off_changes(struct supervisor *s, uint8_t slot, struct block_io *io);
 #else
-#define switch_offs_lift(s)             ((void)(s))
-#define switch_off_forget_element(s, k) ((void)(s), (void)(k))
+#define switched_off(s, slot)             ((void)(s), false)
+#define switched_off_changes(s, slot, io) ((void)(s), false)
+#define switch_offs_lift(s)               ((void)(s))
+#define switch_off_forget_element(s, k)   ((void)(s), (void)(k))
 #endif
 
 #endif

@@ -1,21 +1,18 @@
-/* The order of a tick (docs/tick.md), and its shorter steps: readings in, feedforward, loops, compensator. */
-
-#include <string.h>
+/* The order of a tick (docs/tick.md), and its shorter steps: readings in, loops, commands. */
 
 #include "supervise/alarms.h"
 #include "supervise/back_calculate.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
-#include "supervise/compensate_blocks.h"
+#include "supervise/compensate.h"
 #include "supervise/constrain.h"
-#include "supervise/element_blocks.h"
 #include "supervise/estimates.h"
+#include "supervise/feed_forward.h"
 #include "supervise/histories.h"
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
 #include "supervise/supervisor.h"
-#include "supervise/switch_offs.h"
 #include "supervise/transfer.h"
 #include "supervise/validate.h"
 #include "supervise/watch.h"
@@ -54,51 +51,6 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     loop_to_manual(s, i);
 }
 
-/* Reads the source of ffK, fraction of span. Returns false if it has no value yet, or if the element is switched
- * off. For an MV it is the value that was applied in the tick before, whatever moved it: limits, interlocks and
- * hands included. So no correction depends on the order in which loops or corrections are computed. */
-static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
-{
-    uint8_t from = s->plan->feedforward[k].from;
-    if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE || element_is_silenced(s, k))
-        return false;
-    bool output = s->plan->feedforward[k].from_mv;
-    *d = output ? s->mv[from].applied : s->measurement[from].value;
-    return output ? s->mv[from].bound : s->measurement[from].bound && s->measurement[from].seen;
-}
-
-/* Computes the corrections. `before` gets those of the tick before, for each loop. */
-static void feed_forward(struct supervisor *s, num_t *before)
-{
-    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
-        before[i] = s->loop[i].feedforward;
-        s->loop[i].feedforward = num_zero();
-    }
-    switch_offs_lift(s);
-    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        struct block_state *b = &s->block[SLOT_ELEMENTS + k];
-        num_t d = num_zero(), added;
-        bool runs = feedforward_input(s, k, &d), ran = b->running;
-        if (!runs && !ran)
-            continue; /* without a number there is no correction */
-        struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
-        /* If the element or its source is new or gone, the element begins at rest, and the loop makes room for it
-         * or fills its place. */
-        l->moved = l->moved || runs != ran;
-        b->running = runs;
-        if (!runs)
-            continue;
-        const struct block_kind *kind = block_kinds[b->kind];
-        void *state = supervisor_block(s, (uint8_t)(SLOT_ELEMENTS + k));
-        struct block_io io = {.members.acting = 1, .members.in = &d, .members.out = &added};
-        if (!ran)
-            kind->follow(state, &io);
-        kind->step(state, &io);
-        l->feedforward = num_add(l->feedforward, added);
-    }
-    elements_step(s);
-}
-
 static void run_loops(struct supervisor *s)
 {
     for (uint8_t k = 0; k < s->plan->n_order; k++) {
@@ -123,13 +75,6 @@ static void make_commands(struct supervisor *s)
     num_t u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         u[i] = s->loop[i].v;
-    const struct block_state *b = &s->block[SLOT_MATRIX];
-    if (b->kind != PLAN_NONE) {
-        num_t v[DECOUPLER_MAX];
-        memcpy(v, u, sizeof v);
-        struct block_io io = {.members.acting = b->acting, .members.in = v, .members.out = u};
-        block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
-    }
     compensators_step(s, u);
     for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
         if (!s->plan->config.mv[j].name[0])

@@ -4,7 +4,7 @@
 
 static const struct block_kind *kind_of_request(const struct supervisor *s, const struct request *r)
 {
-    uint8_t kind = r->output < CONFIG_BLOCKS ? s->block[SLOT_RECORDS + r->output].kind : PLAN_NONE;
+    uint8_t kind = r->output < CONFIG_BLOCKS ? s->block[SLOT_NUMBERED + r->output].kind : PLAN_NONE;
     return kind == PLAN_NONE ? NULL : block_kinds[kind];
 }
 
@@ -16,7 +16,7 @@ bool verb_exists(const struct supervisor *s, const struct request *r)
 
 bool verb_run(struct supervisor *s, const struct request *r)
 {
-    uint8_t n = r->output, slot = (uint8_t)(SLOT_RECORDS + n);
+    uint8_t n = r->output, slot = (uint8_t)(SLOT_NUMBERED + n);
     const struct block_verb *verb = &kind_of_request(s, r)->verb[r->mode];
     const char *reason = "off";
     char name[CHANNEL_NAME_SIZE];

@@ -20,7 +20,7 @@
 #define CONFIG_STEPS        0
 #define CONFIG_LOOP_GUARD   0
 #define EVENT_LOG_JOINS     0
-#define PLAN_ARENA_BYTES    1264
+#define PLAN_ARENA_BYTES    1280
 
 /* A plant may have more channels than can be configured; their names must fit. */
 #define IO_CHANNELS_MAX    6

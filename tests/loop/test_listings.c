@@ -149,7 +149,7 @@ static void version_says_what_runs_where_and_with_what_limits(void)
     TEST_ASSERT_EQUAL_STRING("in the bench's own process", reply[1]);
     TEST_ASSERT_EQUAL_STRING("clock Hz 0, set by the bench", reply[2]);
     TEST_ASSERT_EQUAL_STRING("limits: channels 16 loops 16 feedforwards 4 interlocks 8 events 100 "
-                             "alarms 8 arena bytes 19392 steps 32",
+                             "alarms 8 arena bytes 19456 steps 32",
                              reply[3]);
     TEST_ASSERT_EQUAL_STRING("limits: plant channels 16 name bytes 896 requests 32 rows 8 line 200"
                              ", recalls lines",

@@ -25,7 +25,7 @@ class BaseImageTest(unittest.TestCase):
     def test_version_says_what_is_short_and_left_out(self) -> None:
         self.plant()
         version = "\n".join(self.console.do("version"))
-        for limit in ("channels 8 loops 8", "events 100", "arena bytes 16384 steps 0", "plant channels 16",
+        for limit in ("channels 8 loops 8", "events 100", "arena bytes 16448 steps 0", "plant channels 16",
                       "left out of this build: sequences automatic-start-up"):
             self.assertIn(limit, version)
 

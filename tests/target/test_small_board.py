@@ -35,7 +35,7 @@ class SmallBoardTest(unittest.TestCase):
         self.assertIn("on stm32f100, numbers Q7.24", version)
         self.assertIn("in an emulator", version)
         for limit in ("channels 4", "loops 2", "feedforwards 1", "interlocks 2", "alarms 1",
-                      "arena bytes 1264 steps 0", "left out of this build: sequences automatic-start-up",
+                      "arena bytes 1280 steps 0", "left out of this build: sequences automatic-start-up",
                       "recalls no lines"):
             self.assertIn(limit, version)
 
@@ -50,7 +50,7 @@ class SmallBoardTest(unittest.TestCase):
 
     def test_a_dead_time_too_long_for_the_arena_is_refused_with_the_bytes_it_needs(self) -> None:
         self.control_pilot()
-        for line in ("begin", "set ff1.reference 90", "set ff1.from T1", "set ff1.to Lr", "set ff1.gain 1", "set ff1.dead 3000"):
+        for line in ("begin", "set ff1.reference 90", "set ff1.from T1", "set ff1.to Lr", "set ff1.gain 1", "set ff1.dead 3100"):
             self.console.do(line)
         reply = self.console.ask("apply")[-1]
         self.assertTrue(reply.startswith("err MEMORY ff1.dead:"), reply)

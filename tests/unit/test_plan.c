@@ -126,12 +126,10 @@ static void a_feedforward_takes_a_measurement_or_an_input_the_measurement_first(
 {
     put_all((const char *const[]){"ff1.from", "reflux", "ff1.to", "heat", NULL});
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_TRUE(plan.feedforward[0].from_mv);
-    TEST_ASSERT_EQUAL_UINT8(REFLUX, plan.feedforward[0].from);
+    TEST_ASSERT_EQUAL_UINT8(INPUT_IS_MV | REFLUX, plan.feedforward[0].input);
     put("meas3.name", "reflux");
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_FALSE(plan.feedforward[0].from_mv);
-    TEST_ASSERT_EQUAL_UINT8(FEED, plan.feedforward[0].from);
+    TEST_ASSERT_EQUAL_UINT8(FEED, plan.feedforward[0].input);
 }
 
 static void feedforwards_must_not_lead_back_to_where_they_come_from(void)
@@ -363,7 +361,7 @@ static void dead_times_that_do_not_fit_say_how_many_bytes_they_need(void)
         at += plan.block[b].grains;
     }
     TEST_ASSERT_TRUE(at * ARENA_GRAIN <= PLAN_ARENA_BYTES);
-    TEST_ASSERT_TRUE(plan.block[SLOT_ELEMENTS].grains * ARENA_GRAIN >= 4 * 3002);
+    TEST_ASSERT_TRUE(plan.block[SLOT_FEEDFORWARDS].grains * ARENA_GRAIN >= 4 * 3002);
 }
 
 static void an_interlock_forces_within_the_span(void)

@@ -214,7 +214,7 @@ static void a_feedforward_calls_for_nothing_where_the_input_was_held(void)
     const struct ff_config *f = &config.feedforward[0]; /* in place of the old one */
     TEST_ASSERT_EQUAL_STRING("u1", f->from);
     TEST_ASSERT_EQUAL_STRING("u2", f->to);
-    TEST_ASSERT_TRUE(plan.feedforward[0].from_mv);
+    TEST_ASSERT_TRUE(plan.feedforward[0].input & INPUT_IS_MV);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, f->reference);
     TEST_ASSERT_FLOAT_WITHIN(1e-4f, 0.8f, f->gain);
     TEST_ASSERT_FLOAT_WITHIN(1e-3f, 8.0f, f->dead_s);

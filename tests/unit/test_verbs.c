@@ -104,7 +104,7 @@ static void why_a_block_is_off_is_remembered(void)
     request(REQUEST_BLOCK, PLAN_NONE, PAIR, 1, 0);
     bad_reading(FEED, QUALITY_BAD, 0);
     ticks(4);
-    TEST_ASSERT_TRUE(bench.s.block[SLOT_RECORDS + PAIR].off);
+    TEST_ASSERT_TRUE(bench.s.block[SLOT_NUMBERED + PAIR].off);
     TEST_ASSERT_NULL(bench.s.served[PAIR].gave_up); /* its input */
     TEST_ASSERT_EQUAL_UINT8(0, bench.s.served[PAIR].input);
 }

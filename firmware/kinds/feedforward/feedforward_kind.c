@@ -48,6 +48,7 @@ static void feedforward_kind_follow(void *state, struct block_io *io)
 const struct block_kind feedforward_kind = {
     .name = "feedforward",
     .stage = STAGE_FEED_FORWARD,
+    .bad_input = BAD_INPUT_IS_TOLD, /* it goes on with the value that stands in for the reading */
     .bytes = feedforward_kind_bytes,
     .check = feedforward_check,
     .configure = feedforward_configure,

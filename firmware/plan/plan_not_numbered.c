@@ -1,4 +1,4 @@
-/* Replaces plan_records.c on a board without blocks. */
+/* Replaces plan_numbered.c on a board without blocks. */
 #include "plan/plan_parts.h"
 
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)

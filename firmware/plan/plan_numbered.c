@@ -17,7 +17,7 @@ static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t
 static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
                              struct config_fault *fault)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     const struct loop_config *l = &plan->config.loop[i];
     const struct loop_config *first = &plan->config.loop[r->member[0]];
     if (plan->loop[i].decouple)
@@ -35,7 +35,7 @@ static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
                    ? refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, uncompensated)
                    : ERR_OK;
     }
-    if (plan->loop[i].server != PLAN_NONE)
+    if (plan->server[i] != PLAN_NONE)
         return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
                              "is served by another block already");
     if (r->members && (l->divisor != first->divisor || l->phase != first->phase))
@@ -47,7 +47,7 @@ static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
 static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
                                 struct config_fault *fault)
 {
-    struct record_plan *r = &plan->record[n];
+    struct numbered_plan *r = &plan->numbered[n];
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].loops; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_loop(&plan->config, name);
@@ -61,11 +61,11 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
         if (err)
             return err;
         if (!plan_has_stage(plan, n, STAGE_COMPENSATE))
-            plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
+            plan->server[i] = (uint8_t)(SLOT_NUMBERED + n);
         r->member[r->members++] = i;
     }
     /* If the kind is unknown, nobody knows whether it serves any loops. */
-    if (most && !r->members && plan->block[SLOT_RECORDS + n].kind != PLAN_NONE)
+    if (most && !r->members && plan->block[SLOT_NUMBERED + n].kind != PLAN_NONE)
         return refuse_record(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
                              "must name the loops it serves");
     return ERR_OK;
@@ -74,7 +74,7 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
 static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
                                struct config_fault *fault)
 {
-    struct record_plan *r = &plan->record[n];
+    struct numbered_plan *r = &plan->numbered[n];
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].inputs; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
@@ -93,7 +93,7 @@ static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
 static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
                                struct config_fault *fault)
 {
-    struct record_plan *r = &plan->record[n];
+    struct numbered_plan *r = &plan->numbered[n];
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
@@ -115,7 +115,7 @@ static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
 
 static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    struct block_place *place = &plan->block[SLOT_RECORDS + n];
+    struct block_place *place = &plan->block[SLOT_NUMBERED + n];
     place->kind = config_block_kind(&plan->config, n);
     /* If this build lacks the kind, its loops stay in manual, and its points have no value (supervise/serve.h). */
     const struct block_kind *kind = place->kind == PLAN_NONE ? NULL : block_kinds[place->kind];
@@ -132,7 +132,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
 /* An estimator must not be its own input, not even through others. Estimators run in the order of their numbers. */
 static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     for (uint8_t k = 0; k < r->inputs && !plan_has_stage(plan, n, STAGE_FEED_FORWARD); k++) {
         if (r->input[k] & INPUT_IS_MV)
             continue;
@@ -145,15 +145,15 @@ static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fa
     return ERR_OK;
 }
 
-enum err plan_resolve_records(struct plan *plan, struct config_fault *fault)
+enum err plan_resolve_numbered(struct plan *plan, struct config_fault *fault)
 {
     memset(plan->writer, PLAN_NONE, sizeof plan->writer);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        plan->loop[i].server = PLAN_NONE;
+        plan->server[i] = PLAN_NONE;
     enum err err = ERR_OK;
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
         if (plan->config.block[n].kind[0]) {
-            plan->records = (uint8_t)(n + 1u);
+            plan->numbered_end = (uint8_t)(n + 1u);
             err = resolve_record(plan, n, fault);
         }
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
@@ -166,10 +166,10 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
     uint8_t outer = plan->loop[i].outer;
     if (outer == PLAN_NONE)
         return true;
-    uint8_t server = plan->loop[outer].server;
+    uint8_t server = plan->server[outer];
     if (server == PLAN_NONE)
         return taken[outer];
-    const struct record_plan *r = &plan->record[server - SLOT_RECORDS];
+    const struct numbered_plan *r = &plan->numbered[server - SLOT_NUMBERED];
     for (uint8_t k = 0; k < r->members; k++)
         if (!taken[r->member[k]])
             return false;
@@ -179,7 +179,7 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
 /* Refuses a block that names another of a kind that it cannot use. */
 static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n));
     if (!plan_number_named(plan, n) || plan_names_a(plan, n, kind->named_kind) ||
         plan_names_other(plan, n))
         return ERR_OK;
@@ -195,7 +195,7 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
     if (n >= CONFIG_BLOCKS || !plan->config.block[n].kind[0])
         return plan_refuse(fault, ERR_UNKNOWN, "alarm", alarm + 1u, "on", on,
                            "must begin with a block that is there, like block1.CODE");
-    uint8_t place = plan->block[SLOT_RECORDS + n].kind;
+    uint8_t place = plan->block[SLOT_NUMBERED + n].kind;
     /* The kind is kept by name, and its events are unknown here. */
     if (place == PLAN_NONE)
         return ERR_OK;
@@ -210,24 +210,24 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
                        "is nothing that block says; `block N` lists what it may say");
 }
 
-enum err plan_check_records(struct plan *plan, struct config_fault *fault)
+enum err plan_check_numbered(struct plan *plan, struct config_fault *fault)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        struct record_plan *r = &plan->record[n];
+        struct numbered_plan *r = &plan->numbered[n];
         struct block_setup setup;
         struct block_fault reason = {0};
         for (uint8_t k = 0; k < plan->n_order; k++)
-            if (plan->loop[plan->order[k]].server == SLOT_RECORDS + n)
+            if (plan->server[plan->order[k]] == SLOT_NUMBERED + n)
                 r->last = plan->order[k];
-        if (plan->block[SLOT_RECORDS + n].kind == PLAN_NONE)
+        if (plan->block[SLOT_NUMBERED + n].kind == PLAN_NONE)
             continue;
         enum err of_stage = plan_check_stage(plan, n, fault);
         if (!of_stage)
             of_stage = check_named(plan, n, fault);
         if (of_stage)
             return of_stage;
-        plan_setup_record(plan, n, &setup);
-        enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &reason);
+        plan_setup_numbered(plan, n, &setup);
+        enum err err = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n))->check(&setup, &reason);
         if (err)
             (void)!refuse_record(fault, err, n, reason.field, plan->config.block[n].kind,
                                  reason.wanted);

@@ -14,8 +14,8 @@ static enum err refuse_stage(struct config_fault *fault, enum err code, uint8_t 
 
 enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    struct record_plan *r = &plan->record[n];
-    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
+    struct numbered_plan *r = &plan->numbered[n];
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n));
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t j = config_find_mv(&plan->config, name);
@@ -36,9 +36,9 @@ enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *f
 /* Refuses a compensator on a loop whose blockN gives outputs that may pass through no compensator. */
 static enum err check_compensated(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     for (uint8_t k = 0; k < r->members; k++) {
-        uint8_t server = plan->loop[r->member[k]].server;
+        uint8_t server = plan->server[r->member[k]];
         if (server == PLAN_NONE || plan->block[server].kind == PLAN_NONE)
             continue;
         const char *uncompensated = plan_kind(plan, server)->uncompensated;
@@ -51,7 +51,7 @@ static enum err check_compensated(const struct plan *plan, uint8_t n, struct con
 
 enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     const char *kind = plan->config.block[n].kind;
     if (plan_has_stage(plan, n, STAGE_COMPENSATE))
         return check_compensated(plan, n, fault);
@@ -70,7 +70,7 @@ enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_faul
 /* Returns the MVs that blockN moves in response to its inputs, a bit each. */
 static uint32_t moved_by(const struct plan *plan, uint8_t n)
 {
-    const struct record_plan *r = &plan->record[n];
+    const struct numbered_plan *r = &plan->numbered[n];
     uint32_t mvs = 0;
     if (plan_has_stage(plan, n, STAGE_FEED_FORWARD))
         for (uint8_t k = 0; k < r->points; k++)
@@ -88,12 +88,12 @@ static void find_moves(const struct plan *plan, uint32_t moves[CHANNEL_MAX])
     for (uint8_t j = 0; j < CHANNEL_MAX; j++)
         moves[j] = 0;
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
-        if (plan->feedforward[k].from != PLAN_NONE && plan->feedforward[k].from_mv)
-            moves[plan->feedforward[k].from] |= 1u << plan->feedforward[k].to;
+        if (plan->feedforward[k].input != PLAN_NONE && (plan->feedforward[k].input & INPUT_IS_MV))
+            moves[plan->feedforward[k].input & ~INPUT_IS_MV] |= 1u << plan->feedforward[k].point;
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        for (uint8_t k = 0; k < plan->record[n].inputs; k++)
-            if (plan->record[n].input[k] & INPUT_IS_MV)
-                moves[plan->record[n].input[k] & ~INPUT_IS_MV] |= moved_by(plan, n);
+        for (uint8_t k = 0; k < plan->numbered[n].inputs; k++)
+            if (plan->numbered[n].input[k] & INPUT_IS_MV)
+                moves[plan->numbered[n].input[k] & ~INPUT_IS_MV] |= moved_by(plan, n);
     for (uint8_t through = 0; through < CHANNEL_MAX; through++)
         for (uint8_t j = 0; j < CHANNEL_MAX; j++)
             if (moves[j] & (1u << through))
@@ -106,20 +106,12 @@ enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
     uint32_t moves[CHANNEL_MAX];
     find_moves(plan, moves);
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        for (uint8_t k = 0; k < plan->record[n].inputs; k++) {
-            uint8_t j = plan->record[n].input[k] & (uint8_t)~INPUT_IS_MV;
-            if ((plan->record[n].input[k] & INPUT_IS_MV) && moved_by(plan, n) &&
+        for (uint8_t k = 0; k < plan->numbered[n].inputs; k++) {
+            uint8_t j = plan->numbered[n].input[k] & (uint8_t)~INPUT_IS_MV;
+            if ((plan->numbered[n].input[k] & INPUT_IS_MV) && moved_by(plan, n) &&
                 (moves[j] & (1u << j)))
                 return refuse_stage(fault, ERR_CYCLE, n, "inputs", plan->config.mv[j].name,
                                     "is moved by what looks at it");
         }
     return ERR_OK;
-}
-
-uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot)
-{
-    if (slot < SLOT_RECORDS ||
-        !plan_has_stage(plan, (uint8_t)(slot - SLOT_RECORDS), STAGE_COMPENSATE))
-        return 0;
-    return plan->record[slot - SLOT_RECORDS].members;
 }
