@@ -12,6 +12,7 @@
 
 #define BEGIN_MARK "<!-- parameters: begin -->\n"
 #define END_MARK   "<!-- parameters: end -->"
+#define RANGE_MAX  1000 /* of blockN.kind: the names of all kinds */
 
 static char table[60000];
 static size_t used;
@@ -23,6 +24,17 @@ static void add(const char *text)
         exit(2);
     memcpy(table + used, text, n + 1);
     used += n;
+}
+
+/* A text that the table would show shortened: its buffer here has to grow. */
+static void refuse_cut(const struct parameter *p, const char *what, const struct text *text)
+{
+    if (!text->cut)
+        return;
+    fprintf(stderr, "parameter_table: %s of %s%s.%s has more than %u characters\n", what,
+            p->group->name, p->group->indexed ? "<i>" : "", p->field->name,
+            (unsigned)(text->size - 1));
+    exit(2);
 }
 
 /* A bar would end the cell. */
@@ -52,10 +64,12 @@ static void add_group(const struct parameter_group *group)
     add("\n\n| name | unit | allowed | default | what | id |\n|---|---|---|---|---|---|\n");
     for (unsigned f = 0; f < group->n_fields; f++) {
         struct parameter p = {.group = group, .field = &group->fields[f]};
-        char range[100], initial[60];
+        char range[RANGE_MAX], initial[60];
         struct text r = text_on(range, sizeof range), d = text_on(initial, sizeof initial);
         parameter_range(&p, &r);
         parameter_default(&p, &defaults, &d);
+        refuse_cut(&p, "what is allowed", &r);
+        refuse_cut(&p, "the default", &d);
         add("| ");
         add_cell(p.field->name);
         add_cell(parameter_unit(&p));

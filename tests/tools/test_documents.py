@@ -72,6 +72,16 @@ class Names(unittest.TestCase):
             self.assertEqual(named[field], parameter)
 
 
+class Kinds(unittest.TestCase):
+    def test_the_console_page_names_every_kind_that_a_block_can_be(self) -> None:
+        tables = [body for path in (ROOT / "firmware" / "kinds").glob("*/*.c")
+                  for body in re.findall(r"^const struct block_kind \w+ = {\n(.*?)^};", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)]
+        names = {re.findall(r'\.name = "(\w+)"', body)[0] for body in tables if ".parameter =" in body}
+        row = re.findall(r"^\| kind \|  \| (\S+) \|.*0x[0-9a-f]+ \|$", page("console.md"), re.MULTILINE)
+        self.assertEqual(len(row), 1)
+        self.assertEqual(set(row[0].split("\\|")), names | {"-"})
+
+
 class WorkedFamily(unittest.TestCase):
     """The page on adding a controller prints what its example touches, as git diff --stat has it."""
 
