@@ -113,7 +113,7 @@ class Commands(FolderTest):
         ):
             with self.subTest(arguments):
                 status, _out, err = call(*arguments)
-                self.assertEqual(status, 2)
+                self.assertEqual(status, 2, err)
                 self.assertIn(expected, err)
                 self.assertEqual(err.count("\n"), 1)
 
@@ -123,13 +123,13 @@ class Commands(FolderTest):
                           ["console", "x", "--log", ""], ["console", "x", "--dump", ""]):
             with self.subTest(arguments):
                 status, _out, err = call(*arguments)
-                self.assertEqual(status, 2)
+                self.assertEqual(status, 2, err)
                 self.assertIn("must not be empty", err)
 
     def test_help(self) -> None:
         for name in ("run", "demo", "test", "campaign", "bench", "plot", "style"):
-            status, out, _err = call(name, "--help")
-            self.assertEqual(status, 0)
+            status, out, err = call(name, "--help")
+            self.assertEqual(status, 0, err)
             self.assertIn(f"usage: tools/{name}", out)
 
 
