@@ -2,6 +2,7 @@
 """Small images, each with one fault, must be found out by the rules that tools/image applies."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,8 +12,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 sys.dont_write_bytecode = True
 
-from dev import image_check, stack_use  # noqa: E402
+from dev import image_check, kind_tables, stack_use  # noqa: E402
 from reflux import memory_map  # noqa: E402
+from reflux.errors import RunFailed  # noqa: E402
 
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os", "-g", "-fno-inline",
          "-ffunction-sections", "-fdata-sections",
@@ -123,6 +125,11 @@ class Rules(unittest.TestCase):
         self.finds("cannot follow the stack pointer", "void use(char *); void use(char *p) { p[0] = (char)seen; }"
                    "void tick(void) { char b[seen]; use(b); } void reset_entry(void) { for (;;) seen++; }")
 
+    def test_a_layer_without_a_row_gets_the_row_to_write(self) -> None:
+        report = self.report(CALM, "", BUDGET.replace("other = ", "another = "))
+        text = -(-report.layers["other"].text // 64) * 64
+        self.assertRegex(report.findings[0], rf"^budget: layer other has no row in \[trial\.layers\] of \S*budget\.toml; it takes \d+ bytes of text, 0 of data, 8 of bss: write  other = \[{text}, 0, 64\]$")
+
     def test_a_handler_nobody_counted(self) -> None:
         self.finds("the vector table leads to tick, which is in no level", CALM, "",
                    BUDGET.replace('["tick"], ', ""))
@@ -165,7 +172,6 @@ not_in_the_tick = [%s]
         self.finds("budget: ram and workspace is 1008, 1007 allowed", leased, "", whole.replace("= 1500", "= 1007"))
         self.finds("budget: ram is 8, 7 allowed", leased, "", whole.replace("ram = 500", "ram = 7"))
         self.finds("budget: workspace is 0, at least 1000 wanted", CALM, "", whole)
-        self.finds("budget: layer other has none", CALM, "", BUDGET.replace("other = ", "another = "))
 
 
 class Reading(unittest.TestCase):
@@ -184,6 +190,63 @@ class Reading(unittest.TestCase):
                             ("/usr/lib/picolibc/lib/libc.a(strlen.o)", "libc"),
                             ("/usr/lib/gcc/libgcc.a(x.o)", "libgcc")):
             self.assertEqual(memory_map.layer_of(path), layer)
+
+
+KIND_C = """
+/* const struct block_kind none_kind = { */
+static const struct block_verb far_verbs[] = {
+    {"go", NULL, "a } in words, {1}", 0, 0, false, ACCESS_OPERATOR, run_go},
+    {"halt", "s", "it", 0, 9, false,
+     ACCESS_ENGINEER, run_halt},
+};
+const struct block_kind far_kind = {
+    .name = "far",
+    .stage = STAGE_FEED_FORWARD, /* where */
+    .parameter = far_rows,
+    .verb = far_verbs,
+    .check = far_check,
+    .step =
+        far_step,
+};
+"""
+BLOCK_H = """
+enum block_stage { STAGE_CONTROL, STAGE_FEED_FORWARD };
+struct block_kind {
+    const char *name;
+    uint16_t (*history)(const struct block_setup *setup);
+    enum err (*check)(const struct block_setup *setup, struct block_fault *fault);
+    void (*step)(void *state, struct block_io *io);
+};
+"""
+OWN_C = "const struct block_kind own_kind = {\n    .stage = STAGE_CONTROL,\n    .algorithms = 1u << 1,\n    .step = own_step,\n};\n"
+
+
+class KindTables(unittest.TestCase):
+    """The sets that tools/image reads from the tables of the kinds."""
+
+    def firmware(self, rows: str) -> Path:
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        for name, text in (("block/block.h", BLOCK_H), ("kinds/far/far.c", KIND_C), ("kinds/own/own_kind.c", OWN_C), ("app/kinds.c", rows)):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8")
+        return folder
+
+    def test_functions_are_found_by_entry_stage_and_use(self) -> None:
+        sets = kind_tables.sets(self.firmware("&far_kind, &own_kind"))
+        self.assertEqual({name: found for name, found in sets.items() if found}, {
+            "@kinds_step": ["far_step", "own_step"], "@record_step": ["far_step"], "@own_step": ["own_step"],
+            "@control_step": ["own_step"], "@feed_forward_step": ["far_step"], "@kinds_check": ["far_check"],
+            "@record_check": ["far_check"], "@feed_forward_check": ["far_check"], "@kinds_verb": ["run_go", "run_halt"]})
+        self.assertEqual(sets["@kinds_history"], [])
+
+    def test_a_kind_whose_table_is_not_found_is_named(self) -> None:
+        with self.assertRaisesRegex(RunFailed, "near_kind of firmware/app/kinds.c: no `const struct block_kind near_kind"):
+            kind_tables.sets(self.firmware("&far_kind, &near_kind"))
+
+    def test_every_kind_of_the_firmware_has_a_step(self) -> None:
+        kinds = re.findall(r"^\s*(?:\w+\(\s*)?&(\w+)_kind\b", (kind_tables.FIRMWARE / "app" / "kinds.c").read_text(), re.MULTILINE)
+        self.assertEqual(len(kind_tables.sets()["@kinds_step"]), len(kinds))
+        self.assertGreater(len(kinds), 16)
 
 
 if __name__ == "__main__":

@@ -13,14 +13,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dev import contexts, stack_use
+from dev import contexts, kind_tables, stack_use
 from reflux import memory_map
 from dev.elf_image import Image
 from reflux.errors import RunFailed, UserError
-from reflux.paths import ROOT
+from reflux.paths import ROOT, shown
 
 BUDGET = ROOT / "tests" / "target" / "budget.toml"
 CALLS = ROOT / "tests" / "target" / "indirect_calls.txt"
+STEP = 64  # bytes; limits of layers are multiples of it
 
 # Run-time ABI for the Arm architecture (IHI 0043), chapter 5, and the compiler's own names for the same.
 FORBIDDEN = {
@@ -84,15 +85,15 @@ def find_elf(folder: Path) -> Path:
     return found[0]
 
 
-def load_budget(path: Path, board: str, build: str) -> dict[str, Any]:
-    """Table of the build (the name of its folder) where there is one, else of the board."""
+def load_budget(path: Path, board: str, build: str) -> tuple[dict[str, Any], str]:
+    """Table of the build (the name of its folder) where there is one, else of the board; and its name."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError) as error:
         raise UserError(f"{path.name}: {error}") from None
     for name in (build, board):
         if name in table:
-            return table[name]
+            return table[name], name
     raise UserError(f"{path.name} has no table [{board}]")
 
 
@@ -100,16 +101,16 @@ def check(folder: Path, budget_file: Path = BUDGET, calls_file: Path = CALLS) ->
     """All rules, on the image of one build folder."""
     elf = find_elf(folder)
     board = elf.stem.removeprefix("reflux-")
-    budget = load_budget(budget_file, board, folder.name)
+    budget, table = load_budget(budget_file, board, folder.name)
     report = Report(elf.name, Image(elf), budget=budget)
     report.findings += forbidden(report.image)
-    graph = stack(report, folder, budget, stack_use.read_list(calls_file))
+    graph = stack(report, folder, budget, stack_use.read_list(calls_file, kind_tables.sets()))
     rules = tomllib.loads(budget_file.read_text(encoding="utf-8")).get("contexts")
     if graph and rules:
         report.findings += contexts.check(report.image, graph, memory_map.placed(elf.with_suffix(".map"))[0], rules)
     report.layers = memory_map.read(elf.with_suffix(".map"))
     report.arena = report.image.member_bytes("arena") or 0
-    report.findings += over_budget(report, budget)
+    report.findings += over_budget(report, budget, f"[{table}.layers] of {shown(budget_file)}")
     return report
 
 
@@ -181,14 +182,17 @@ def handlers(image: Image, entries: dict[str, int], findings: list[str]) -> set[
     return out
 
 
-def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
+def over_budget(report: Report, budget: dict[str, object], section: str) -> list[str]:
+    """section: where the limits of layers are written, for a layer that has none yet."""
     out = []
     limits: dict[str, list[int]] = budget.get("layers", {})  # type: ignore[assignment]
     for layer, sizes in report.layers.items():
         if layer in ("fill", "script", "workspace") or "layers" not in budget:
             continue
         if layer not in limits:
-            out.append(f"budget: layer {layer} has none")
+            row = ", ".join(str(-(-size // STEP) * STEP) for size in (sizes.text, sizes.data, sizes.bss))
+            out.append(f"budget: layer {layer} has no row in {section}; it takes {sizes.text} bytes of text, {sizes.data} of data, "
+                       f"{sizes.bss} of bss: write  {layer} = [{row}]")
             continue
         for what, have, limit in zip(("text", "data", "bss"), (sizes.text, sizes.data, sizes.bss), limits[layer]):
             if have > limit:
@@ -210,4 +214,4 @@ def unused_lines(reports: list[Report], calls_file: Path = CALLS) -> list[str]:
     """Lines of the list that no image needs any more."""
     used = set().union(*(r.used_lines for r in reports)) | {"nobody"}
     return [f"pointer: the line of {name} in {calls_file.name} is used by no image; delete it"
-            for name in stack_use.read_list(calls_file).targets if name not in used]
+            for name in stack_use.read_list(calls_file, kind_tables.sets()).targets if name not in used]

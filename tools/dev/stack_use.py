@@ -2,7 +2,8 @@
 
 Each function is walked along its branches with the stack pointer in hand, so that the depth at every call is
 known, also in assembly and in the C library. What the walk does not understand is an error, never a guess.
-Calls through pointers come from a list that people keep (tests/target/indirect_calls.txt).
+Calls through pointers come from a list that people keep (tests/target/indirect_calls.txt); its sets of functions of the kinds of blocks
+are found in their sources (kind_tables.py).
 """
 
 from __future__ import annotations
@@ -47,9 +48,9 @@ class Indirect:
     used: set[str] = field(default_factory=set)
 
 
-def read_list(path: Path) -> Indirect:
-    """Lines `caller: target target ...  # reason`, or `@set = target target ...`; targets may be @sets."""
-    sets: dict[str, list[str]] = {}
+def read_list(path: Path, known: dict[str, list[str]] | None = None) -> Indirect:
+    """Lines `caller: target target ...  # reason`, or `@set = target target ...`; targets may be @sets, of this file or known."""
+    sets = dict(known or {})
     out: dict[str, list[str]] = {}
     try:
         lines = path.read_text(encoding="utf-8").replace("\\\n", " ").splitlines()
