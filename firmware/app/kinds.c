@@ -1,5 +1,5 @@
 /* The kinds of blocks that this board has: the only place that names them all. A board leaves a family out by
- * leaving its folder out of the build (firmware/CMakeLists.txt). */
+ * leaving its folder out of the build (firmware/kinds/CMakeLists.txt). */
 #include "block/block.h"
 #include "exchange/rows.h"
 #include "kinds/ahead/column_ahead.h"

@@ -87,8 +87,8 @@ function(reflux_layer name)
   endif()
 endfunction()
 
-# reflux_kind(NAME SOURCES a.c ... DEPENDS block ...): a family of blocks in kinds/NAME. Target reflux_NAME; header-only if it is not in
-# the list `here` of firmware/kinds/CMakeLists.txt.
+# reflux_kind(NAME SOURCES a.c ... DEPENDS block ...): a family of blocks in kinds/NAME. Target reflux_NAME; header-only on a board
+# that has its headers only (firmware/kinds/CMakeLists.txt).
 function(reflux_kind name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
   if(NOT name IN_LIST here)
