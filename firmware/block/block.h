@@ -12,7 +12,9 @@
  *
  * Within a tick a controller that acts gets step, and gets back_calculate once when the outputs that took effect
  * are known. A controller that does not act (manual, an interlock, a start) gets follow instead. Follow sets its
- * state so that the next step with the same inputs gives the outputs in effect (bumpless transfer). An estimator
+ * state so that the next step with the same inputs gives the outputs in effect (bumpless transfer). A
+ * controller with a number gets follow once in every base tick, whatever its divisor, and so also before its first
+ * step, in the tick in which it begins to act. So follow sets a state, and must not advance one. An estimator
  * gets follow before its first step, and before its first step after the plant was away, because its state may
  * describe another plant or be hours old.
  *
@@ -118,8 +120,8 @@ struct block_members {
     const uint8_t *clamp; /* enum integral_clamp; in back_calculate */
     /* enum integral_clamp, written by the block: its own limits that the output has reached. */
     uint8_t *limited;
-    /* The fields below are set for blocks with a number (blockN), in step. */
-    /* Applied values of the member's MV, where the kind keeps a history; NULL for a member that drives a loop. */
+    /* The fields below are set for blocks with a number (blockN), in step, back_calculate and follow. */
+    /* Applied values of the member's MV, where the kind asks for a history; NULL for a member that drives a loop. */
     const struct applied_history **applied;
     /* For a compensator, in follow: acting members that also acted in the last step. */
     uint8_t going_on;
@@ -132,7 +134,7 @@ struct block_inputs {
     /* enum quality. For an estimator, a held or substituted value is never good. */
     const uint8_t *quality;
     const float *age_s; /* time since the last valid reading was sampled, s; 0 for an MV */
-    /* Applied values of an input that is an MV, where the kind keeps a history; NULL for a measurement. */
+    /* Applied values of an input that is an MV, where the kind asks for a history; NULL for a measurement. */
     const struct applied_history **applied;
 };
 
