@@ -7,10 +7,14 @@
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
 {
     uint8_t input = plan->feedforward[element].input;
-    const struct measurement_config *m = &plan->config.measurement[input];
-    const struct mv_config *o = &plan->config.mv[input & (uint8_t)~INPUT_IS_MV];
-    *lo = input & INPUT_IS_MV ? o->lo : m->lo;
-    *hi = input & INPUT_IS_MV ? o->hi : m->hi;
+    if (input & INPUT_IS_MV) {
+        const struct mv_config *o = &plan->config.mv[input & (uint8_t)~INPUT_IS_MV];
+        *lo = o->lo;
+        *hi = o->hi;
+        return;
+    }
+    *lo = plan->config.measurement[input].lo;
+    *hi = plan->config.measurement[input].hi;
 }
 
 void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)
