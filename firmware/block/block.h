@@ -40,8 +40,8 @@
 #include "signal/integral_clamp.h"
 
 enum block_stage {
-    STAGE_ESTIMATE,
     STAGE_CONTROL,
+    STAGE_ESTIMATE,
     STAGE_COMPENSATE,
     STAGE_FEED_FORWARD,
     BLOCK_STAGES

@@ -56,9 +56,6 @@ struct loop_plan {
 #define SLOT_NUMBERED     (SLOT_FEEDFORWARDS + CONFIG_FEEDFORWARDS)
 #define PLAN_BLOCKS       ((uint8_t)(SLOT_NUMBERED + CONFIG_BLOCKS))
 
-/* Only a blockN may be of an earlier stage. */
-#define LISTED_FIRST (CONFIG_BLOCKS ? STAGE_ESTIMATE : STAGE_COMPENSATE)
-
 struct block_place {
     uint16_t grain, grains; /* first grain of its state in the arena, and how many */
     uint8_t kind;           /* place in block_kinds[]; PLAN_NONE = no block */
@@ -82,8 +79,6 @@ struct numbered_plan {
     uint8_t input[BLOCK_INPUTS_MAX];
     /* Measurements that the block writes; for a feedforward element, the MVs it adds to. */
     uint8_t point[BLOCK_POINTS_MAX];
-    /* Member whose turn comes last; the block then runs for all of them. */
-    uint8_t last;
 };
 
 /* An alarm on an event of a block: number of the block from 0, and place of the event in its kind. */
@@ -100,15 +95,15 @@ struct plan {
     uint32_t identity; /* checksum of the configuration */
     float tick_s;      /* base tick in force */
     struct loop_plan loop[CONFIG_LOOPS];
-    uint8_t order[CONFIG_LOOPS]; /* outer loops before the ones they drive */
-    uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
     struct block_place block[PLAN_BLOCKS];
     struct numbered_plan numbered[CONFIG_BLOCKS];
     uint8_t numbered_end; /* number of the last used blockN; 0 = none */
-    /* The decoupler, ffN and blockN by stage, each stage in the order of their slots: plan_stage_begin(). */
-    uint8_t listed[PLAN_BLOCKS - SLOT_MATRIX];
-    uint8_t listed_end[BLOCK_STAGES - LISTED_FIRST];
+    /* All blocks by stage, each stage in the order in which they run: plan_stage_begin(). Controllers of outer loops stand before
+     * those of the loops they drive, and a blockN behind the own controllers of its members. The others stand in the
+     * order of their slots. */
+    uint8_t listed[PLAN_BLOCKS];
+    uint8_t listed_end[BLOCK_STAGES];
     /* Slot of the block that acts for loop i in place of its own controller, or PLAN_NONE. */
     uint8_t server[CONFIG_BLOCKS ? CONFIG_LOOPS : 0];
     /* Number, from 0, of the blockN that writes measurement i, or PLAN_NONE. */
@@ -142,15 +137,14 @@ static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_
     REFLUX_ASSERT(slot < PLAN_BLOCKS && plan->block[slot].kind < block_kind_count);
     return block_kinds[plan->block[slot].kind];
 }
-/* The blocks of a stage, but for the loops' own controllers, are listed[k], from k = plan_stage_begin() on and before
- * plan_stage_end(). They run in this order. */
+/* The slots of the blocks of a stage are listed[k], from k = plan_stage_begin() on and before plan_stage_end(). */
 static inline uint8_t plan_stage_begin(const struct plan *plan, enum block_stage stage)
 {
-    return stage > LISTED_FIRST ? plan->listed_end[stage - LISTED_FIRST - 1] : 0;
+    return stage ? plan->listed_end[stage - 1] : 0;
 }
 static inline uint8_t plan_stage_end(const struct plan *plan, enum block_stage stage)
 {
-    return plan->listed_end[stage - LISTED_FIRST];
+    return plan->listed_end[stage];
 }
 /* Returns the most that a feedforward block adds to an MV, either way, fraction of span. */
 static inline float plan_added_most(uint8_t slot)

@@ -117,12 +117,13 @@ static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct conf
 
 static void list_stages(struct plan *plan)
 {
-    uint8_t n = 0;
-    for (unsigned stage = LISTED_FIRST; stage < BLOCK_STAGES; stage++) {
+    uint8_t n =
+        plan->listed_end[STAGE_CONTROL]; /* these are listed already, as their loops are ordered */
+    for (unsigned stage = STAGE_CONTROL + 1; stage < BLOCK_STAGES; stage++) {
         for (uint8_t slot = SLOT_MATRIX; slot < PLAN_BLOCKS; slot++)
             if (plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage)
                 plan->listed[n++] = slot;
-        plan->listed_end[stage - LISTED_FIRST] = n;
+        plan->listed_end[stage] = n;
     }
 }
 

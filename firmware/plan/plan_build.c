@@ -136,6 +136,7 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
 static enum err order_loops(struct plan *plan, struct config_fault *fault)
 {
     bool taken[CONFIG_LOOPS] = {false};
+    uint8_t n = 0;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
         struct loop_plan *p = &plan->loop[i];
         if (!p->used || p->inner == PLAN_NONE)
@@ -152,9 +153,10 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
             if (!p->used || taken[i] || !plan_setpoint_ready(plan, i, taken))
                 continue;
             taken[i] = true;
-            plan->order[plan->n_order++] = i;
+            n = plan_list_controllers(plan, i, taken, n);
         }
     }
+    plan->listed_end[STAGE_CONTROL] = n;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (plan->loop[i].used && !taken[i])
             return plan_refuse(fault, ERR_CYCLE, "loop", i + 1u, "out", plan->config.loop[i].out,

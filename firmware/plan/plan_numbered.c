@@ -117,7 +117,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
 {
     struct block_place *place = &plan->block[SLOT_NUMBERED + n];
     place->kind = config_block_kind(&plan->config, n);
-    /* If this build lacks the kind, its loops stay in manual, and its points have no value (supervise/serve.h). */
+    /* If this build lacks the kind, its loops stay in manual, and its points have no value (supervise/numbered_switch.c). */
     const struct block_kind *kind = place->kind == PLAN_NONE ? NULL : block_kinds[place->kind];
     enum err err = resolve_members(plan, n, kind ? kind->members_most : BLOCK_MEMBERS_MAX, fault);
     if (!err)
@@ -161,19 +161,32 @@ enum err plan_resolve_numbered(struct plan *plan, struct config_fault *fault)
     return err;
 }
 
+static bool members_taken(const struct plan *plan, uint8_t slot, const bool *taken)
+{
+    const struct numbered_plan *n = &plan->numbered[slot - SLOT_NUMBERED];
+    for (uint8_t k = 0; k < n->members; k++)
+        if (!taken[n->member[k]])
+            return false;
+    return true;
+}
+
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
 {
     uint8_t outer = plan->loop[i].outer;
     if (outer == PLAN_NONE)
         return true;
     uint8_t server = plan->server[outer];
-    if (server == PLAN_NONE)
-        return taken[outer];
-    const struct numbered_plan *r = &plan->numbered[server - SLOT_NUMBERED];
-    for (uint8_t k = 0; k < r->members; k++)
-        if (!taken[r->member[k]])
-            return false;
-    return true;
+    return server == PLAN_NONE ? taken[outer] : members_taken(plan, server, taken);
+}
+
+uint8_t plan_list_controllers(struct plan *plan, uint8_t i, const bool *taken, uint8_t n)
+{
+    uint8_t server = plan->server[i];
+    plan->listed[n++] = i;
+    if (server != PLAN_NONE && members_taken(plan, server, taken) &&
+        plan_has_stage(plan, (uint8_t)(server - SLOT_NUMBERED), STAGE_CONTROL))
+        plan->listed[n++] = server;
+    return n;
 }
 
 /* Refuses a block that names another of a kind that it cannot use. */
@@ -213,12 +226,8 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
 enum err plan_check_numbered(struct plan *plan, struct config_fault *fault)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        struct numbered_plan *r = &plan->numbered[n];
         struct block_setup setup;
         struct block_fault reason = {0};
-        for (uint8_t k = 0; k < plan->n_order; k++)
-            if (plan->server[plan->order[k]] == SLOT_NUMBERED + n)
-                r->last = plan->order[k];
         if (plan->block[SLOT_NUMBERED + n].kind == PLAN_NONE)
             continue;
         enum err of_stage = plan_check_stage(plan, n, fault);

@@ -34,6 +34,9 @@ enum err plan_check_calibration(const struct plan *plan, struct config_fault *fa
 #endif
 /* Returns true if loop i may be put in order: its setpoint has no source, or its source has been taken. */
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
+/* Loop i has just been taken. Puts its own controller, and a blockN all of whose members are taken by now, behind the n
+ * controllers listed so far. Returns how many there are then. */
+uint8_t plan_list_controllers(struct plan *plan, uint8_t i, const bool *taken, uint8_t n);
 /* Copies the next name of a list with blanks between the names. Returns where the name after it begins, or NULL if
  * there was none. */
 const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE]);

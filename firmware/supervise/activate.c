@@ -9,9 +9,9 @@
 #include "supervise/blocks.h"
 #include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
+#include "supervise/numbered_place.h"
 #include "supervise/sampling.h"
 #include "supervise/sequence.h"
-#include "supervise/serve.h"
 #include "supervise/setpoint.h"
 #include "supervise/setpoint_cascade.h"
 #include "supervise/setpoint_limits.h"
@@ -249,7 +249,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         alarms_place(s, old, i);
     place_matrix(s);
     histories_place(s, old);
-    serve_place(s, old);
+    numbered_place(s, old);
     s->tick_s = plan->tick_s; /* only now, because until here it shows that the base tick changes */
     sequence_place(s, old);
     sampling_tell(s, old);

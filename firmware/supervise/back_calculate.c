@@ -3,7 +3,7 @@
 #include "supervise/blocks.h"
 #include "supervise/compensate.h"
 #include "supervise/constrain.h"
-#include "supervise/serve.h"
+#include "supervise/numbered_control.h"
 #include "supervise/setpoint.h"
 #include "supervise/setpoint_cascade.h"
 #include "supervise/test_signal.h"
@@ -77,7 +77,7 @@ static void back_outer(struct supervisor *s, uint8_t i)
     if (l->mode == LOOP_MANUAL || l->downstream_inactive) {
         block_follow(s, i);
         if (l->downstream_inactive && loop_server(s, i) != PLAN_NONE)
-            serve_must_follow(s, loop_server(s, i));
+            numbered_must_follow(s, loop_server(s, i));
         return;
     }
     l->clamp = saturation(s, p->inner);
@@ -96,12 +96,14 @@ void back_calculate_loops(struct supervisor *s)
     }
     compensators_back_calculate(s, told);
     /* Inner loops come first, because the limits of an outer loop depend on them. */
-    for (uint8_t k = s->plan->n_order; k > 0; k--) {
-        uint8_t i = s->plan->order[k - 1u];
+    for (uint8_t k = plan_stage_end(s->plan, STAGE_CONTROL); k-- > 0;) {
+        uint8_t i = s->plan->listed[k];
+        if (i >= CONFIG_LOOPS) /* blocks with a number come when it is known for all loops */
+            continue;
         if (s->plan->loop[i].mv != PLAN_NONE)
             back_direct(s, i, told[i]);
         else
             back_outer(s, i);
     }
-    serve_back_calculate(s);
+    controllers_back_calculate(s);
 }

@@ -112,8 +112,10 @@ void restart_try(struct restart *r, struct supervisor *s)
     r->ticks = 2;
     outputs_back(s, record);
     interlocks_back(s, record);
-    for (uint8_t k = 0; policy == RESTART_RESUME && k < s->plan->n_order; k++)
-        loop_back(s, record, s->plan->order[k]);
+    uint8_t end = plan_stage_end(s->plan, STAGE_CONTROL);
+    for (uint8_t k = 0; policy == RESTART_RESUME && k < end; k++)
+        if (s->plan->listed[k] < CONFIG_LOOPS) /* a loop's own controller */
+            loop_back(s, record, s->plan->listed[k]);
     /* A restored cascade has found another value. */
     for (uint8_t i = 0; policy == RESTART_RESUME && i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].v = record->v[i];

@@ -8,8 +8,9 @@
 #include "supervise/alarms.h"
 #include "supervise/histories.h"
 #include "supervise/loop_request.h"
+#include "supervise/numbered_control.h"
+#include "supervise/numbered_switch.h"
 #include "supervise/sequence.h"
-#include "supervise/serve.h"
 #include "supervise/verbs.h"
 
 void supervisor_init(struct supervisor *s, struct event_queue *events)
@@ -54,7 +55,7 @@ void supervisor_go_safe(struct supervisor *s, const char *reason)
     }
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
         s->block[SLOT_FEEDFORWARDS + i].running = false;
-    serve_forget(s);
+    numbered_forget(s);
     supervisor_outputs_safe(s, reason);
     histories_begin(s);
 }
@@ -77,7 +78,8 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
         alarms_request(s, r);
     else if (CONFIG_STEPS && r->kind == REQUEST_SEQUENCE)
         sequence_request(s, r);
-    else if (CONFIG_BLOCKS && r->kind == REQUEST_BLOCK && serve_switch(s, r->output, r->mode != 0))
+    else if (CONFIG_BLOCKS && r->kind == REQUEST_BLOCK &&
+             numbered_switch(s, r->output, r->mode != 0))
         return true;
     else if (CONFIG_BLOCKS && r->kind == REQUEST_VERB && verb_exists(s, r))
         return verb_run(s, r);

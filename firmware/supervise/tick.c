@@ -7,10 +7,12 @@
 #include "supervise/compensate.h"
 #include "supervise/constrain.h"
 #include "supervise/estimates.h"
+#include "supervise/estimators.h"
 #include "supervise/feed_forward.h"
 #include "supervise/histories.h"
+#include "supervise/numbered_control.h"
+#include "supervise/numbered_switch.h"
 #include "supervise/sequence.h"
-#include "supervise/serve.h"
 #include "supervise/setpoint.h"
 #include "supervise/supervisor.h"
 #include "supervise/transfer.h"
@@ -37,7 +39,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
             validate_readback(s, i, &input->readback[i]);
     }
     watch_twins(s);
-    serve_estimate(s);
+    estimators_step(s);
 }
 
 /* Puts loop i into manual if the plant lacks its channels, because a new plan may name channels that the plant does
@@ -51,22 +53,34 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     loop_to_manual(s, i);
 }
 
-static void run_loops(struct supervisor *s)
+static void advance_setpoint(struct supervisor *s, uint8_t i)
 {
-    for (uint8_t k = 0; k < s->plan->n_order; k++) {
-        uint8_t i = s->plan->order[k];
-        struct loop_state *l = &s->loop[i];
-        if (l->mode == LOOP_MANUAL) {
-            setpoint_idle(s, i);
-        } else if (loop_due(s, i, s->ticks)) {
-            setpoint_advance(s, i);
-            if (loop_drives(s, i) && loop_server(s, i) == PLAN_NONE) {
-                block_close(s, i);
-                block_step(s, i);
-            }
+    if (s->loop[i].mode == LOOP_MANUAL)
+        setpoint_idle(s, i);
+    else if (loop_due(s, i, s->ticks))
+        setpoint_advance(s, i);
+}
+
+/* The loop's own controller, if it acts and no other block acts for it. */
+static void control_loop(struct supervisor *s, uint8_t i)
+{
+    if (!loop_drives(s, i) || loop_server(s, i) != PLAN_NONE || !loop_due(s, i, s->ticks))
+        return;
+    block_close(s, i);
+    block_step(s, i);
+}
+
+static void run_controllers(struct supervisor *s)
+{
+    uint8_t end = plan_stage_end(s->plan, STAGE_CONTROL);
+    for (uint8_t k = plan_stage_begin(s->plan, STAGE_CONTROL); k < end; k++) {
+        uint8_t slot = s->plan->listed[k];
+        if (slot >= SLOT_NUMBERED) {
+            numbered_control(s, slot);
+            continue;
         }
-        if (loop_server(s, i) != PLAN_NONE)
-            serve_step(s, i);
+        advance_setpoint(s, slot);
+        control_loop(s, slot);
     }
 }
 
@@ -95,12 +109,12 @@ void supervisor_control(struct supervisor *s)
         drop_unbound(s, i);
         loop_find_driving(s, i);
     }
-    serve_check_inputs(s);
+    numbered_check_inputs(s);
     excitation_watch(s);
     num_t before[CONFIG_LOOPS];
     feed_forward(s, before);
     bumpless_transfer(s, before);
-    run_loops(s);
+    run_controllers(s);
     make_commands(s);
     excitation_check_commands(s);
     constrain_mvs(s);

@@ -3,7 +3,7 @@
 #include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/compensate.h"
-#include "supervise/serve.h"
+#include "supervise/numbered_control.h"
 
 /* Returns the value of output j that a loop finds when it takes over: the limits for acting loops count from here
  * on. */
@@ -51,7 +51,7 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint32_t m
         uint8_t server = loop_server(s, i);
         bool found = ((moves | compensated) & (1u << i)) != 0;
         if (server != PLAN_NONE && found)
-            serve_must_follow(s, server);
+            numbered_must_follow(s, server);
         if (l->transfer_pending || (server != PLAN_NONE && found)) {
             l->v = v[i];
             block_follow(s, i);
@@ -68,5 +68,5 @@ void bumpless_transfer(struct supervisor *s, const num_t *before)
     uint32_t compensated = compensators_regroup(s, moves);
     if (moves || compensated)
         transfer_loops(s, before, moves, compensated);
-    serve_follow(s);
+    controllers_follow(s);
 }

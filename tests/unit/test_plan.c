@@ -40,7 +40,7 @@ static void the_defaults_alone_are_a_plan_without_channels(void)
 {
     parameters_defaults(&bench.config);
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_EQUAL(0, plan.n_order);
+    TEST_ASSERT_EQUAL(0, plan_stage_end(&plan, STAGE_CONTROL));
 }
 
 static void a_plain_configuration_is_resolved_to_indices(void)
@@ -58,9 +58,9 @@ static void loops_are_ordered_with_the_outer_before_the_inner(void)
     bench_cascade();
     TEST_ASSERT_EQUAL(ERR_OK, build());
     uint8_t at[CONFIG_LOOPS];
-    TEST_ASSERT_EQUAL(4, plan.n_order);
-    for (uint8_t k = 0; k < plan.n_order; k++)
-        at[plan.order[k]] = k;
+    TEST_ASSERT_EQUAL(4, plan_stage_end(&plan, STAGE_CONTROL));
+    for (uint8_t k = 0; k < 4; k++)
+        at[plan.listed[k]] = k;
     TEST_ASSERT_TRUE(at[OUTEST] < at[OUTER]);
     TEST_ASSERT_TRUE(at[OUTER] < at[BOTTOM]);
     TEST_ASSERT_EQUAL(OUTER, plan.loop[BOTTOM].outer);
