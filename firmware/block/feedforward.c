@@ -4,17 +4,17 @@
 
 #include "signal/check.h"
 
-struct element_settings feedforward_default_config(void)
+struct feedforward_settings feedforward_default_config(void)
 {
-    return (struct element_settings){.out_lo = -1.0f, .out_hi = 1.0f};
+    return (struct feedforward_settings){.out_lo = -1.0f, .out_hi = 1.0f};
 }
 
-#define AT(field) (uint8_t) offsetof(struct element_settings, field)
+#define AT(field) (uint8_t) offsetof(struct feedforward_settings, field)
 
 static const struct {
     const char *field, *wanted;
     float lo, hi;
-    /* Offset of a float in struct element_settings. */
+    /* Offset of a float in struct feedforward_settings. */
     uint8_t offset;
 } ranges[] = {
     {"gain", "-100 to 100", -100.0f, 100.0f, AT(gain)},
@@ -26,8 +26,8 @@ static const struct {
     {"hi", "-2 to 2", -2.0f, 2.0f, AT(out_hi)},
 };
 
-enum err feedforward_validate(const struct element_settings *config, float h_s, const char **field,
-                              const char **wanted)
+enum err feedforward_validate(const struct feedforward_settings *config, float h_s,
+                              const char **field, const char **wanted)
 {
     const char *unused;
     field = field ? field : &unused;
@@ -60,15 +60,15 @@ enum err feedforward_validate(const struct element_settings *config, float h_s, 
                                                                                   : ERR_RANGE;
 }
 
-size_t feedforward_bytes(const struct element_settings *config, float h_s)
+size_t feedforward_bytes(const struct feedforward_settings *config, float h_s)
 {
     if (feedforward_validate(config, h_s, NULL, NULL))
         return 0;
     return dead_time_bytes(config->dead_time_s, h_s);
 }
 
-enum err feedforward_init(struct feedforward *ff, const struct element_settings *config, float h_s,
-                          num_t *ring, size_t bytes)
+enum err feedforward_init(struct feedforward *ff, const struct feedforward_settings *config,
+                          float h_s, num_t *ring, size_t bytes)
 {
     enum err err = feedforward_validate(config, h_s, NULL, NULL);
     if (err)
@@ -90,7 +90,7 @@ enum err feedforward_init(struct feedforward *ff, const struct element_settings 
     return ERR_OK;
 }
 
-enum err feedforward_retune(struct feedforward *ff, const struct element_settings *config,
+enum err feedforward_retune(struct feedforward *ff, const struct feedforward_settings *config,
                             float h_s)
 {
     enum err err = lead_lag_retune(&ff->shape, config->lead_s, config->lag_s, h_s);

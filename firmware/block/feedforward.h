@@ -18,12 +18,12 @@
 #include "signal/lead_lag.h"
 
 /* Returns settings with gain 0, no dynamics, reference 0 and limits -1..1. */
-struct element_settings feedforward_default_config(void);
+struct feedforward_settings feedforward_default_config(void);
 
 /* Checks settings for the step interval h_s (s, [0.001, 1e5]). *field gets the name of the wrong parameter of ffN,
  * or "" for the interval; *wanted gets the range in words. Either may be NULL. NaN and infinity are ERR_NOT_FINITE,
  * all else is ERR_RANGE. */
-MUST_CHECK enum err feedforward_validate(const struct element_settings *config, float h_s,
+MUST_CHECK enum err feedforward_validate(const struct feedforward_settings *config, float h_s,
                                          const char **field, const char **wanted);
 
 struct feedforward {
@@ -36,16 +36,17 @@ struct feedforward {
 };
 
 /* Returns the bytes of ring (aligned for num_t) that feedforward_init needs; 0 if it refuses config. */
-size_t feedforward_bytes(const struct element_settings *config, float h_s);
+size_t feedforward_bytes(const struct feedforward_settings *config, float h_s);
 
 /* Returns the errors of feedforward_validate, and ERR_MEMORY if ring is NULL or too small; on an error *ff is
  * unchanged. The element is then at rest at d = reference. For another d, call reset before step. */
-MUST_CHECK enum err feedforward_init(struct feedforward *ff, const struct element_settings *config,
-                                     float h_s, num_t *ring, size_t bytes);
+MUST_CHECK enum err feedforward_init(struct feedforward *ff,
+                                     const struct feedforward_settings *config, float h_s,
+                                     num_t *ring, size_t bytes);
 
 /* Sets another gain, lead and lag; dead time, reference and transients stay. Returns the errors of lead_lag_init(). */
 MUST_CHECK enum err feedforward_retune(struct feedforward *ff,
-                                       const struct element_settings *config, float h_s);
+                                       const struct feedforward_settings *config, float h_s);
 
 /* Sets the new address of the ring. Returns the first entry behind it. */
 num_t *feedforward_place_ring(struct feedforward *ff, num_t *ring);

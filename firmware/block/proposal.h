@@ -28,15 +28,15 @@ struct block_proposal {
 #define SWITCH_OFF_MAX 2
 struct block_switch_off {
     uint8_t n;       /* values; 0: none */
-    uint8_t element; /* switch_off_element() or switch_off_term() */
+    uint8_t element; /* switch_off_of_ff() or switch_off_term() */
     struct proposed_value value[SWITCH_OFF_MAX];
 };
 
 /* Most terms of an element with a number (blockN): rows of this many values have one for each term. */
-#define ELEMENT_TERMS 8
+#define SWITCH_OFF_TERMS 8
 
 /* Returns the number of an element: 0 for ff1, and so on. */
-static inline uint8_t switch_off_element(uint8_t index)
+static inline uint8_t switch_off_of_ff(uint8_t index)
 {
     return index;
 }
@@ -44,7 +44,7 @@ static inline uint8_t switch_off_element(uint8_t index)
 /* Returns the number of a term of the element blockN; both count from 0. */
 static inline uint8_t switch_off_term(uint8_t block, uint8_t term)
 {
-    return (uint8_t)(ELEMENT_TERMS * (block + 1u) + term);
+    return (uint8_t)(SWITCH_OFF_TERMS * (block + 1u) + term);
 }
 
 /* Ids of settings, as in docs/console.md. Other ids may be written in the same way. Only settings of loops,

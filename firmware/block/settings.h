@@ -57,7 +57,7 @@ struct matrix_settings {
 };
 
 /* Settings of a feedforward element. */
-struct element_settings {
+struct feedforward_settings {
     float gain;           /* output span per disturbance span, either sign, [-100, 100]; 0 = off */
     float lead_s, lag_s;  /* s, [0, 1e6]; lead/(lag + h) at most 100 */
     float dead_time_s;    /* s, [0, 1e6], at most 100000 steps */

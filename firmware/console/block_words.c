@@ -131,7 +131,7 @@ unsigned block_kind_choice(const struct parameter *p, unsigned n, struct text *w
 {
     if (p->field->type != PARAMETER_KIND)
         return 0;
-    if (block_kind_has_record((uint8_t)n))
+    if (block_kind_is_numbered((uint8_t)n))
         text_str(word, block_kinds[n]->name);
     return block_kind_count;
 }

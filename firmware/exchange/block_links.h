@@ -12,9 +12,9 @@ struct block_links {
     const uint8_t *point;            /* measurements; of a feedforward block the MVs it adds to */
 };
 
-/* Fills *links for the block in a slot. The static decoupler has a member for each of its rows, whether or not there is
+/* Fills *links for a block of the plan. The static decoupler has a member for each of its rows, whether or not there is
  * such a loop: plan_takes_part() tells. */
-void plan_links(const struct plan *plan, uint8_t slot, struct block_links *links);
+void plan_links(const struct plan *plan, uint8_t block, struct block_links *links);
 
 /* The same of blockN, from 0. */
 #if CONFIG_BLOCKS
@@ -33,14 +33,14 @@ static inline void plan_numbered_links(const struct plan *plan, uint8_t n,
 #define plan_numbered_links(plan, n, links) ((void)(plan))
 #endif
 
-/* Returns true if loop i, a member of the block in a slot, takes part in it while it acts. */
-static inline bool plan_takes_part(const struct plan *plan, uint8_t slot, uint8_t i)
+/* Returns true if loop i, a member of that block, takes part in it while it acts. */
+static inline bool plan_takes_part(const struct plan *plan, uint8_t block, uint8_t i)
 {
-    return slot != SLOT_MATRIX || plan->loop[i].decouple;
+    return block != BLOCK_MATRIX || plan->loop[i].decouple;
 }
 
-/* Returns the number of grains behind the state of the block in a slot: of a compensator one for each member, for what
+/* Returns the number of grains behind the state of a block: of a compensator one for each member, for what
  * passed through it (supervise/compensate.c). */
-uint8_t plan_grains_behind(const struct plan *plan, uint8_t slot);
+uint8_t plan_grains_behind(const struct plan *plan, uint8_t block);
 
 #endif

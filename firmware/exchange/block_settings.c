@@ -7,11 +7,11 @@
 
 #define NO_KIND 0xFFu
 
-bool block_kind_has_record(uint8_t kind)
+bool block_kind_is_numbered(uint8_t kind)
 {
     const struct block_kind *k = kind < block_kind_count ? block_kinds[kind] : NULL;
     for (unsigned i = 0; k && i < k->parameters; i++)
-        if (k->parameter[i].cols > RECORD_COLS_MAX || k->parameter[i].rows > RECORD_ROWS_MAX)
+        if (k->parameter[i].cols > BLOCK_COLS_MAX || k->parameter[i].rows > BLOCK_ROWS_MAX)
             return false;
     return k && k->parameters != 0 && (!k->table || k->settings_bytes <= CONFIG_TABLE_BYTES);
 }
@@ -20,11 +20,11 @@ uint8_t config_block_kind(const struct config *config, uint8_t n)
 {
     const struct block_config *b = &config->block[n];
     uint8_t kind = block_kind_find(b->kind);
-    return block_kind_has_record(kind) && b->bytes == block_kinds[kind]->settings_bytes ? kind
-                                                                                        : NO_KIND;
+    return block_kind_is_numbered(kind) && b->bytes == block_kinds[kind]->settings_bytes ? kind
+                                                                                         : NO_KIND;
 }
 
-const void *config_record(const struct config *config, uint8_t n)
+const void *config_block_settings(const struct config *config, uint8_t n)
 {
     if (config_block_kind(config, n) == NO_KIND)
         return NULL;

@@ -10,17 +10,17 @@
 
 /* Limits of a table. A row is set in one line and stored in one piece: the name and this many values of nine digits
  * with sign and exponent fit a line that the console takes and prints (LINE_EDITOR_MAX, CONSOLE_OUTPUT_MAX). */
-#define RECORD_COLS_MAX 8
-#define RECORD_ROWS_MAX 1024
+#define BLOCK_COLS_MAX 8
+#define BLOCK_ROWS_MAX 1024
 
 /* Returns true if blockN.kind may select this kind. Kinds without parameters have them elsewhere (loopN, decoupleN,
  * ffN), and a kind with a larger table than the limits allow cannot be selected. */
-bool block_kind_has_record(uint8_t kind);
+bool block_kind_is_numbered(uint8_t kind);
 /* Returns the kind of block n, a place in block_kinds[]. PLAN_NONE: the block is unused, its kind is unknown to
  * this build, or its settings found no room. */
 uint8_t config_block_kind(const struct config *config, uint8_t n);
 /* Returns the settings of block n, the struct of its kind; NULL where config_block_kind() is PLAN_NONE. */
-const void *config_record(const struct config *config, uint8_t n);
+const void *config_block_settings(const struct config *config, uint8_t n);
 /* Writes the name of a verb or event of block n, such as "block2.tune". */
 void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE]);
 

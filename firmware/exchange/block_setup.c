@@ -51,7 +51,7 @@ void plan_setup_feedforward(const struct plan *plan, uint8_t k, struct block_ins
     float lo, hi;
     plan_feedforward_span(plan, k, &lo, &hi);
     b->setup.settings = &b->settings;
-    b->settings.element = (struct element_settings){
+    b->settings.element = (struct feedforward_settings){
         .gain = f->gain,
         .lead_s = f->lead_s,
         .lag_s = f->lag_s,
@@ -66,14 +66,14 @@ void plan_setup_feedforward(const struct plan *plan, uint8_t k, struct block_ins
     b->setup.member[0] = (struct block_member){PLAN_NONE, true, hi - lo, 0.0f};
 }
 
-void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
+void plan_block_setup(const struct plan *plan, uint8_t block, struct block_instance *b)
 {
-    if (slot >= SLOT_NUMBERED)
-        plan_setup_numbered(plan, (uint8_t)(slot - SLOT_NUMBERED), &b->setup);
-    else if (slot >= SLOT_FEEDFORWARDS)
-        plan_setup_feedforward(plan, (uint8_t)(slot - SLOT_FEEDFORWARDS), b);
-    else if (slot == SLOT_MATRIX)
+    if (block >= BLOCK_NUMBERED)
+        plan_setup_numbered(plan, (uint8_t)(block - BLOCK_NUMBERED), &b->setup);
+    else if (block >= BLOCK_FEEDFORWARDS)
+        plan_setup_feedforward(plan, (uint8_t)(block - BLOCK_FEEDFORWARDS), b);
+    else if (block == BLOCK_MATRIX)
         plan_setup_matrix(plan, &b->setup, &b->settings.matrix);
     else
-        plan_setup_own(plan, slot, b);
+        plan_setup_own(plan, block, b);
 }

@@ -10,13 +10,13 @@ struct block_instance {
     struct block_setup setup;
     union {
         struct matrix_settings matrix;
-        struct element_settings element;
+        struct feedforward_settings element;
     } settings;
 };
 
-/* Makes the setup of the block in a slot; *instance must stay while the setup is used. Channels must be resolved
+/* Makes the setup of a block of the plan; *instance must stay while the setup is used. Channels must be resolved
  * already. */
-void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *instance);
+void plan_block_setup(const struct plan *plan, uint8_t block, struct block_instance *instance);
 /* Make the setup of a loop's own controller, of the static decoupler, and of a feedforward element. Each function
  * takes the stack of its own settings only. */
 void plan_setup_own(const struct plan *plan, uint8_t loop, struct block_instance *instance);

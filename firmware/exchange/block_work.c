@@ -4,14 +4,14 @@ static bool work_piece(void *context)
 {
     struct supervisor_work *w = context;
     const struct supervisor *s = w->supervisor;
-    const struct block_kind *kind = block_kinds[s->block[w->slot].kind];
-    return kind->work(supervisor_block(s, w->slot));
+    const struct block_kind *kind = block_kinds[s->block[w->block].kind];
+    return kind->work(supervisor_block(s, w->block));
 }
 
 void block_work_init(struct supervisor *s)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        s->worker[n] = (struct supervisor_work){s, (uint8_t)(SLOT_NUMBERED + n)};
+        s->worker[n] = (struct supervisor_work){s, (uint8_t)(BLOCK_NUMBERED + n)};
         job_init(&s->work[n], "block", work_piece, &s->worker[n]);
     }
 }

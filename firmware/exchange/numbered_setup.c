@@ -36,10 +36,10 @@ const struct block_parameter *plan_names_with(const struct block_kind *kind)
 /* Returns the number of the block that block n names; 0 if it names none. */
 uint16_t plan_number_named(const struct plan *plan, uint8_t n)
 {
-    uint8_t kind = plan->block[SLOT_NUMBERED + n].kind;
+    uint8_t kind = plan->block[BLOCK_NUMBERED + n].kind;
     const struct block_parameter *with =
         kind == PLAN_NONE ? NULL : plan_names_with(block_kinds[kind]);
-    const uint8_t *settings = config_record(&plan->config, n);
+    const uint8_t *settings = config_block_settings(&plan->config, n);
     uint16_t number = 0;
     if (with && settings)
         memcpy(&number, settings + with->offset, sizeof number);
@@ -49,20 +49,21 @@ uint16_t plan_number_named(const struct plan *plan, uint8_t n)
 const void *plan_named(const struct plan *plan, uint8_t n)
 {
     uint16_t number = plan_number_named(plan, n);
-    return number && number <= CONFIG_BLOCKS ? config_record(&plan->config, (uint8_t)(number - 1u))
-                                             : NULL;
+    return number && number <= CONFIG_BLOCKS
+               ? config_block_settings(&plan->config, (uint8_t)(number - 1u))
+               : NULL;
 }
 
 bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind)
 {
     return plan_named(plan, n) &&
-           plan->block[SLOT_NUMBERED + plan_number_named(plan, n) - 1u].kind ==
+           plan->block[BLOCK_NUMBERED + plan_number_named(plan, n) - 1u].kind ==
                block_kind_find(kind);
 }
 
 bool plan_names_other(const struct plan *plan, uint8_t n)
 {
-    uint8_t kind = plan->block[SLOT_NUMBERED + n].kind;
+    uint8_t kind = plan->block[BLOCK_NUMBERED + n].kind;
     return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
            plan_names_a(plan, n, block_kinds[kind]->other_kind);
 }
@@ -70,7 +71,7 @@ bool plan_names_other(const struct plan *plan, uint8_t n)
 void plan_setup_numbered(const struct plan *plan, uint8_t n, struct block_setup *setup)
 {
     const struct numbered_plan *r = &plan->numbered[n];
-    setup->settings = config_record(&plan->config, n);
+    setup->settings = config_block_settings(&plan->config, n);
     setup->named = plan_named(plan, n);
     setup->named_other = plan_names_other(plan, n);
     setup->interval_s = plan->tick_s * (float)plan_divisor(plan, n);

@@ -49,12 +49,12 @@ struct loop_plan {
     bool decouple;
 };
 
-/* Blocks have fixed slots in a plan: first the loops' own controllers, then the static decoupler, the feedforward
+/* Blocks have fixed places in a plan: first the loops' own controllers, then the static decoupler, the feedforward
  * elements (ffN), and the blocks with a number (blockN). */
-#define SLOT_MATRIX       CONFIG_LOOPS
-#define SLOT_FEEDFORWARDS (CONFIG_LOOPS + 1)
-#define SLOT_NUMBERED     (SLOT_FEEDFORWARDS + CONFIG_FEEDFORWARDS)
-#define PLAN_BLOCKS       ((uint8_t)(SLOT_NUMBERED + CONFIG_BLOCKS))
+#define BLOCK_MATRIX       CONFIG_LOOPS
+#define BLOCK_FEEDFORWARDS (CONFIG_LOOPS + 1)
+#define BLOCK_NUMBERED     (BLOCK_FEEDFORWARDS + CONFIG_FEEDFORWARDS)
+#define PLAN_BLOCKS        ((uint8_t)(BLOCK_NUMBERED + CONFIG_BLOCKS))
 
 struct block_place {
     uint16_t grain, grains; /* first grain of its state in the arena, and how many */
@@ -101,10 +101,10 @@ struct plan {
     uint8_t numbered_end; /* number of the last used blockN; 0 = none */
     /* All blocks by stage, each stage in the order in which they run: plan_stage_begin(). Controllers of outer loops stand before
      * those of the loops they drive, and a blockN behind the own controllers of its members. The others stand in the
-     * order of their slots. */
+     * order of their places. */
     uint8_t listed[PLAN_BLOCKS];
     uint8_t listed_end[BLOCK_STAGES];
-    /* Slot of the block that acts for loop i in place of its own controller, or PLAN_NONE. */
+    /* The blockN that acts for loop i in place of its own controller, or PLAN_NONE. */
     uint8_t server[CONFIG_BLOCKS ? CONFIG_LOOPS : 0];
     /* Number, from 0, of the blockN that writes measurement i, or PLAN_NONE. */
     uint8_t writer[PLAN_POINTS];
@@ -132,12 +132,12 @@ struct plan {
     struct config config; /* last, because the rest is cleared and resolved again around it */
 };
 
-static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_t slot)
+static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_t block)
 {
-    REFLUX_ASSERT(slot < PLAN_BLOCKS && plan->block[slot].kind < block_kind_count);
-    return block_kinds[plan->block[slot].kind];
+    REFLUX_ASSERT(block < PLAN_BLOCKS && plan->block[block].kind < block_kind_count);
+    return block_kinds[plan->block[block].kind];
 }
-/* The slots of the blocks of a stage are listed[k], from k = plan_stage_begin() on and before plan_stage_end(). */
+/* The blocks of a stage are listed[k], from k = plan_stage_begin() on and before plan_stage_end(). */
 static inline uint8_t plan_stage_begin(const struct plan *plan, enum block_stage stage)
 {
     return stage ? plan->listed_end[stage - 1] : 0;
@@ -147,9 +147,9 @@ static inline uint8_t plan_stage_end(const struct plan *plan, enum block_stage s
     return plan->listed_end[stage];
 }
 /* Returns the most that a feedforward block adds to an MV, either way, fraction of span. */
-static inline float plan_added_most(uint8_t slot)
+static inline float plan_added_most(uint8_t block)
 {
-    return slot >= SLOT_NUMBERED ? PLAN_ADDED_MOST : PLAN_FEEDFORWARD_MOST;
+    return block >= BLOCK_NUMBERED ? PLAN_ADDED_MOST : PLAN_FEEDFORWARD_MOST;
 }
 /* Returns the number, from 0, of the block that writes a measurement, or PLAN_NONE if the plant announces it. */
 static inline uint8_t plan_writer(const struct plan *plan, uint8_t measurement)
@@ -162,7 +162,7 @@ static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement
 {
     return plan_writer(plan, measurement) != PLAN_NONE;
 }
-/* Returns the slot of the block that serves a loop in place of its own controller, or PLAN_NONE. */
+/* Returns the block that serves a loop in place of its own controller, or PLAN_NONE. */
 static inline uint8_t plan_server(const struct plan *plan, uint8_t loop)
 {
     return CONFIG_BLOCKS ? plan->server[loop] : (uint8_t)PLAN_NONE;
@@ -175,8 +175,8 @@ static inline bool alarm_is_on_event(const struct alarm_config *a)
 /* Returns true if the kind of block n is known, and runs in that stage. */
 static inline bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
 {
-    uint8_t slot = (uint8_t)(SLOT_NUMBERED + n);
-    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+    uint8_t block = (uint8_t)(BLOCK_NUMBERED + n);
+    return plan->block[block].kind != PLAN_NONE && plan_kind(plan, block)->stage == stage;
 }
 /* Returns the setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);

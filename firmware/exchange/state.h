@@ -131,8 +131,8 @@ struct estimate_state { /* for a measurement that a block writes */
     bool stands_in;     /* the estimate was valid at the end of the last tick */
     float value;        /* its value then, EU */
 };
-struct served_loop { /* for a loop that a block serves */
-    num_t applied;   /* the part of v that took effect */
+struct loop_of_block { /* for a loop that a block serves */
+    num_t applied;     /* the part of v that took effect */
     /* The block's test signal on the setpoint: the one it asked for, and the one in `setpoint`. */
     num_t excite, excited;
 };
@@ -142,7 +142,7 @@ struct event_alarm {
 #else
 struct estimate_state {
 };
-struct served_loop {
+struct loop_of_block {
 };
 struct event_alarm {
 };
@@ -205,7 +205,7 @@ struct loop_state {
     struct ramp ramp;
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */
-    struct served_loop served;
+    struct loop_of_block of_block;
     num_t feedforward;
     uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
     uint8_t limited; /* enum integral_clamp: limits of its block that the output has reached */
@@ -227,7 +227,7 @@ struct block_state {
 
 #if CONFIG_BLOCKS
 /* State of a block with a number (blockN) that clients see. */
-struct served_state {
+struct numbered_state {
     const char *gave_up; /* why it is off, in a word; NULL: its input `input` was bad */
     uint8_t input;
     uint8_t silenced; /* terms of an element that added nothing in its last step */
@@ -288,16 +288,16 @@ struct switch_off_slot {
     uint8_t kind;          /* kind of the block that gave it: place in block_kinds[] */
     struct block_switch_off content;
 };
-#define SILENCED_BYTES (1 + CONFIG_BLOCKS) /* a bit for each switch_off_element() and term */
-_Static_assert(CONFIG_FEEDFORWARDS <= ELEMENT_TERMS, "their bits fit a byte");
+#define SWITCH_OFF_BYTES (1 + CONFIG_BLOCKS) /* a bit for each switch_off_of_ff() and term */
+_Static_assert(CONFIG_FEEDFORWARDS <= SWITCH_OFF_TERMS, "their bits fit a byte");
 
 /* The block for which a job works. */
 struct supervisor_work {
     struct supervisor *supervisor;
-    uint8_t slot;
+    uint8_t block;
 };
 #else
-struct served_state {
+struct numbered_state {
 };
 struct excitation_state {
 };
@@ -307,7 +307,7 @@ struct switch_off_slot {
 };
 struct supervisor_work {
 };
-#define SILENCED_BYTES 0
+#define SWITCH_OFF_BYTES 0
 #endif
 
 /* supervise/alarms.h */
@@ -360,63 +360,63 @@ struct supervisor {
     struct interlock_state *interlock;
     struct alarm_state *alarm;
     struct sequence sequence;
-    struct block_state block[PLAN_BLOCKS]; /* by slot, as in the plan */
+    struct block_state block[PLAN_BLOCKS]; /* as in the plan */
     struct job work[CONFIG_BLOCKS];        /* jobs of the blocks with a number (blockN) */
     struct supervisor_work worker[CONFIG_BLOCKS];
     /* Depth of the history of each MV, base ticks, as in the plan. The histories stand behind the blocks. */
     uint16_t history[PLAN_POINTS];
     struct excitation_state excitation;
-    struct served_state served[CONFIG_BLOCKS];
+    struct numbered_state numbered[CONFIG_BLOCKS];
     struct proposal_slot proposal;
     struct switch_off_slot switch_off[CONFIG_BLOCKS]; /* one for each block */
-    uint8_t silenced[SILENCED_BYTES];
+    uint8_t silenced[SWITCH_OFF_BYTES];
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
-/* Returns the state of the block in a slot of the plan in force. */
-static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
+/* Returns the state of a block of the plan in force. */
+static inline void *supervisor_block(const struct supervisor *s, uint8_t block)
 {
-    REFLUX_ASSERT(slot < PLAN_BLOCKS && (uint32_t)s->block[slot].grain + s->block[slot].grains <=
-                                            PLAN_ARENA_BYTES / ARENA_GRAIN);
-    return (uint8_t *)s->arena + s->block[slot].grain * ARENA_GRAIN;
+    REFLUX_ASSERT(block < PLAN_BLOCKS && (uint32_t)s->block[block].grain + s->block[block].grains <=
+                                             PLAN_ARENA_BYTES / ARENA_GRAIN);
+    return (uint8_t *)s->arena + s->block[block].grain * ARENA_GRAIN;
 }
 
 #if CONFIG_BLOCKS
-/* Returns true if the element is switched off. element: switch_off_element() or switch_off_term(). */
-static inline bool element_is_silenced(const struct supervisor *s, uint8_t element)
+/* Returns true if the element is switched off. element: switch_off_of_ff() or switch_off_term(). */
+static inline bool is_switched_off(const struct supervisor *s, uint8_t element)
 {
-    return element / ELEMENT_TERMS < SILENCED_BYTES &&
-           (s->silenced[element / ELEMENT_TERMS] & 1u << element % ELEMENT_TERMS) != 0;
+    return element / SWITCH_OFF_TERMS < SWITCH_OFF_BYTES &&
+           (s->silenced[element / SWITCH_OFF_TERMS] & 1u << element % SWITCH_OFF_TERMS) != 0;
 }
 /* Returns the name of the kind of the block that excites the plant now, or NULL. While start-up tests (`testing`)
  * no block can. */
 static inline const char *supervisor_excited_by(const struct supervisor *s)
 {
     uint8_t holder = s->excitation.holder;
-    return holder ? plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + holder - 1u))->name : NULL;
+    return holder ? plan_kind(s->plan, (uint8_t)(BLOCK_NUMBERED + holder - 1u))->name : NULL;
 }
 /* Returns the setpoint in force without a test signal. */
 static inline num_t loop_own_setpoint(const struct loop_state *l)
 {
-    return num_sub(l->setpoint, l->served.excited);
+    return num_sub(l->setpoint, l->of_block.excited);
 }
 /* Keeps the part of the output that took effect, for a loop that a block serves. */
 static inline void loop_applied(struct loop_state *l, num_t v)
 {
-    l->served.applied = v;
+    l->of_block.applied = v;
 }
-/* Returns the slot of the block that acts for loop i, or PLAN_NONE if its own controller does. */
+/* Returns the blockN that acts for loop i, or PLAN_NONE if its own controller does. */
 static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
 {
-    uint8_t slot = s->plan->server[i];
-    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
+    uint8_t block = s->plan->server[i];
+    return block == PLAN_NONE || s->block[block].off ? (uint8_t)PLAN_NONE : block;
 }
 #else
-#define element_is_silenced(s, element) ((void)(s), (void)(element), false)
-#define supervisor_excited_by(s)        ((void)(s), (const char *)NULL)
-#define loop_own_setpoint(l)            ((l)->setpoint)
-#define loop_applied(l, v)              ((void)(l), (void)(v))
-#define loop_server(s, i)               ((void)(s), (void)(i), (uint8_t)PLAN_NONE)
+#define is_switched_off(s, element) ((void)(s), (void)(element), false)
+#define supervisor_excited_by(s)    ((void)(s), (const char *)NULL)
+#define loop_own_setpoint(l)        ((l)->setpoint)
+#define loop_applied(l, v)          ((void)(l), (void)(v))
+#define loop_server(s, i)           ((void)(s), (void)(i), (uint8_t)PLAN_NONE)
 #endif
 
 /* Return the offset that is subtracted from readings of a measurement now, EU; whether it is on; and its configured

@@ -17,7 +17,7 @@ static bool is_block(const struct config *config, uint8_t block)
 static uint8_t slot_of(uint8_t block)
 {
     REFLUX_ASSERT(block < CONFIG_BLOCKS);
-    return (uint8_t)(SLOT_NUMBERED + block);
+    return (uint8_t)(BLOCK_NUMBERED + block);
 }
 
 bool operate_block(const struct session *session, uint8_t block, struct block_reading *reading)
@@ -32,7 +32,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
     *reading = (struct block_reading){.kind = kind == PLAN_NONE ? NULL : block_kinds[kind],
                                       .name = plan->config.block[block].kind};
     hal_tick_lock();
-    const struct served_state *state = &sup->served[block];
+    const struct numbered_state *state = &sup->numbered[block];
     REFLUX_ASSERT(state->input < BLOCK_INPUTS_MAX);
     uint8_t input = plan->numbered[block].input[state->input];
     if (sup->block[slot_of(block)].off)

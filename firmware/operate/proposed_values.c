@@ -48,7 +48,7 @@ enum err operate_find_proposed(const struct config *config, uint32_t id, struct 
     p->col = col;
     return err;
 }
-_Static_assert(RECORD_COLS_MAX <= (PROPOSED_COLUMN >> 24) + 1, "every value of a row has an id");
+_Static_assert(BLOCK_COLS_MAX <= (PROPOSED_COLUMN >> 24) + 1, "every value of a row has an id");
 
 static enum err refuse_proposed(struct config_fault *fault, enum err code,
                                 const struct parameter *p, const char *wanted)

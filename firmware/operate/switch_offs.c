@@ -89,7 +89,7 @@ static bool poll_one(struct operate *door, uint8_t n)
     const struct service *s = door->service;
     enum switch_off_state state = switch_off_state_of(door, n);
     bool over = state == SWITCH_OFF_GIVEN &&
-                !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->content.element);
+                !is_switched_off(s->supervisor, switch_off_slot_of(door, n)->content.element);
     if (state == SWITCH_OFF_APPLIED || over) {
         set_switch_off(door, n, SWITCH_OFF_FREE);
         return true;

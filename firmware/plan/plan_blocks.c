@@ -16,19 +16,19 @@
 static uint8_t first_of_stage(enum block_stage stage)
 {
     for (uint8_t k = 0; k < block_kind_count; k++)
-        if (block_kinds[k]->stage == stage && !(CONFIG_BLOCKS && block_kind_has_record(k)))
+        if (block_kinds[k]->stage == stage && !(CONFIG_BLOCKS && block_kind_is_numbered(k)))
             return k;
     return PLAN_NONE;
 }
 
-static uint8_t plan_find_kind(const struct plan *plan, uint8_t slot)
+static uint8_t plan_find_kind(const struct plan *plan, uint8_t block)
 {
-    if (slot >= SLOT_FEEDFORWARDS)
+    if (block >= BLOCK_FEEDFORWARDS)
         return first_of_stage(STAGE_FEED_FORWARD);
-    if (slot == SLOT_MATRIX)
+    if (block == BLOCK_MATRIX)
         return first_of_stage(STAGE_COMPENSATE);
     for (uint8_t k = 0; k < block_kind_count; k++)
-        if (block_kinds[k]->algorithms & (1u << plan->config.loop[slot].own.algorithm))
+        if (block_kinds[k]->algorithms & (1u << plan->config.loop[block].own.algorithm))
             return k;
     return PLAN_NONE;
 }
@@ -73,10 +73,10 @@ enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
     plan_setup_matrix(plan, &setup, &matrix);
     if (!setup.present)
         return ERR_OK;
-    plan->block[SLOT_MATRIX].kind = plan_find_kind(plan, SLOT_MATRIX);
-    if (plan->block[SLOT_MATRIX].kind == PLAN_NONE)
+    plan->block[BLOCK_MATRIX].kind = plan_find_kind(plan, BLOCK_MATRIX);
+    if (plan->block[BLOCK_MATRIX].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "decouple", 1, "d1", "", NOT_IN_BUILD);
-    enum err err = plan_kind(plan, SLOT_MATRIX)->check(&setup, &reason);
+    enum err err = plan_kind(plan, BLOCK_MATRIX)->check(&setup, &reason);
     return err ? plan_refuse(fault, err, "decouple", reason.member + 1u, reason.field,
                              plan->config.loop[reason.member].name, reason.wanted)
                : ERR_OK;
@@ -87,31 +87,31 @@ enum err plan_check_feedforward(struct plan *plan, uint8_t k, struct config_faul
     struct block_instance b;
     struct block_fault reason;
     const char *from = plan->config.feedforward[k].from;
-    uint8_t slot = (uint8_t)(SLOT_FEEDFORWARDS + k);
-    plan->block[slot].kind = plan_find_kind(plan, slot);
-    if (plan->block[slot].kind == PLAN_NONE)
+    uint8_t block = (uint8_t)(BLOCK_FEEDFORWARDS + k);
+    plan->block[block].kind = plan_find_kind(plan, block);
+    if (plan->block[block].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "ff", k + 1u, "from", from, NOT_IN_BUILD);
     plan_setup_feedforward(plan, k, &b);
-    enum err err = plan_kind(plan, slot)->check(&b.setup, &reason);
+    enum err err = plan_kind(plan, block)->check(&b.setup, &reason);
     if (err && !reason.field[0])
         return plan_refuse(fault, err, "tick", 0, "base", from, reason.wanted);
     return err ? plan_refuse(fault, err, "ff", k + 1u, reason.field, from, reason.wanted) : ERR_OK;
 }
 
-static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct config_fault *fault)
+static enum err refuse_memory(const struct plan *plan, uint8_t block, struct config_fault *fault)
 {
     static const char *const wanted = "finds no memory";
     const struct config *c = &plan->config;
-    if (CONFIG_BLOCKS && slot >= SLOT_NUMBERED) {
-        unsigned n = slot - SLOT_NUMBERED;
+    if (CONFIG_BLOCKS && block >= BLOCK_NUMBERED) {
+        unsigned n = block - BLOCK_NUMBERED;
         return plan_refuse(fault, ERR_MEMORY, "block", n + 1u, "kind", c->block[n].kind, wanted);
     }
-    if (slot >= SLOT_FEEDFORWARDS) {
-        unsigned k = slot - SLOT_FEEDFORWARDS;
+    if (block >= BLOCK_FEEDFORWARDS) {
+        unsigned k = block - BLOCK_FEEDFORWARDS;
         return plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead", c->feedforward[k].from,
                            "dead times need more memory than this board has");
     }
-    return plan_refuse(fault, ERR_MEMORY, "loop", slot + 1u, "algorithm", c->loop[slot].name,
+    return plan_refuse(fault, ERR_MEMORY, "loop", block + 1u, "algorithm", c->loop[block].name,
                        wanted);
 }
 
@@ -120,9 +120,9 @@ static void list_stages(struct plan *plan)
     uint8_t n =
         plan->listed_end[STAGE_CONTROL]; /* these are listed already, as their loops are ordered */
     for (unsigned stage = STAGE_CONTROL + 1; stage < BLOCK_STAGES; stage++) {
-        for (uint8_t slot = SLOT_MATRIX; slot < PLAN_BLOCKS; slot++)
-            if (plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage)
-                plan->listed[n++] = slot;
+        for (uint8_t block = BLOCK_MATRIX; block < PLAN_BLOCKS; block++)
+            if (plan->block[block].kind != PLAN_NONE && plan_kind(plan, block)->stage == stage)
+                plan->listed[n++] = block;
         plan->listed_end[stage] = n;
     }
 }
@@ -133,19 +133,19 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
     arena_count(plan, n);
     uint32_t at = arena_state_bytes(n) / ARENA_GRAIN;
     list_stages(plan);
-    for (uint8_t slot = 0; slot < PLAN_BLOCKS; slot++) {
-        struct block_place *place = &plan->block[slot];
+    for (uint8_t block = 0; block < PLAN_BLOCKS; block++) {
+        struct block_place *place = &plan->block[block];
         uint32_t grains = 0;
         if (place->kind != PLAN_NONE) {
             struct block_instance b;
-            plan_block_setup(plan, slot, &b);
-            uint32_t bytes = plan_kind(plan, slot)->bytes(&b.setup);
+            plan_block_setup(plan, block, &b);
+            uint32_t bytes = plan_kind(plan, block)->bytes(&b.setup);
             grains = ARENA_GRAINS(bytes);
             place->spare = (uint8_t)(grains * ARENA_GRAIN - bytes);
-            grains += plan_grains_behind(plan, slot);
+            grains += plan_grains_behind(plan, block);
         }
         if (at + grains > PLAN_ARENA_BYTES / ARENA_GRAIN) {
-            enum err err = refuse_memory(plan, slot, fault);
+            enum err err = refuse_memory(plan, block, fault);
             fault->bytes = (at + grains) * ARENA_GRAIN;
             return err;
         }

@@ -15,12 +15,12 @@ static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)
 /* Returns the base ticks that blockN wants to look back. */
 static uint32_t ticks_wanted(const struct plan *plan, uint8_t n)
 {
-    uint8_t slot = (uint8_t)(SLOT_NUMBERED + n);
-    if (plan->block[slot].kind == PLAN_NONE || !plan_kind(plan, slot)->history)
+    uint8_t block = (uint8_t)(BLOCK_NUMBERED + n);
+    if (plan->block[block].kind == PLAN_NONE || !plan_kind(plan, block)->history)
         return 0;
     struct block_setup setup;
     plan_setup_numbered(plan, n, &setup);
-    return applied_history_ticks(plan_kind(plan, slot)->history(&setup), plan_divisor(plan, n));
+    return applied_history_ticks(plan_kind(plan, block)->history(&setup), plan_divisor(plan, n));
 }
 
 static enum err refuse_history(const struct plan *plan, uint8_t n, uint32_t grains,

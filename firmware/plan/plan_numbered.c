@@ -6,8 +6,8 @@
 #include "exchange/numbered_setup.h"
 #include "plan/plan_parts.h"
 
-static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t n,
-                              const char *field, const char *subject, const char *wanted)
+static enum err refuse_block_of(struct config_fault *fault, enum err code, uint8_t n,
+                                const char *field, const char *subject, const char *wanted)
 {
     return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
 }
@@ -21,26 +21,26 @@ static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
     const struct loop_config *l = &plan->config.loop[i];
     const struct loop_config *first = &plan->config.loop[r->member[0]];
     if (plan->loop[i].decouple)
-        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
-                             "takes part in the static decoupler; set decouple off");
+        return refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name,
+                               "takes part in the static decoupler; set decouple off");
     if (plan_has_stage(plan, n, STAGE_COMPENSATE)) {
         for (uint8_t k = 0; k < r->members; k++)
             if (r->member[k] == i)
-                return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, "is named twice");
+                return refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name, "is named twice");
         if (plan->loop[i].mv == PLAN_NONE)
-            return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
-                                 "must drive a manipulated variable itself");
+            return refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name,
+                                   "must drive a manipulated variable itself");
         const char *uncompensated = plan_kind(plan, i)->uncompensated;
         return uncompensated
-                   ? refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, uncompensated)
+                   ? refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name, uncompensated)
                    : ERR_OK;
     }
     if (plan->server[i] != PLAN_NONE)
-        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
-                             "is served by another block already");
+        return refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name,
+                               "is served by another block already");
     if (r->members && (l->divisor != first->divisor || l->phase != first->phase))
-        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
-                             "needs the divisor and the phase of the other loops of the block");
+        return refuse_block_of(fault, ERR_CONFLICT, n, "loops", l->name,
+                               "needs the divisor and the phase of the other loops of the block");
     return ERR_OK;
 }
 
@@ -52,22 +52,22 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
     for (const char *at = plan->config.block[n].loops; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_loop(&plan->config, name);
         if (i == PLAN_NONE)
-            return refuse_record(fault, ERR_UNKNOWN, n, "loops", name,
-                                 "must be the name of a configured loop");
+            return refuse_block_of(fault, ERR_UNKNOWN, n, "loops", name,
+                                   "must be the name of a configured loop");
         if (r->members >= most)
-            return refuse_record(fault, ERR_RANGE, n, "loops", name,
-                                 "is one more than this kind serves");
+            return refuse_block_of(fault, ERR_RANGE, n, "loops", name,
+                                   "is one more than this kind serves");
         enum err err = check_member(plan, n, i, fault);
         if (err)
             return err;
         if (!plan_has_stage(plan, n, STAGE_COMPENSATE))
-            plan->server[i] = (uint8_t)(SLOT_NUMBERED + n);
+            plan->server[i] = (uint8_t)(BLOCK_NUMBERED + n);
         r->member[r->members++] = i;
     }
     /* If the kind is unknown, nobody knows whether it serves any loops. */
-    if (most && !r->members && plan->block[SLOT_NUMBERED + n].kind != PLAN_NONE)
-        return refuse_record(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
-                             "must name the loops it serves");
+    if (most && !r->members && plan->block[BLOCK_NUMBERED + n].kind != PLAN_NONE)
+        return refuse_block_of(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
+                               "must name the loops it serves");
     return ERR_OK;
 }
 
@@ -80,11 +80,11 @@ static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
         uint8_t i = config_find_measurement(&plan->config, name);
         uint8_t j = config_find_mv(&plan->config, name);
         if (i == PLAN_NONE && j == PLAN_NONE)
-            return refuse_record(fault, ERR_UNKNOWN, n, "inputs", name,
-                                 "must be a configured measurement or manipulated variable");
+            return refuse_block_of(fault, ERR_UNKNOWN, n, "inputs", name,
+                                   "must be a configured measurement or manipulated variable");
         if (r->inputs >= most)
-            return refuse_record(fault, ERR_RANGE, n, "inputs", name,
-                                 "is one more than this kind reads");
+            return refuse_block_of(fault, ERR_RANGE, n, "inputs", name,
+                                   "is one more than this kind reads");
         r->input[r->inputs++] = i != PLAN_NONE ? i : (uint8_t)(INPUT_IS_MV | j);
     }
     return ERR_OK;
@@ -98,24 +98,24 @@ static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
     for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
         if (i == PLAN_NONE)
-            return refuse_record(fault, ERR_UNKNOWN, n, "points", name,
-                                 "must be the name of a configured measurement");
+            return refuse_block_of(fault, ERR_UNKNOWN, n, "points", name,
+                                   "must be the name of a configured measurement");
         if (plan->writer[i] != PLAN_NONE)
-            return refuse_record(fault, ERR_CONFLICT, n, "points", name,
-                                 plan->writer[i] == n ? "is named twice"
-                                                      : "is written by another block already");
+            return refuse_block_of(fault, ERR_CONFLICT, n, "points", name,
+                                   plan->writer[i] == n ? "is named twice"
+                                                        : "is written by another block already");
         if (r->points >= most)
-            return refuse_record(fault, ERR_RANGE, n, "points", name,
-                                 "is one more than this kind writes");
+            return refuse_block_of(fault, ERR_RANGE, n, "points", name,
+                                   "is one more than this kind writes");
         plan->writer[i] = n;
         r->point[r->points++] = i;
     }
     return ERR_OK;
 }
 
-static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault *fault)
+static enum err resolve_numbered(struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    struct block_place *place = &plan->block[SLOT_NUMBERED + n];
+    struct block_place *place = &plan->block[BLOCK_NUMBERED + n];
     place->kind = config_block_kind(&plan->config, n);
     /* If this build lacks the kind, its loops stay in manual, and its points have no value (supervise/numbered_switch.c). */
     const struct block_kind *kind = place->kind == PLAN_NONE ? NULL : block_kinds[place->kind];
@@ -138,9 +138,9 @@ static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fa
             continue;
         uint8_t writer = plan->writer[r->input[k]];
         if (r->points && writer != PLAN_NONE && writer >= n)
-            return refuse_record(fault, ERR_CYCLE, n, "inputs",
-                                 plan->config.measurement[r->input[k]].name,
-                                 "must be written by a block before this one");
+            return refuse_block_of(fault, ERR_CYCLE, n, "inputs",
+                                   plan->config.measurement[r->input[k]].name,
+                                   "must be written by a block before this one");
     }
     return ERR_OK;
 }
@@ -154,16 +154,16 @@ enum err plan_resolve_numbered(struct plan *plan, struct config_fault *fault)
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
         if (plan->config.block[n].kind[0]) {
             plan->numbered_end = (uint8_t)(n + 1u);
-            err = resolve_record(plan, n, fault);
+            err = resolve_numbered(plan, n, fault);
         }
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
         err = check_reads(plan, n, fault);
     return err;
 }
 
-static bool members_taken(const struct plan *plan, uint8_t slot, const bool *taken)
+static bool members_taken(const struct plan *plan, uint8_t block, const bool *taken)
 {
-    const struct numbered_plan *n = &plan->numbered[slot - SLOT_NUMBERED];
+    const struct numbered_plan *n = &plan->numbered[block - BLOCK_NUMBERED];
     for (uint8_t k = 0; k < n->members; k++)
         if (!taken[n->member[k]])
             return false;
@@ -184,7 +184,7 @@ uint8_t plan_list_controllers(struct plan *plan, uint8_t i, const bool *taken, u
     uint8_t server = plan->server[i];
     plan->listed[n++] = i;
     if (server != PLAN_NONE && members_taken(plan, server, taken) &&
-        plan_has_stage(plan, (uint8_t)(server - SLOT_NUMBERED), STAGE_CONTROL))
+        plan_has_stage(plan, (uint8_t)(server - BLOCK_NUMBERED), STAGE_CONTROL))
         plan->listed[n++] = server;
     return n;
 }
@@ -192,12 +192,12 @@ uint8_t plan_list_controllers(struct plan *plan, uint8_t i, const bool *taken, u
 /* Refuses a block that names another of a kind that it cannot use. */
 static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
-    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n));
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(BLOCK_NUMBERED + n));
     if (!plan_number_named(plan, n) || plan_names_a(plan, n, kind->named_kind) ||
         plan_names_other(plan, n))
         return ERR_OK;
-    return refuse_record(fault, ERR_UNKNOWN, n, plan_names_with(kind)->name, kind->named_kind,
-                         "must be the kind of the block it is the number of");
+    return refuse_block_of(fault, ERR_UNKNOWN, n, plan_names_with(kind)->name, kind->named_kind,
+                           "must be the kind of the block it is the number of");
 }
 
 enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault)
@@ -208,7 +208,7 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
     if (n >= CONFIG_BLOCKS || !plan->config.block[n].kind[0])
         return plan_refuse(fault, ERR_UNKNOWN, "alarm", alarm + 1u, "on", on,
                            "must begin with a block that is there, like block1.CODE");
-    uint8_t place = plan->block[SLOT_NUMBERED + n].kind;
+    uint8_t place = plan->block[BLOCK_NUMBERED + n].kind;
     /* The kind is kept by name, and its events are unknown here. */
     if (place == PLAN_NONE)
         return ERR_OK;
@@ -228,7 +228,7 @@ enum err plan_check_numbered(struct plan *plan, struct config_fault *fault)
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
         struct block_setup setup;
         struct block_fault reason = {0};
-        if (plan->block[SLOT_NUMBERED + n].kind == PLAN_NONE)
+        if (plan->block[BLOCK_NUMBERED + n].kind == PLAN_NONE)
             continue;
         enum err of_stage = plan_check_stage(plan, n, fault);
         if (!of_stage)
@@ -236,10 +236,10 @@ enum err plan_check_numbered(struct plan *plan, struct config_fault *fault)
         if (of_stage)
             return of_stage;
         plan_setup_numbered(plan, n, &setup);
-        enum err err = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n))->check(&setup, &reason);
+        enum err err = plan_kind(plan, (uint8_t)(BLOCK_NUMBERED + n))->check(&setup, &reason);
         if (err)
-            (void)!refuse_record(fault, err, n, reason.field, plan->config.block[n].kind,
-                                 reason.wanted);
+            (void)!refuse_block_of(fault, err, n, reason.field, plan->config.block[n].kind,
+                                   reason.wanted);
         fault->must_be = reason.must_be;
         if (err)
             return err;

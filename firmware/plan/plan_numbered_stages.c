@@ -15,7 +15,7 @@ static enum err refuse_stage(struct config_fault *fault, enum err code, uint8_t 
 enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     struct numbered_plan *r = &plan->numbered[n];
-    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_NUMBERED + n));
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(BLOCK_NUMBERED + n));
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t j = config_find_mv(&plan->config, name);

@@ -10,7 +10,7 @@
 static const struct block_kind *kind_of_block(const struct config *config, uint8_t block)
 {
     uint8_t kind = config_block_kind(config, block);
-    return block_kind_has_record(kind) ? block_kinds[kind] : NULL;
+    return block_kind_is_numbered(kind) ? block_kinds[kind] : NULL;
 }
 
 static unsigned rows_of(const struct block_parameter *own)
@@ -85,7 +85,8 @@ bool block_parameter_find_id(const struct config *config, uint8_t block, uint8_t
 const uint8_t *block_parameter_where(const struct config *config, uint8_t block, uint16_t row,
                                      const struct block_parameter *own)
 {
-    return (const uint8_t *)config_record(config, block) + own->offset + row * block_row_size(own);
+    return (const uint8_t *)config_block_settings(config, block) + own->offset +
+           row * block_row_size(own);
 }
 
 bool block_is_unknown(const struct config *config, uint8_t block)
@@ -96,7 +97,7 @@ bool block_is_unknown(const struct config *config, uint8_t block)
 void block_kinds_put(struct text *t)
 {
     for (uint8_t k = 0; k < block_kind_count; k++) {
-        if (block_kind_has_record(k)) {
+        if (block_kind_is_numbered(k)) {
             text_str(t, block_kinds[k]->name);
             text_char(t, '|');
         }
@@ -276,7 +277,7 @@ enum err block_row_set(const struct block_parameter *own, uint8_t *at, const cha
                        unsigned least)
 {
     char item[VALUE_TEXT_SIZE];
-    uint8_t row[RECORD_COLS_MAX * sizeof(float)];
+    uint8_t row[BLOCK_COLS_MAX * sizeof(float)];
     size_t size = block_value_size(own->type);
     const char *s = value;
     unsigned given = 0;
@@ -322,7 +323,7 @@ size_t block_row_encode(const struct block_parameter *own, const uint8_t *at, ui
 bool block_row_decode(const struct block_parameter *own, uint8_t *at, const uint8_t *stored,
                       bool *taken)
 {
-    uint8_t row[RECORD_COLS_MAX * sizeof(float)];
+    uint8_t row[BLOCK_COLS_MAX * sizeof(float)];
     size_t size = block_value_size(own->type);
     float hi = own->type == BLOCK_WORD ? (float)(words_count(own->unit) - 1u) : own->hi;
     float lo = own->type == BLOCK_WORD ? 0.0f : own->lo;

@@ -109,7 +109,7 @@ enum err record_make(struct config *config, uint8_t n, const char *kind, uint32_
         return ERR_OK;
     }
     uint8_t k = block_kind_find(kind);
-    if (!block_kind_has_record(k))
+    if (!block_kind_is_numbered(k))
         return ERR_UNKNOWN;
     if (config_block_kind(config, n) == k)
         return ERR_OK;

@@ -106,7 +106,7 @@ enum err block_text_set(const struct parameter *p, struct config *config, void *
         return ERR_PARSE;
     if (p->field->type == PARAMETER_KIND)
         return record_make(config, p->index, strcmp(value, "-") == 0 ? "" : value, &needed, &free);
-    if (!config_record(config, p->index))
+    if (!config_block_settings(config, p->index))
         return block_is_unknown(config, p->index) ? ERR_UNSUPPORTED : ERR_STATE;
     if (p->field->type == PARAMETER_LIST)
         return set_list(place, block_text_size(p), value);

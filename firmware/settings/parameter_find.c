@@ -114,7 +114,7 @@ enum err parameter_find_in(const struct config *config, const char *name, struct
         *p = of_block(&place);
         return ERR_OK;
     }
-    return config_record(config, block) ? ERR_UNKNOWN : ERR_EMPTY;
+    return config_block_settings(config, block) ? ERR_UNKNOWN : ERR_EMPTY;
 }
 
 static enum err find_block_id(const struct config *config, uint32_t id, struct parameter *p)

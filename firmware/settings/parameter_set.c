@@ -82,7 +82,7 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
     if (full)
         return full;
     if (parameter_is_of_block(p) && p->field->type >= PARAMETER_KIND) {
-        bool lacks_row = parameter_own(p) && !config_record(config, p->index);
+        bool lacks_row = parameter_own(p) && !config_block_settings(config, p->index);
         return block_text_set(p, config, lacks_row ? NULL : parameter_place(p, config), value);
     }
     uint8_t *at = parameter_place(p, config);

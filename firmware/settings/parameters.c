@@ -61,7 +61,7 @@ void *parameter_place(const struct parameter *p, struct config *config)
 {
     if (parameter_own(p)) /* a record may be in another place */
         return (uint8_t *)record_place(config, p->index) +
-               (place_const(p, config) - (const uint8_t *)config_record(config, p->index));
+               (place_const(p, config) - (const uint8_t *)config_block_settings(config, p->index));
     return (uint8_t *)config + (place_const(p, config) - (const uint8_t *)config);
 }
 

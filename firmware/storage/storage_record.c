@@ -109,7 +109,7 @@ static bool take_text(const struct parameter *p, struct config *config, const ch
 static bool take_row(const struct stored_record *r, const struct parameter *p,
                      struct config *config)
 {
-    uint8_t row[RECORD_COLS_MAX * sizeof(float)];
+    uint8_t row[BLOCK_COLS_MAX * sizeof(float)];
     size_t size = parameter_size(p);
     bool taken;
     return parameter_own(p) && p->field->type == PARAMETER_ROW &&

@@ -10,7 +10,7 @@
 #define RECORD_WIDE 4u
 #define RECORD_MAX                                                                                 \
     (RECORD_HEAD + (CONFIG_BLOCKS ? RECORD_WIDE + BLOCK_NAMES_SIZE : CHANNEL_NAME_SIZE))
-_Static_assert(BLOCK_NAMES_SIZE >= RECORD_COLS_MAX * sizeof(float), "rows of tables fit as well");
+_Static_assert(BLOCK_NAMES_SIZE >= BLOCK_COLS_MAX * sizeof(float), "rows of tables fit as well");
 
 enum storage_type {
     STORAGE_FLOAT = 1,

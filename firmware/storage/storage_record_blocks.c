@@ -35,5 +35,5 @@ bool record_is_table(const struct stored_record *r)
     if (!record_of_block(r, &block) || !kind_stored(r, block, kind))
         return false;
     uint8_t k = block_kind_find(kind);
-    return block_kind_has_record(k) && block_kinds[k]->table;
+    return block_kind_is_numbered(k) && block_kinds[k]->table;
 }

@@ -191,24 +191,24 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
             return;
     }
     if (!before || !same_feedforward(plan, old, i))
-        switch_off_forget_element(s, i);
+        switch_off_forget_ff(s, i);
     if (before)
         rejoin(s, before->to);
     rejoin(s, f->to);
-    uint8_t slot = (uint8_t)(SLOT_FEEDFORWARDS + i);
-    s->block[slot].running = false; /* it begins at rest at the next tick */
+    uint8_t block = (uint8_t)(BLOCK_FEEDFORWARDS + i);
+    s->block[block].running = false; /* it begins at rest at the next tick */
     if (!f->from[0])
         return;
-    block_give_settings(s, slot, false);
+    block_give_settings(s, block, false);
 }
 
 static void place_matrix(struct supervisor *s)
 {
-    if (s->block[SLOT_MATRIX].kind == PLAN_NONE)
+    if (s->block[BLOCK_MATRIX].kind == PLAN_NONE)
         return;
-    block_give_settings(s, SLOT_MATRIX, true);
+    block_give_settings(s, BLOCK_MATRIX, true);
     /* The matrix may be another one, so its loops are selected again. */
-    s->block[SLOT_MATRIX].must_follow = true;
+    s->block[BLOCK_MATRIX].must_follow = true;
 }
 
 /* An interlock with the same measurement, MV and side keeps its state, and takes its new numbers. */

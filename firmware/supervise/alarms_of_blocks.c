@@ -14,5 +14,5 @@ float alarm_event_value(const struct supervisor *s, uint8_t i)
 
 bool alarm_event_is_raised(const struct supervisor *s, uint8_t of_event)
 {
-    return s->served[ALARM_BLOCK(of_event)].raised & (1u << ALARM_EVENT(of_event));
+    return s->numbered[ALARM_BLOCK(of_event)].raised & (1u << ALARM_EVENT(of_event));
 }

@@ -148,7 +148,7 @@ static enum excite_reason plant_disturbance(const struct supervisor *s)
 
 static bool is_controller(const struct supervisor *s)
 {
-    return plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + s->excitation.holder - 1u))->stage ==
+    return plan_kind(s->plan, (uint8_t)(BLOCK_NUMBERED + s->excitation.holder - 1u))->stage ==
            STAGE_CONTROL;
 }
 
@@ -178,11 +178,11 @@ static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
 static void end_on_setpoint(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
-    bool moves = !num_eq(l->served.excited, num_zero());
+    bool moves = !num_eq(l->of_block.excited, num_zero());
     l->setpoint = loop_own_setpoint(l);
-    l->served.excited = l->served.excite = num_zero();
+    l->of_block.excited = l->of_block.excite = num_zero();
     if (moves && is_controller(s) && loop_acts(s, i))
-        block_follow_at(s, i, l->served.applied);
+        block_follow_at(s, i, l->of_block.applied);
 }
 
 void excitation_end(struct supervisor *s, enum excite_reason reason)
@@ -211,14 +211,14 @@ static const char *who_excites(const struct supervisor *s)
     return s->testing ? "commission" : supervisor_excited_by(s);
 }
 
-static bool is_holder(const struct supervisor *s, uint8_t slot)
+static bool is_holder(const struct supervisor *s, uint8_t block)
 {
-    return s->excitation.holder == slot - SLOT_NUMBERED + 1;
+    return s->excitation.holder == block - BLOCK_NUMBERED + 1;
 }
 
-void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason)
+void excitation_end_of(struct supervisor *s, uint8_t block, enum excite_reason reason)
 {
-    if (is_holder(s, slot))
+    if (is_holder(s, block))
         excitation_end(s, reason);
 }
 
@@ -318,7 +318,7 @@ static bool take_values(struct supervisor *s, const struct block_io *io)
         if (!is_at_most(num_abs(a->value), t->amplitude))
             return false;
         if (t->what == EXCITE_SETPOINT)
-            s->loop[t->index].served.excite = a->value;
+            s->loop[t->index].of_block.excite = a->value;
         else
             s->mv[t->index].excitation = a->value;
         t++;
@@ -344,10 +344,10 @@ static enum excite_reason begin_excitation(struct supervisor *s, uint8_t n,
     return EXCITE_FINE;
 }
 
-void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
+void excitation_tell(const struct supervisor *s, uint8_t block, struct block_io *io,
                      struct block_excitation *ask)
 {
-    const struct excite_answer *told = &s->excitation.answer[slot - SLOT_NUMBERED];
+    const struct excite_answer *told = &s->excitation.answer[block - BLOCK_NUMBERED];
     memset(ask, 0, BLOCK_EXCITES_MAX * sizeof *ask);
     io->requests.excite = ask;
     io->requests.excite_state = told->state;
@@ -355,22 +355,22 @@ void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *
     io->requests.excite_holder = who_excites(s);
 }
 
-void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io)
+void excitation_take(struct supervisor *s, uint8_t block, const struct block_io *io)
 {
     struct excitation_state *e = &s->excitation;
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
     struct excited target[BLOCK_EXCITES_MAX];
     uint8_t targets = resolve_targets(s, n, io, target);
-    e->asked = is_holder(s, slot) ? s->ticks : e->asked;
+    e->asked = is_holder(s, block) ? s->ticks : e->asked;
     if (!targets) {
-        excitation_end_of(s, slot, EXCITE_ASKED);
+        excitation_end_of(s, block, EXCITE_ASKED);
         tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
         return;
     }
     /* The block must let one step pass without a request. */
     if (e->answer[n].state == EXCITE_ENDED)
         return;
-    bool holds = is_holder(s, slot);
+    bool holds = is_holder(s, block);
     enum excite_reason reason = EXCITE_FINE;
     if (targets > BLOCK_EXCITES_MAX || (holds && !same_targets(e, target, targets)))
         reason = EXCITE_WRONG;
@@ -380,7 +380,7 @@ void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *
         reason = EXCITE_WRONG;
     if (reason == EXCITE_FINE)
         return;
-    if (is_holder(s, slot))
+    if (is_holder(s, block))
         excitation_end(s, reason);
     else
         tell_end(s, n, EXCITE_REFUSED, reason);
@@ -410,13 +410,13 @@ void excitation_add_asked(struct supervisor *s, uint8_t i)
         const struct excited *t = &e->target[k];
         if (t->what != EXCITE_SETPOINT || t->index != i)
             continue;
-        num_t sum = num_add(l->setpoint, l->served.excite);
+        num_t sum = num_add(l->setpoint, l->of_block.excite);
         if (!is_within_limits(s, t, sum, sum)) {
             excitation_end(s, EXCITE_LIMIT);
             return;
         }
         l->setpoint = sum;
-        l->served.excited = l->served.excite;
+        l->of_block.excited = l->of_block.excite;
     }
 }
 

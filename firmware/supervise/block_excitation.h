@@ -2,7 +2,7 @@
  * the excitation. Within supervise only.
  *
  * On an MV the signal is mv_state.excitation, as start-up's is. It is part of the command, but back-calculation
- * ignores it. On a setpoint it is served_loop.excited. It is part of the setpoint in force, but ramp, filter, the
+ * ignores it. On a setpoint it is loop_of_block.excited. It is part of the setpoint in force, but ramp, filter, the
  * outer loop and a restart ignore it. */
 #ifndef REFLUX_SUPERVISE_BLOCK_EXCITATION_H
 #define REFLUX_SUPERVISE_BLOCK_EXCITATION_H
@@ -11,17 +11,17 @@
 
 #if CONFIG_BLOCKS
 
-/* Before the step of the block in a slot: gives it the answer to its last request, and clears `ask` for the next
+/* Before the step of a block: gives it the answer to its last request, and clears `ask` for the next
  * one. */
-void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
+void excitation_tell(const struct supervisor *s, uint8_t block, struct block_io *io,
                      struct block_excitation *ask);
 /* After the block's step: takes its request. */
-void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io);
+void excitation_take(struct supervisor *s, uint8_t block, const struct block_io *io);
 
 /* Ends the excitation of all targets; does nothing where nothing is excited. */
 void excitation_end(struct supervisor *s, enum excite_reason reason);
-/* Ends the excitation if it belongs to the block in that slot. */
-void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason);
+/* Ends the excitation if it belongs to that block. */
+void excitation_end_of(struct supervisor *s, uint8_t block, enum excite_reason reason);
 /* Ends the excitation if MV j is excited, because somebody has moved the MV by hand. */
 void excitation_end_by_hand(struct supervisor *s, uint8_t j);
 
@@ -36,7 +36,7 @@ void excitation_watch(struct supervisor *s);
 void excitation_add_asked(struct supervisor *s, uint8_t i);
 static inline void excitation_add(struct supervisor *s, uint8_t i)
 {
-    s->loop[i].served.excited = num_zero();
+    s->loop[i].of_block.excited = num_zero();
     if (s->excitation.targets)
         excitation_add_asked(s, i);
 }

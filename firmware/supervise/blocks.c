@@ -19,20 +19,20 @@ bool loop_acts_on(const struct supervisor *s, uint8_t measurement)
     return false;
 }
 
-static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
+static const struct block_kind *kind_of(const struct supervisor *s, uint8_t block)
 {
-    return block_kinds[s->block[slot].kind];
+    return block_kinds[s->block[block].kind];
 }
 
 /* ---- settings ---- */
 
 /* The plan's check covered the settings: only an interval that the block cannot keep remains to be reported. */
-void block_give_settings(struct supervisor *s, uint8_t slot, bool retune)
+void block_give_settings(struct supervisor *s, uint8_t block, bool retune)
 {
     struct block_instance b;
-    plan_block_setup(s->plan, slot, &b);
-    if (kind_of(s, slot)->configure(supervisor_block(s, slot), &b.setup, retune) != ERR_OK)
-        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, kind_of(s, slot)->name,
+    plan_block_setup(s->plan, block, &b);
+    if (kind_of(s, block)->configure(supervisor_block(s, block), &b.setup, retune) != ERR_OK)
+        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, kind_of(s, block)->name,
                   b.setup.interval_s, 0);
 }
 
@@ -49,15 +49,15 @@ static void give_new_settings(struct supervisor *s, uint8_t i)
     s->block[i].retune = false;
 }
 
-bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
+bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t block)
 {
-    const struct block_kind *kind = kind_of(s, slot);
+    const struct block_kind *kind = kind_of(s, block);
     struct block_instance before, now;
     /* `old` may be the same plan with another tick */
     if (!kind->same || s->plan->tick_s != s->tick_s)
         return false;
-    plan_block_setup(old, slot, &before);
-    plan_block_setup(s->plan, slot, &now);
+    plan_block_setup(old, block, &before);
+    plan_block_setup(s->plan, block, &now);
     return before.setup.interval_s == now.setup.interval_s && kind->same(&before.setup, &now.setup);
 }
 

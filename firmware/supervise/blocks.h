@@ -47,10 +47,10 @@ void block_begin(struct supervisor *s, uint8_t i);
  * have given, whatever moves meanwhile. Equal settings change nothing. */
 void block_configure(struct supervisor *s, const struct plan *old, uint8_t i);
 
-/* Gives the block in a slot the settings of the plan in force. retune: they are new settings, without a bump. */
-void block_give_settings(struct supervisor *s, uint8_t slot, bool retune);
+/* Gives a block the settings of the plan in force. retune: they are new settings, without a bump. */
+void block_give_settings(struct supervisor *s, uint8_t block, bool retune);
 /* Returns true if these settings have the same effect as those of `old`. */
-bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot);
+bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t block);
 
 /* Makes a step: the output, before decoupler and feedforward, is l->v, fraction of span. */
 void block_step(struct supervisor *s, uint8_t i);

@@ -20,9 +20,9 @@ static uint8_t list_end(const struct supervisor *s)
 }
 
 /* Returns true if the compensator runs in this tick. */
-static bool compensates(const struct supervisor *s, uint8_t slot)
+static bool compensates(const struct supervisor *s, uint8_t block)
 {
-    return !s->block[slot].off && s->block[slot].acting;
+    return !s->block[block].off && s->block[block].acting;
 }
 
 /* For each member: the last input, as far as it took effect, and the last output. They stand behind the state of
@@ -32,21 +32,21 @@ struct passed {
 };
 _Static_assert(sizeof(struct passed) == ARENA_GRAIN, "a grain of the arena for each member");
 
-static struct passed *passed_by(const struct supervisor *s, uint8_t slot)
+static struct passed *passed_by(const struct supervisor *s, uint8_t block)
 {
-    const struct block_state *b = &s->block[slot];
+    const struct block_state *b = &s->block[block];
     struct passed *end = (struct passed *)s->arena + b->grain + b->grains;
-    return end - plan_grains_behind(s->plan, slot);
+    return end - plan_grains_behind(s->plan, block);
 }
 
 /* Gathers the signals of its members, by loop, as inputs. The input of a member that does not take part is its
  * present output, or 0 for differences. */
-static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t *signal,
+static void gather_signals(const struct supervisor *s, uint8_t block, const num_t *signal,
                            bool differences, struct gathered *g)
 {
-    gather(s, slot, g);
-    g->io.members.acting = s->block[slot].acting;
-    g->io.members.going_on = s->block[slot].going_on;
+    gather(s, block, g);
+    g->io.members.acting = s->block[block].acting;
+    g->io.members.going_on = s->block[block].going_on;
     for (uint8_t k = 0; k < g->links.members; k++) {
         uint8_t i = g->links.member[k];
         if (g->io.members.acting & (1u << k))
@@ -58,9 +58,9 @@ static void gather_signals(const struct supervisor *s, uint8_t slot, const num_t
 }
 
 /* Checks the outputs of the members that take part. */
-static bool gave_signals(struct supervisor *s, uint8_t slot, const struct gathered *g)
+static bool gave_signals(struct supervisor *s, uint8_t block, const struct gathered *g)
 {
-    return numbered_goes_on(s, slot, g, g->out, g->io.members.acting);
+    return numbered_goes_on(s, block, g, g->out, g->io.members.acting);
 }
 
 /* ---- bumpless transfer ---- */
@@ -71,14 +71,14 @@ struct taking_part {
     uint32_t loops; /* the acting ones, by loop */
 };
 
-static void find_taking_part(const struct supervisor *s, uint8_t slot, struct taking_part *p)
+static void find_taking_part(const struct supervisor *s, uint8_t block, struct taking_part *p)
 {
     struct block_links links;
-    plan_links(s->plan, slot, &links);
+    plan_links(s->plan, block, &links);
     *p = (struct taking_part){0};
     for (uint8_t k = 0; k < links.members && links.member[k] < s->placed[PLACED_LOOPS]; k++) {
         uint8_t i = links.member[k];
-        if (!loop_drives(s, i) || !plan_takes_part(s->plan, slot, i))
+        if (!loop_drives(s, i) || !plan_takes_part(s->plan, block, i))
             continue;
         p->acting = (uint8_t)(p->acting | (1u << k));
         p->loops |= 1u << i;
@@ -88,20 +88,21 @@ static void find_taking_part(const struct supervisor *s, uint8_t slot, struct ta
 }
 
 /* Only the acting members take part from now on. Returns whether that is a change. */
-static bool select_members(struct supervisor *s, uint8_t slot, uint8_t acting)
+static bool select_members(struct supervisor *s, uint8_t block, uint8_t acting)
 {
-    const struct block_kind *kind = block_kind_at(s, slot);
-    const struct block_state *b = &s->block[slot];
+    const struct block_kind *kind = block_kind_at(s, block);
+    const struct block_state *b = &s->block[block];
     const struct matrix_settings matrix = {s->plan->config.decoupler};
     if (acting == b->acting && !b->must_follow)
         return false;
-    return !kind->select || kind->select(supervisor_block(s, slot), &matrix, acting);
+    return !kind->select || kind->select(supervisor_block(s, block), &matrix, acting);
 }
 
 /* Returns whether the members that act need a bumpless transfer. */
-static bool regroup(struct supervisor *s, uint8_t slot, uint32_t moves, const struct taking_part *p)
+static bool regroup(struct supervisor *s, uint8_t block, uint32_t moves,
+                    const struct taking_part *p)
 {
-    struct block_state *b = &s->block[slot];
+    struct block_state *b = &s->block[block];
     bool changed = (p->loops & moves) != 0;
     b->going_on = p->acting & b->acting & (uint8_t)~p->joining;
     if (b->off) {
@@ -110,7 +111,7 @@ static bool regroup(struct supervisor *s, uint8_t slot, uint32_t moves, const st
         b->must_follow = false;
         return changed;
     }
-    changed = select_members(s, slot, p->acting) || changed;
+    changed = select_members(s, block, p->acting) || changed;
     b->acting = p->acting;
     b->must_follow = changed;
     return changed;
@@ -120,26 +121,26 @@ uint32_t compensators_regroup(struct supervisor *s, uint32_t moves)
 {
     uint32_t transfer = 0;
     for (uint8_t k = list_end(s); k-- > list_begin(s);) {
-        uint8_t slot = s->plan->listed[k];
+        uint8_t block = s->plan->listed[k];
         struct taking_part p;
-        find_taking_part(s, slot, &p);
-        if (regroup(s, slot, moves | transfer, &p))
+        find_taking_part(s, block, &p);
+        if (regroup(s, block, moves | transfer, &p))
             transfer |= p.loops;
         if (!p.acting)
-            raised_forget(s, slot);
+            raised_forget(s, block);
     }
     return transfer;
 }
 
-static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
+static void find_inputs(struct supervisor *s, uint8_t block, num_t *v)
 {
-    const struct block_kind *kind = block_kind_at(s, slot);
-    struct passed *passed = passed_by(s, slot);
+    const struct block_kind *kind = block_kind_at(s, block);
+    struct passed *passed = passed_by(s, block);
     struct gathered g;
-    gather_signals(s, slot, v, false, &g);
-    (kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, slot), &g.io);
-    bool gave = gave_signals(s, slot, &g);
-    s->block[slot].must_follow = false;
+    gather_signals(s, block, v, false, &g);
+    (kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, block), &g.io);
+    bool gave = gave_signals(s, block, &g);
+    s->block[block].must_follow = false;
     for (uint8_t k = 0; gave && k < g.links.members;
          k++) { /* else its inputs pass through unchanged */
         if (!(g.io.members.acting & (1u << k)))
@@ -150,39 +151,39 @@ static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
 }
 
 /* It goes on: the compensators before it have to give what it was given. */
-static void ask_last_inputs(const struct supervisor *s, uint8_t slot, num_t *v)
+static void ask_last_inputs(const struct supervisor *s, uint8_t block, num_t *v)
 {
     struct block_links links;
-    plan_links(s->plan, slot, &links);
+    plan_links(s->plan, block, &links);
     for (uint8_t k = 0; k < links.members; k++)
-        if (s->block[slot].acting & (1u << k))
-            v[links.member[k]] = passed_by(s, slot)[k].in;
+        if (s->block[block].acting & (1u << k))
+            v[links.member[k]] = passed_by(s, block)[k].in;
 }
 
 void compensators_transfer(struct supervisor *s, num_t *v)
 {
     for (uint8_t k = list_end(s); k-- > list_begin(s);) {
-        uint8_t slot = s->plan->listed[k];
-        if (!compensates(s, slot))
+        uint8_t block = s->plan->listed[k];
+        if (!compensates(s, block))
             continue;
-        if (s->block[slot].must_follow)
-            find_inputs(s, slot, v);
+        if (s->block[block].must_follow)
+            find_inputs(s, block, v);
         else
-            ask_last_inputs(s, slot, v);
+            ask_last_inputs(s, block, v);
     }
 }
 
 /* ---- forwards and backwards ---- */
 
-static void step_compensator(struct supervisor *s, uint8_t slot, num_t *u)
+static void step_compensator(struct supervisor *s, uint8_t block, num_t *u)
 {
-    struct passed *passed = passed_by(s, slot);
+    struct passed *passed = passed_by(s, block);
     struct gathered g;
-    gather_signals(s, slot, u, false, &g);
-    step_gathered(s, slot, &g);
-    bool gave = gave_signals(s, slot, &g);
+    gather_signals(s, block, u, false, &g);
+    step_gathered(s, block, &g);
+    bool gave = gave_signals(s, block, &g);
     if (gave)
-        numbered_grant(s, slot, &g);
+        numbered_grant(s, block, &g);
     for (uint8_t k = 0; k < g.links.members; k++) {
         if (!(g.io.members.acting & (1u << k)))
             continue;
@@ -211,17 +212,17 @@ static bool beyond_numbers(const struct passed *passed, uint8_t acting)
 
 /* whole[loop]: what took effect of what it gave; less[loop]: by how much that differs from it. Replaces both by the same
  * of what went in. */
-static void back_compensator(struct supervisor *s, uint8_t slot, num_t *whole, num_t *less)
+static void back_compensator(struct supervisor *s, uint8_t block, num_t *whole, num_t *less)
 {
-    const struct block_kind *kind = block_kind_at(s, slot);
-    struct passed *passed = passed_by(s, slot);
-    bool by_whole = beyond_numbers(passed, s->block[slot].acting);
+    const struct block_kind *kind = block_kind_at(s, block);
+    struct passed *passed = passed_by(s, block);
+    bool by_whole = beyond_numbers(passed, s->block[block].acting);
     struct gathered g;
-    gather_signals(s, slot, by_whole ? whole : less, !by_whole, &g);
+    gather_signals(s, block, by_whole ? whole : less, !by_whole, &g);
     g.io.members.going_on = g.io.members.acting;
-    (by_whole && kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, slot),
+    (by_whole && kind->follow ? kind->follow : kind->back_calculate)(supervisor_block(s, block),
                                                                      &g.io);
-    bool gave = gave_signals(s, slot, &g);
+    bool gave = gave_signals(s, block, &g);
     for (uint8_t k = 0; k < g.links.members; k++) {
         uint8_t i = g.links.member[k];
         if (!(g.io.members.acting & (1u << k)))
@@ -238,12 +239,12 @@ static uint32_t compensated_loops(const struct supervisor *s)
     uint32_t loops = 0;
     for (uint8_t k = list_begin(s); k < list_end(s); k++) {
         struct block_links links;
-        uint8_t slot = s->plan->listed[k];
-        if (!compensates(s, slot))
+        uint8_t block = s->plan->listed[k];
+        if (!compensates(s, block))
             continue;
-        plan_links(s->plan, slot, &links);
+        plan_links(s->plan, block, &links);
         for (uint8_t m = 0; m < links.members; m++)
-            if (s->block[slot].acting & (1u << m))
+            if (s->block[block].acting & (1u << m))
                 loops |= 1u << links.member[m];
     }
     return loops;

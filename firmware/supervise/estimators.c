@@ -14,9 +14,9 @@ static bool input_has_come(const struct supervisor *s, uint8_t input)
     return m->bound && (m->seen || m->alarm);
 }
 
-static void give_points(struct supervisor *s, uint8_t slot, const struct gathered *g)
+static void give_points(struct supervisor *s, uint8_t block, const struct gathered *g)
 {
-    const struct numbered_plan *r = numbered_at(s, slot);
+    const struct numbered_plan *r = numbered_at(s, block);
     bool there = true;
     for (uint8_t k = 0; k < r->inputs; k++)
         there = there && input_has_come(s, r->input[k]);
@@ -35,14 +35,14 @@ void estimators_step(struct supervisor *s)
 {
     uint8_t end = plan_stage_end(s->plan, STAGE_ESTIMATE);
     for (uint8_t k = plan_stage_begin(s->plan, STAGE_ESTIMATE); k < end; k++) {
-        uint8_t slot = s->plan->listed[k];
+        uint8_t block = s->plan->listed[k];
         struct gathered g;
-        gather(s, slot, &g);
-        if (s->block[slot].must_follow && block_kind_at(s, slot)->follow)
-            block_kind_at(s, slot)->follow(supervisor_block(s, slot), &g.io);
-        s->block[slot].must_follow = false;
-        numbered_step(s, slot, &g);
-        numbered_grant(s, slot, &g);
-        give_points(s, slot, &g);
+        gather(s, block, &g);
+        if (s->block[block].must_follow && block_kind_at(s, block)->follow)
+            block_kind_at(s, block)->follow(supervisor_block(s, block), &g.io);
+        s->block[block].must_follow = false;
+        numbered_step(s, block, &g);
+        numbered_grant(s, block, &g);
+        give_points(s, block, &g);
     }
 }

@@ -18,7 +18,8 @@ static bool same_block_in(const struct plan *a, const struct plan *b, uint8_t n)
     const struct block_config *x = &a->config.block[n], *y = &b->config.block[n];
     return same_bytes(x->kind, y->kind, sizeof x->kind) && x->bytes == y->bytes &&
            same_bytes(&a->numbered[n], &b->numbered[n], sizeof a->numbered[n]) &&
-           same_bytes(config_record(&a->config, n), config_record(&b->config, n), x->bytes) &&
+           same_bytes(config_block_settings(&a->config, n), config_block_settings(&b->config, n),
+                      x->bytes) &&
            (!x->bytes || plan_named(a, n) == plan_named(b, n));
 }
 

@@ -13,9 +13,9 @@ uint8_t input_quality(const struct supervisor *s, uint8_t input, bool measured)
     return measured && m->fault != MEASUREMENT_FINE ? QUALITY_BAD : (uint8_t)m->quality;
 }
 
-void gather(const struct supervisor *s, uint8_t slot, struct gathered *g)
+void gather(const struct supervisor *s, uint8_t block, struct gathered *g)
 {
-    plan_links(s->plan, slot, &g->links);
+    plan_links(s->plan, block, &g->links);
     if (g->links.members > s->placed[PLACED_LOOPS]) /* the decoupler has rows without a loop */
         g->links.members = s->placed[PLACED_LOOPS];
     g->io = (struct block_io){.members.in = g->in, .members.out = g->out};
@@ -24,6 +24,6 @@ void gather(const struct supervisor *s, uint8_t slot, struct gathered *g)
         g->input[k] =
             input & INPUT_IS_MV ? s->mv[input & ~INPUT_IS_MV].applied : s->measurement[input].value;
     }
-    if (slot >= SLOT_NUMBERED)
-        numbered_gather(s, slot, g);
+    if (block >= BLOCK_NUMBERED)
+        numbered_gather(s, block, g);
 }

@@ -35,23 +35,23 @@ struct gathered {
     struct numbered_io numbered;
 };
 
-/* Fills in what the block in a slot looks at and has room for: g->links, with members that are loops of the plan, and values
+/* Fills in what a block looks at and has room for: g->links, with members that are loops of the plan, and values
  * of inputs; of a block with a number also what its members stand at, qualities, ages and histories. Points have no value yet.
  * Each stage says what goes in and comes out. */
-void gather(const struct supervisor *s, uint8_t slot, struct gathered *g);
+void gather(const struct supervisor *s, uint8_t block, struct gathered *g);
 
 /* Returns enum quality of an input. measured: a value that stands in for a reading is bad. */
 uint8_t input_quality(const struct supervisor *s, uint8_t input, bool measured);
 
-static inline const struct block_kind *block_kind_at(const struct supervisor *s, uint8_t slot)
+static inline const struct block_kind *block_kind_at(const struct supervisor *s, uint8_t block)
 {
-    REFLUX_ASSERT(slot < PLAN_BLOCKS && s->block[slot].kind < block_kind_count);
-    return block_kinds[s->block[slot].kind];
+    REFLUX_ASSERT(block < PLAN_BLOCKS && s->block[block].kind < block_kind_count);
+    return block_kinds[s->block[block].kind];
 }
 
-static inline bool block_is(const struct supervisor *s, uint8_t slot, enum block_stage stage)
+static inline bool block_is(const struct supervisor *s, uint8_t block, enum block_stage stage)
 {
-    return s->block[slot].kind != PLAN_NONE && block_kind_at(s, slot)->stage == stage;
+    return s->block[block].kind != PLAN_NONE && block_kind_at(s, block)->stage == stage;
 }
 
 #endif

@@ -11,9 +11,9 @@
 #include "supervise/raised.h"
 #include "supervise/switch_offs.h"
 
-uint8_t first_bad_input(const struct supervisor *s, uint8_t slot)
+uint8_t first_bad_input(const struct supervisor *s, uint8_t block)
 {
-    const struct numbered_plan *n = numbered_at(s, slot);
+    const struct numbered_plan *n = numbered_at(s, block);
     for (uint8_t k = 0; k < n->inputs; k++)
         if (!quality_usable((enum quality)input_quality(s, n->input[k], false)))
             return k;
@@ -44,10 +44,10 @@ static void gather_members(const struct supervisor *s, struct gathered *g)
     }
 }
 
-void numbered_gather(const struct supervisor *s, uint8_t slot, struct gathered *g)
+void numbered_gather(const struct supervisor *s, uint8_t block, struct gathered *g)
 {
     struct numbered_io *n = &g->numbered;
-    bool estimates = block_is(s, slot, STAGE_ESTIMATE);
+    bool estimates = block_is(s, block, STAGE_ESTIMATE);
     REFLUX_ASSERT(g->links.members <= BLOCK_MEMBERS_MAX && g->links.inputs <= BLOCK_INPUTS_MAX &&
                   g->links.points <= BLOCK_POINTS_MAX);
     g->io = (struct block_io){.members.setpoint = n->setpoint,
@@ -64,7 +64,7 @@ void numbered_gather(const struct supervisor *s, uint8_t slot, struct gathered *
                               .members.applied = n->member_applied,
                               .inputs.applied = n->input_applied,
                               .members.divisor =
-                                  plan_divisor(s->plan, (uint8_t)(slot - SLOT_NUMBERED))};
+                                  plan_divisor(s->plan, (uint8_t)(block - BLOCK_NUMBERED))};
     gather_members(s, g);
     for (uint8_t k = 0; k < BLOCK_EVENTS_MAX; k++)
         n->event_value[k] = 0.0f;
@@ -81,9 +81,9 @@ void numbered_gather(const struct supervisor *s, uint8_t slot, struct gathered *
     }
 }
 
-static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
+static void take_work(struct supervisor *s, uint8_t block, struct block_io *io)
 {
-    struct job *work = &s->work[slot - SLOT_NUMBERED];
+    struct job *work = &s->work[block - BLOCK_NUMBERED];
     if (!job_is_asked(work)) {
         /* The work was given up in the midst of a piece. */
         io->requests.work_wanted = job_is_working(work);
@@ -93,26 +93,26 @@ static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
     io->requests.work_wanted = !io->requests.work_done;
 }
 
-static void ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
+static void ask_work(struct supervisor *s, uint8_t block, const struct block_io *io)
 {
-    struct job *work = &s->work[slot - SLOT_NUMBERED];
-    if (io->requests.ask_work && block_kind_at(s, slot)->work && !job_is_asked(work) &&
+    struct job *work = &s->work[block - BLOCK_NUMBERED];
+    if (io->requests.ask_work && block_kind_at(s, block)->work && !job_is_asked(work) &&
         !job_is_working(work))
         job_ask(work, io->requests.ask_work);
 }
 
-void block_give_up(struct supervisor *s, uint8_t slot, const char *reason)
+void block_give_up(struct supervisor *s, uint8_t block, const char *reason)
 {
-    struct block_state *b = &s->block[slot];
+    struct block_state *b = &s->block[block];
     b->off = true;
     b->stepped = false;
-    b->must_follow = block_is(s, slot, STAGE_COMPENSATE) || b->must_follow;
-    s->served[slot - SLOT_NUMBERED].gave_up = reason;
-    job_give_up(&s->work[slot - SLOT_NUMBERED]);
-    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_NUMBERED + 1),
-              0);
-    excitation_end_of(s, slot, EXCITE_GAVE_UP);
-    proposal_withdraw(s, slot);
+    b->must_follow = block_is(s, block, STAGE_COMPENSATE) || b->must_follow;
+    s->numbered[block - BLOCK_NUMBERED].gave_up = reason;
+    job_give_up(&s->work[block - BLOCK_NUMBERED]);
+    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason,
+              (float)(block - BLOCK_NUMBERED + 1), 0);
+    excitation_end_of(s, block, EXCITE_GAVE_UP);
+    proposal_withdraw(s, block);
 }
 
 static const char *input_name(const struct supervisor *s, uint8_t input)
@@ -121,47 +121,47 @@ static const char *input_name(const struct supervisor *s, uint8_t input)
     return input & INPUT_IS_MV ? c->mv[input & ~INPUT_IS_MV].name : c->measurement[input].name;
 }
 
-void block_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k)
+void block_give_up_without(struct supervisor *s, uint8_t block, uint8_t k)
 {
-    block_give_up(s, slot, input_name(s, numbered_at(s, slot)->input[k]));
+    block_give_up(s, block, input_name(s, numbered_at(s, block)->input[k]));
     /* The index is kept and not the name, because the plan with the name is overwritten later. */
-    s->served[slot - SLOT_NUMBERED].gave_up = NULL;
-    s->served[slot - SLOT_NUMBERED].input = k;
-    raised_forget(s, slot);
+    s->numbered[block - BLOCK_NUMBERED].gave_up = NULL;
+    s->numbered[block - BLOCK_NUMBERED].input = k;
+    raised_forget(s, block);
 }
 
-void numbered_step(struct supervisor *s, uint8_t slot, struct gathered *g)
+void numbered_step(struct supervisor *s, uint8_t block, struct gathered *g)
 {
-    take_work(s, slot, &g->io);
-    excitation_tell(s, slot, &g->io, g->numbered.excite);
+    take_work(s, block, &g->io);
+    excitation_tell(s, block, &g->io, g->numbered.excite);
     g->io.requests.proposal = proposal_room(s);
-    g->io.requests.switch_off = switch_off_room(s, slot);
-    block_kind_at(s, slot)->step(supervisor_block(s, slot), &g->io);
-    raised_tell(s, slot, &g->io);
+    g->io.requests.switch_off = switch_off_room(s, block);
+    block_kind_at(s, block)->step(supervisor_block(s, block), &g->io);
+    raised_tell(s, block, &g->io);
 }
 
-bool numbered_goes_on(struct supervisor *s, uint8_t slot, const struct gathered *g,
+bool numbered_goes_on(struct supervisor *s, uint8_t block, const struct gathered *g,
                       const num_t *value, uint8_t which)
 {
-    if (slot < SLOT_NUMBERED) /* settings that its kind has accepted give numbers */
+    if (block < BLOCK_NUMBERED) /* settings that its kind has accepted give numbers */
         return true;
     const char *reason = g->io.requests.gives_up;
     for (uint8_t k = 0; which >> k; k++)
         if ((which & (1u << k)) && !is_a_number(value[k]) && !reason)
             reason = NOT_A_NUMBER;
     if (reason)
-        block_give_up(s, slot, reason);
+        block_give_up(s, block, reason);
     return !reason;
 }
 
-void numbered_grant(struct supervisor *s, uint8_t slot, struct gathered *g)
+void numbered_grant(struct supervisor *s, uint8_t block, struct gathered *g)
 {
-    if (slot < SLOT_NUMBERED) /* it asks for nothing */
+    if (block < BLOCK_NUMBERED) /* it asks for nothing */
         return;
-    ask_work(s, slot, &g->io);
-    excitation_take(s, slot, &g->io);
+    ask_work(s, block, &g->io);
+    excitation_take(s, block, &g->io);
     if (g->io.requests.withdraws)
-        proposal_withdraw(s, slot);
-    proposal_hand_over(s, slot, &g->io);
-    switch_off_hand_over(s, slot, &g->io);
+        proposal_withdraw(s, block);
+    proposal_hand_over(s, block, &g->io);
+    switch_off_hand_over(s, block, &g->io);
 }

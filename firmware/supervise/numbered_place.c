@@ -27,83 +27,86 @@ static bool same_signals(const struct block_signal *a, const struct block_signal
 }
 
 /* Compares the spans of the signals of a block whose lists of signals are the same. */
-static bool same_spans(const struct plan *a, const struct plan *b, uint8_t slot)
+static bool same_spans(const struct plan *a, const struct plan *b, uint8_t block)
 {
     struct block_setup x, y;
-    plan_setup_numbered(a, (uint8_t)(slot - SLOT_NUMBERED), &x);
-    plan_setup_numbered(b, (uint8_t)(slot - SLOT_NUMBERED), &y);
+    plan_setup_numbered(a, (uint8_t)(block - BLOCK_NUMBERED), &x);
+    plan_setup_numbered(b, (uint8_t)(block - BLOCK_NUMBERED), &y);
     return same_signals(x.pv, y.pv, x.members) && same_signals(x.input, y.input, x.inputs) &&
            same_signals(x.point, y.point, x.points);
 }
 
-static bool same_record(const struct supervisor *s, const struct plan *old, uint8_t slot)
+static bool same_block(const struct supervisor *s, const struct plan *old, uint8_t block)
 {
-    const struct numbered_plan *r = numbered_at(s, slot);
-    const struct numbered_plan *before = old ? &old->numbered[slot - SLOT_NUMBERED] : NULL;
-    return before && old->block[slot].kind == s->plan->block[slot].kind &&
-           old->block[slot].grains == s->plan->block[slot].grains && /* the arena keeps no other */
-           old->block[slot].spare == s->plan->block[slot].spare && s->tick_s == s->plan->tick_s &&
+    const struct numbered_plan *r = numbered_at(s, block);
+    const struct numbered_plan *before = old ? &old->numbered[block - BLOCK_NUMBERED] : NULL;
+    return before && old->block[block].kind == s->plan->block[block].kind &&
+           old->block[block].grains ==
+               s->plan->block[block].grains && /* the arena keeps no other */
+           old->block[block].spare == s->plan->block[block].spare &&
+           s->tick_s == s->plan->tick_s &&
            same_list(r->member, r->members, before->member, before->members) &&
            same_list(r->input, r->inputs, before->input, before->inputs) &&
            same_list(r->point, r->points, before->point, before->points) &&
-           same_spans(old, s->plan, slot);
+           same_spans(old, s->plan, block);
 }
 
 /* Returns true if the settings have the same effect. If the kind does not compare settings itself, they are
  * compared byte by byte. */
-static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
+static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t block)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
     if (plan_named(old, n) != plan_named(s->plan, n)) /* another place means another table */
         return false;
-    if (block_kind_at(s, slot)->same)
-        return block_same_settings(s, old, slot);
+    if (block_kind_at(s, block)->same)
+        return block_same_settings(s, old, block);
     return plan_divisor(old, n) == plan_divisor(s->plan, n) &&
-           memcmp(config_record(&old->config, n), config_record(&s->plan->config, n),
-                  block_kind_at(s, slot)->settings_bytes) == 0;
+           memcmp(config_block_settings(&old->config, n),
+                  config_block_settings(&s->plan->config, n),
+                  block_kind_at(s, block)->settings_bytes) == 0;
 }
 
-static bool plan_has(const struct plan *plan, uint8_t slot, enum block_stage stage)
+static bool plan_has(const struct plan *plan, uint8_t block, enum block_stage stage)
 {
-    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+    return plan->block[block].kind != PLAN_NONE && plan_kind(plan, block)->stage == stage;
 }
 
 /* Makes loops continue from the outputs they find, because the blocks between them and their MVs, or the values
  * added there, have changed. */
-void numbered_moves_loops(struct supervisor *s, const struct plan *plan, uint8_t slot)
+void numbered_moves_loops(struct supervisor *s, const struct plan *plan, uint8_t block)
 {
-    const struct numbered_plan *r = &plan->numbered[slot - SLOT_NUMBERED];
-    for (uint8_t k = 0; k < r->members && plan_has(plan, slot, STAGE_COMPENSATE); k++)
+    const struct numbered_plan *r = &plan->numbered[block - BLOCK_NUMBERED];
+    for (uint8_t k = 0; k < r->members && plan_has(plan, block, STAGE_COMPENSATE); k++)
         if (r->member[k] < s->placed[PLACED_LOOPS])
             s->loop[r->member[k]].moved = true;
-    for (uint8_t k = 0; k < r->points && plan_has(plan, slot, STAGE_FEED_FORWARD); k++)
+    for (uint8_t k = 0; k < r->points && plan_has(plan, block, STAGE_FEED_FORWARD); k++)
         if (s->plan->owner[r->point[k]] != PLAN_NONE)
             s->loop[s->plan->owner[r->point[k]]].moved = true;
 }
 
 /* Returns true if the terms of an element are the same ones, though their settings may differ. */
-static bool same_terms(const struct plan *plan, const struct plan *old, uint8_t slot)
+static bool same_terms(const struct plan *plan, const struct plan *old, uint8_t block)
 {
-    const struct numbered_plan *r = &plan->numbered[slot - SLOT_NUMBERED];
-    const struct numbered_plan *before = old ? &old->numbered[slot - SLOT_NUMBERED] : NULL;
-    return before && plan->block[slot].kind != PLAN_NONE &&
-           old->block[slot].kind == plan->block[slot].kind &&
+    const struct numbered_plan *r = &plan->numbered[block - BLOCK_NUMBERED];
+    const struct numbered_plan *before = old ? &old->numbered[block - BLOCK_NUMBERED] : NULL;
+    return before && plan->block[block].kind != PLAN_NONE &&
+           old->block[block].kind == plan->block[block].kind &&
            same_list(r->input, r->inputs, before->input, before->inputs) &&
            same_list(r->point, r->points, before->point, before->points);
 }
 
-static void place_record(struct supervisor *s, const struct plan *old, uint8_t slot)
+static void place_block(struct supervisor *s, const struct plan *old, uint8_t block)
 {
-    struct block_state *b = &s->block[slot];
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
-    bool same = same_record(s, old, slot);
-    switch_off_forget_terms(s, old, slot, same_terms(s->plan, old, slot));
+    struct block_state *b = &s->block[block];
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
+    bool same = same_block(s, old, block);
+    switch_off_forget_terms(s, old, block, same_terms(s->plan, old, block));
     if (!same) { /* clear everything of the block that was here before */
         job_give_up(&s->work[n]);
-        s->served[n].on_pending = false;
-        raised_forget(s, slot);
+        s->numbered[n].on_pending = false;
+        raised_forget(s, block);
         if (old)
-            numbered_moves_loops(s, old, slot);
+            numbered_moves_loops(s, old, block);
     }
     /* A kind that the build lacks is reported when it is loaded. */
     if (b->kind == PLAN_NONE)
@@ -112,18 +115,18 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
         b->off = b->stepped = b->retune = b->running = false;
         b->acting = 0;
         b->must_follow = true;
-        block_give_settings(s, slot, false);
-    } else if (!same_settings(s, old, slot)) {
-        block_give_settings(s, slot, true);
-        if (block_is(s, slot, STAGE_COMPENSATE))
+        block_give_settings(s, block, false);
+    } else if (!same_settings(s, old, block)) {
+        block_give_settings(s, block, true);
+        if (block_is(s, block, STAGE_COMPENSATE))
             b->must_follow = true;
         else
-            numbered_moves_loops(s, s->plan, slot);
+            numbered_moves_loops(s, s->plan, block);
     }
 }
 
 void numbered_place(struct supervisor *s, const struct plan *old)
 {
-    for (uint8_t slot = SLOT_NUMBERED; slot < PLAN_BLOCKS; slot++)
-        place_record(s, old, slot);
+    for (uint8_t block = BLOCK_NUMBERED; block < PLAN_BLOCKS; block++)
+        place_block(s, old, block);
 }

@@ -9,7 +9,7 @@
 /* old: the plan before, or NULL. */
 void numbered_place(struct supervisor *s, const struct plan *old);
 /* The loops whose outputs a block changes, or adds to, by that plan go on from the outputs they find. */
-void numbered_moves_loops(struct supervisor *s, const struct plan *plan, uint8_t slot);
+void numbered_moves_loops(struct supervisor *s, const struct plan *plan, uint8_t block);
 #else
 #define numbered_place(s, old) ((void)(old))
 #endif

@@ -9,17 +9,17 @@ struct block_proposal *proposal_room(struct supervisor *s)
     return &s->proposal.content;
 }
 
-void proposal_withdraw(struct supervisor *s, uint8_t slot)
+void proposal_withdraw(struct supervisor *s, uint8_t block)
 {
     if (atomic_load(&s->proposal.state) != PROPOSAL_FREE &&
-        s->proposal.block == slot - SLOT_NUMBERED)
+        s->proposal.block == block - BLOCK_NUMBERED)
         atomic_store(&s->proposal.withdrawn, true);
 }
 
-void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
+void proposal_hand_over(struct supervisor *s, uint8_t block, const struct block_io *io)
 {
     struct block_proposal *p = io->requests.proposal;
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
     if (!p || !p->n)
         return;
     for (uint8_t k = 0; k < p->n && k < PROPOSAL_MAX; k++)

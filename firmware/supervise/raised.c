@@ -3,10 +3,10 @@
 #include "exchange/block_settings.h"
 #include "supervise/alarms_of_blocks.h"
 
-void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
+void raised_tell(struct supervisor *s, uint8_t block, const struct block_io *io)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED), kind = s->block[slot].kind;
-    uint16_t before = s->served[n].raised, now = 0;
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED), kind = s->block[block].kind;
+    uint16_t before = s->numbered[n].raised, now = 0;
     for (uint8_t k = 0; k < block_kinds[kind]->events; k++) {
         const struct block_event *event = &block_kinds[kind]->event[k];
         char name[CHANNEL_NAME_SIZE];
@@ -21,5 +21,5 @@ void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
                   event->level == BLOCK_ALARM ? EVENT_BLOCK_ALARM : EVENT_BLOCK_EVENT, name,
                   io->requests.event_value[k], kind);
     }
-    s->served[n].raised = now & ((1u << BLOCK_EVENTS_MAX) - 1u);
+    s->numbered[n].raised = now & ((1u << BLOCK_EVENTS_MAX) - 1u);
 }

@@ -7,15 +7,15 @@
 
 #if CONFIG_BLOCKS
 /* Reports the events of a block that has made a step. */
-void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io);
+void raised_tell(struct supervisor *s, uint8_t block, const struct block_io *io);
 /* Clears the events of a block that runs no step. */
-static inline void raised_forget(struct supervisor *s, uint8_t slot)
+static inline void raised_forget(struct supervisor *s, uint8_t block)
 {
-    if (slot >= SLOT_NUMBERED)
-        s->served[slot - SLOT_NUMBERED].raised = 0;
+    if (block >= BLOCK_NUMBERED)
+        s->numbered[block - BLOCK_NUMBERED].raised = 0;
 }
 #else
-#define raised_forget(s, slot) ((void)(s))
+#define raised_forget(s, block) ((void)(s))
 #endif
 
 #endif

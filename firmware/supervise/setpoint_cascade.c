@@ -11,11 +11,11 @@ static const struct block_return *return_of(const struct supervisor *s, uint8_t 
     uint8_t pv = s->plan->loop[outer].pv, n = s->plan->writer[pv];
     if (n == PLAN_NONE)
         return NULL;
-    uint16_t place = plan_kind(s->plan, (uint8_t)(SLOT_NUMBERED + n))->returns;
+    uint16_t place = plan_kind(s->plan, (uint8_t)(BLOCK_NUMBERED + n))->returns;
     const struct numbered_plan *r = &s->plan->numbered[n];
     if (!place)
         return NULL;
-    const uint8_t *settings = config_record(&s->plan->config, n);
+    const uint8_t *settings = config_block_settings(&s->plan->config, n);
     const struct block_return *back = (const void *)(settings + place);
     for (uint8_t k = 0; k + 1u < r->points && r->point[k] != pv; k++)
         back++;

@@ -54,7 +54,7 @@ void supervisor_go_safe(struct supervisor *s, const char *reason)
         s->measurement[i].quality = QUALITY_MISSING;
     }
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        s->block[SLOT_FEEDFORWARDS + i].running = false;
+        s->block[BLOCK_FEEDFORWARDS + i].running = false;
     numbered_forget(s);
     supervisor_outputs_safe(s, reason);
     histories_begin(s);

@@ -6,19 +6,19 @@
 
 static void forget(struct supervisor *s, uint8_t element)
 {
-    uint8_t *byte = &s->silenced[element / ELEMENT_TERMS];
-    *byte = (uint8_t)(*byte & ~(1u << element % ELEMENT_TERMS));
+    uint8_t *byte = &s->silenced[element / SWITCH_OFF_TERMS];
+    *byte = (uint8_t)(*byte & ~(1u << element % SWITCH_OFF_TERMS));
 }
 
 static bool is_element(uint8_t element)
 {
-    return element < ELEMENT_TERMS ? element < CONFIG_FEEDFORWARDS
-                                   : element / ELEMENT_TERMS < SILENCED_BYTES;
+    return element < SWITCH_OFF_TERMS ? element < CONFIG_FEEDFORWARDS
+                                      : element / SWITCH_OFF_TERMS < SWITCH_OFF_BYTES;
 }
 
-struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
+struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t block)
 {
-    struct switch_off_slot *w = &s->switch_off[slot - SLOT_NUMBERED];
+    struct switch_off_slot *w = &s->switch_off[block - BLOCK_NUMBERED];
     if (atomic_load(&w->state) != SWITCH_OFF_FREE)
         return NULL;
     w->content.n = 0;
@@ -28,7 +28,8 @@ struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
 /* Writes the name of an element: "ff1", "block3.term2". */
 static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
 {
-    uint8_t block = (uint8_t)(element / ELEMENT_TERMS), k = (uint8_t)(element % ELEMENT_TERMS);
+    uint8_t block = (uint8_t)(element / SWITCH_OFF_TERMS),
+            k = (uint8_t)(element % SWITCH_OFF_TERMS);
     char word[] = "term1";
     if (block == 0) {
         memcpy(name, "ff1", 4);
@@ -39,9 +40,9 @@ static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
     block_word_name((uint8_t)(block - 1u), word, name);
 }
 
-void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
+void switch_off_hand_over(struct supervisor *s, uint8_t block, const struct block_io *io)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
     struct switch_off_slot *w = &s->switch_off[n];
     const struct block_switch_off *is = io->requests.switch_off;
     char name[CHANNEL_NAME_SIZE];
@@ -49,13 +50,13 @@ void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block
         return;
     for (uint8_t k = 0; k < is->n && k < SWITCH_OFF_MAX; k++)
         w->content.value[k].id = proposed_by(n, is->value[k].id);
-    if (!element_is_silenced(s, is->element)) {
-        uint8_t *byte = &s->silenced[is->element / ELEMENT_TERMS];
-        *byte = (uint8_t)(*byte | 1u << is->element % ELEMENT_TERMS);
+    if (!is_switched_off(s, is->element)) {
+        uint8_t *byte = &s->silenced[is->element / SWITCH_OFF_TERMS];
+        *byte = (uint8_t)(*byte | 1u << is->element % SWITCH_OFF_TERMS);
         name_element(is->element, name);
         event_put(s->events, s->time_ms, EVENT_SWITCHED_OFF, name, (float)(n + 1u), 0);
     }
-    w->kind = s->block[slot].kind;
+    w->kind = s->block[block].kind;
     atomic_store(&w->state, SWITCH_OFF_GIVEN);
 }
 
@@ -70,21 +71,21 @@ void switch_offs_lift(struct supervisor *s)
     }
 }
 
-void switch_off_forget_element(struct supervisor *s, uint8_t k)
+void switch_off_forget_ff(struct supervisor *s, uint8_t k)
 {
-    forget(s, switch_off_element(k));
+    forget(s, switch_off_of_ff(k));
 }
 
-bool switched_off(const struct supervisor *s, uint8_t slot)
+bool switched_off(const struct supervisor *s, uint8_t block)
 {
-    return element_is_silenced(s, switch_off_element((uint8_t)(slot - SLOT_FEEDFORWARDS)));
+    return is_switched_off(s, switch_off_of_ff((uint8_t)(block - BLOCK_FEEDFORWARDS)));
 }
 
-bool switched_off_changes(struct supervisor *s, uint8_t slot, struct block_io *io)
+bool switched_off_changes(struct supervisor *s, uint8_t block, struct block_io *io)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
-    bool changes = s->served[n].silenced != s->silenced[1 + n];
-    io->requests.silenced = s->served[n].silenced = s->silenced[1 + n];
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
+    bool changes = s->numbered[n].silenced != s->silenced[1 + n];
+    io->requests.silenced = s->numbered[n].silenced = s->silenced[1 + n];
     return changes;
 }
 
@@ -94,17 +95,17 @@ static bool same_term(const struct block_kind *kind, const uint8_t *a, const uin
     for (uint8_t i = 0; i < kind->parameters; i++) {
         const struct block_parameter *p = &kind->parameter[i];
         size_t size = block_value_size(p->type), at = p->offset + k * size;
-        if (p->cols == ELEMENT_TERMS && p->rows == 1 && memcmp(a + at, b + at, size) != 0)
+        if (p->cols == SWITCH_OFF_TERMS && p->rows == 1 && memcmp(a + at, b + at, size) != 0)
             return false;
     }
     return true;
 }
 
-void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same)
+void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t block, bool same)
 {
-    uint8_t n = (uint8_t)(slot - SLOT_NUMBERED);
-    for (uint8_t k = 0; k < ELEMENT_TERMS && s->silenced[1 + n]; k++)
-        if (!same || !same_term(plan_kind(s->plan, slot), config_record(&old->config, n),
-                                config_record(&s->plan->config, n), k))
+    uint8_t n = (uint8_t)(block - BLOCK_NUMBERED);
+    for (uint8_t k = 0; k < SWITCH_OFF_TERMS && s->silenced[1 + n]; k++)
+        if (!same || !same_term(plan_kind(s->plan, block), config_block_settings(&old->config, n),
+                                config_block_settings(&s->plan->config, n), k))
             forget(s, switch_off_term(n, k));
 }

@@ -74,13 +74,13 @@ static void run_controllers(struct supervisor *s)
 {
     uint8_t end = plan_stage_end(s->plan, STAGE_CONTROL);
     for (uint8_t k = plan_stage_begin(s->plan, STAGE_CONTROL); k < end; k++) {
-        uint8_t slot = s->plan->listed[k];
-        if (slot >= SLOT_NUMBERED) {
-            numbered_control(s, slot);
+        uint8_t block = s->plan->listed[k];
+        if (block >= BLOCK_NUMBERED) {
+            numbered_control(s, block);
             continue;
         }
-        advance_setpoint(s, slot);
-        control_loop(s, slot);
+        advance_setpoint(s, block);
+        control_loop(s, block);
     }
 }
 

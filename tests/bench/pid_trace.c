@@ -92,7 +92,7 @@ static struct loop loops[CURVES_MAX];
  * else the load adds to the plant's input. */
 static int start(struct loop *l, const struct curve *c)
 {
-    struct element_settings ff = feedforward_default_config();
+    struct feedforward_settings ff = feedforward_default_config();
     ff.gain = c->feedforward_gain;
     ff.lead_s = 60.0f;
     ff.lag_s = 80.0f;

@@ -15,7 +15,7 @@
 #if CONFIG_BLOCKS
 
 #include "memory_port.h"
-#include "served_kinds.h"
+#include "numbered_kinds.h"
 static const struct block_kind shared_kind;
 #define MADE_UP_KINDS_TOO &mean_kind, &both_kind, &shared_kind
 #include "made_up_kinds.h"

@@ -9,7 +9,7 @@
 #define AT_ONCE 16u /* more ticks than its work has */
 #include "fault_bench.h"
 #include "kinds/feedforward/feedforward.h"
-#include "served_kinds.h"
+#include "numbered_kinds.h"
 
 const struct block_kind *const block_kinds[] = {
     &pid_kind, &two_position_kind, &decoupler_kind, &feedforward_kind, &mean_kind, &both_kind};

@@ -72,7 +72,7 @@ static struct block_switch_off off(uint8_t element)
 {
     return (struct block_switch_off){
         .n = 2,
-        .element = switch_off_element(element),
+        .element = switch_off_of_ff(element),
         .value = {{proposed_own(1), 0}, {proposed_setting(PROPOSED_FF_GAIN, element), 0}}};
 }
 

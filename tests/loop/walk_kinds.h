@@ -28,7 +28,7 @@
 #include "stage_kinds.h"
 #undef block_kinds
 #undef block_kind_count
-#include "served_kinds.h"
+#include "numbered_kinds.h"
 
 /* ---- imps ---- */
 
@@ -169,11 +169,12 @@ static void imp_says(struct imp *p, struct block_io *io)
     }
     io->requests.withdraws = imp_one_in(60);
     if (io->requests.switch_off && imp_one_in(60)) {
-        uint8_t element = (uint8_t)random_below(&imp_random, ELEMENT_TERMS * (CONFIG_BLOCKS + 2u));
+        uint8_t element =
+            (uint8_t)random_below(&imp_random, SWITCH_OFF_TERMS * (CONFIG_BLOCKS + 2u));
         *io->requests.switch_off = (struct block_switch_off){
             (uint8_t)(1 + random_below(&imp_random, SWITCH_OFF_MAX)),
             element,
-            {{proposed_setting(PROPOSED_FF_GAIN, element % ELEMENT_TERMS), 0},
+            {{proposed_setting(PROPOSED_FF_GAIN, element % SWITCH_OFF_TERMS), 0},
              {proposed_in_row((uint8_t)random_below(&imp_random, CONFIG_BLOCKS),
                               (uint8_t)random_below(&imp_random, 6),
                               (uint16_t)random_below(&imp_random, 2),

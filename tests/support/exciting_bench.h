@@ -62,8 +62,8 @@ static inline void nothing_is_excited(void)
     for (unsigned j = 0; j < 3; j++)
         TEST_ASSERT_TRUE(num_eq(bench.s.mv[j].excitation, num_zero()));
     for (unsigned i = 0; i < 2; i++) {
-        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].served.excite, num_zero()));
-        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].served.excited, num_zero()));
+        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].of_block.excite, num_zero()));
+        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].of_block.excited, num_zero()));
     }
     TEST_ASSERT_NULL(supervisor_excited_by(&bench.s));
 }

@@ -16,7 +16,7 @@ from reflux.paths import every
 
 PAGES = (  # page, header, struct, group of docs/console.md
     ("pid.md", "signal/pid.h", "pid_config", "loop<i>"),
-    ("feedforward.md", "block/settings.h", "element_settings", "ff<i>"),
+    ("feedforward.md", "block/settings.h", "feedforward_settings", "ff<i>"),
     ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
 )
 

@@ -5,17 +5,17 @@ reflux_test(job LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_job.c LIBS ref
 reflux_test(workspace LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_workspace.c LIBS reflux_base)
 foreach(part arena plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler supervisor_feedforward
              supervisor_constrain sequence sequence_faults sequence_rows supervisor_excite supervisor_retune supervisor_interlock supervisor_measurement supervisor_plan
-             served served_compensators served_elements served_polynomial applied_history block_excitation excitation_ends parameters text)
+             numbered numbered_compensators numbered_feedforwards numbered_polynomial applied_history block_excitation excitation_ends parameters text)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS reflux_settings)
   endif()
 endforeach()
-target_link_libraries(test_served PRIVATE reflux_every_kind)
+target_link_libraries(test_numbered PRIVATE reflux_every_kind)
 target_link_libraries(test_applied_history PRIVATE reflux_every_kind)
 target_link_libraries(test_block_excitation PRIVATE reflux_every_kind)
 target_link_libraries(test_excitation_ends PRIVATE reflux_every_kind)
-foreach(part served_compensators served_elements served_polynomial)
+foreach(part numbered_compensators numbered_feedforwards numbered_polynomial)
   target_link_libraries(test_${part} PRIVATE reflux_every_kind)
 endforeach()
 

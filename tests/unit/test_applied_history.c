@@ -125,7 +125,7 @@ static void put_block(unsigned n, const char *kind, const char *loops, const cha
 
 static struct look *state_of(unsigned n)
 {
-    return supervisor_block(&bench.s, (uint8_t)(SLOT_NUMBERED + n));
+    return supervisor_block(&bench.s, (uint8_t)(BLOCK_NUMBERED + n));
 }
 
 static double ago(const struct applied_history *h, uint32_t ticks_before)

@@ -169,8 +169,8 @@ static void without_its_second_input_it_gives_up_for_that(void)
     bad_reading(FEED, QUALITY_BAD, 0);
     ticks(4); /* held for 2 s */
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "feed"));
-    TEST_ASSERT_NULL(bench.s.served[PAIR].gave_up);
-    TEST_ASSERT_EQUAL_UINT8(1, bench.s.served[PAIR].input);
+    TEST_ASSERT_NULL(bench.s.numbered[PAIR].gave_up);
+    TEST_ASSERT_EQUAL_UINT8(1, bench.s.numbered[PAIR].input);
 }
 
 static void what_another_block_raised_in_its_place_is_forgotten(void)

@@ -20,14 +20,14 @@ static void pool_is_packed(const struct config *c)
 static void a_kind_begins_with_its_defaults(void)
 {
     set("block2.kind", "gmv");
-    const struct gmv_settings *s = config_record(&config, 1);
+    const struct gmv_settings *s = config_block_settings(&config, 1);
     TEST_ASSERT_NOT_NULL(s);
     TEST_ASSERT_EQUAL_FLOAT(0.1f, s->lambda);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, s->table[2][2]);
     TEST_ASSERT_EQUAL(2, s->order);
     TEST_ASSERT_EQUAL(1, s->adapt);
     IS(&config, "block2.table.3", "0,0,0");
-    TEST_ASSERT_NULL(config_record(&config, 0));
+    TEST_ASSERT_NULL(config_block_settings(&config, 0));
     TEST_ASSERT_EQUAL(4, block_kind_find("gmv"));
     TEST_ASSERT_EQUAL(0xFF, block_kind_find("gm"));
     TEST_ASSERT_EQUAL(0xFF, block_kind_find(""));
@@ -41,7 +41,7 @@ static void what_is_set_is_in_the_record(void)
     set("block2.order", "8");
     set("block2.adapt", "off");
     set("block2.loops", "top,bottom");
-    const struct gmv_settings *s = config_record(&config, 1);
+    const struct gmv_settings *s = config_block_settings(&config, 1);
     TEST_ASSERT_EQUAL_FLOAT(0.4f, s->lambda);
     TEST_ASSERT_EQUAL_FLOAT(-0.3f, s->table[2][1]);
     TEST_ASSERT_EQUAL(8, s->order);
@@ -188,7 +188,7 @@ static void the_same_kind_again_changes_nothing_and_none_leaves_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&direct, &config, sizeof config);
     /* A set may name a block's kind twice. */
     TEST_ASSERT_FALSE(record_restore(&config, 1, "mystery"));
-    TEST_ASSERT_NULL(config_record(&config, 1));
+    TEST_ASSERT_NULL(config_block_settings(&config, 1));
     TEST_ASSERT_EQUAL(0, config.block[1].bytes);
     pool_is_packed(&config);
 }

@@ -95,7 +95,7 @@ static void parameters_of_an_unknown_kind_cannot_be_set(void)
     IS(&config, "block3.kind", "mystery");
     TEST_ASSERT_EQUAL(ERR_UNSUPPORTED, try_set("block3.loops", "bottom"));
     TEST_ASSERT_EQUAL(ERR_EMPTY, try_set("block3.lambda", "1"));
-    TEST_ASSERT_NULL(config_record(&config, 2));
+    TEST_ASSERT_NULL(config_block_settings(&config, 2));
     TEST_ASSERT_TRUE(bench_is(&config));
 }
 
@@ -191,7 +191,7 @@ static void stored_rows_are_clipped_or_left_out_and_told(void)
     float outside[3] = {1.0f, 1e4f, -1e9f};
     memcpy(at + 8, outside, sizeof outside);
     TEST_ASSERT_FALSE(record_take(&r, &p, &config));
-    const struct gmv_settings *s = config_record(&config, 0);
+    const struct gmv_settings *s = config_block_settings(&config, 0);
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(allowed, s->table[0], 3);
     memset(at + 8, 0xFF, 4); /* no number */
     TEST_ASSERT_FALSE(record_take(&r, &p, &config));

@@ -396,7 +396,7 @@ static void no_test_and_no_trial_begins_while_a_sequence_runs(void)
 #if CONFIG_BLOCKS
 static void no_test_and_no_trial_begins_while_a_block_excites_the_plant(void)
 {
-    bench.plan[bench.current].block[SLOT_NUMBERED + 1].kind = 0;
+    bench.plan[bench.current].block[BLOCK_NUMBERED + 1].kind = 0;
     bench.s.excitation.holder = 2;
     begins(false, block_kinds[0]->name, "excites the plant");
     relays(TOP, block_kinds[0]->name, "excites the plant");

@@ -16,7 +16,7 @@ static void its_own_absolute_limit_ends_it(void)
     }
     ticks(2);
     TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[CONTROLLER].state);
-    struct held *h = supervisor_block(&bench.s, SLOT_NUMBERED + CONTROLLER);
+    struct held *h = supervisor_block(&bench.s, BLOCK_NUMBERED + CONTROLLER);
     h->u[1] = num_from_float(0.52f); /* what the block gives comes on top */
     tick();
     ended("limit");
@@ -34,7 +34,7 @@ static void its_lower_limit_too(void)
     wish[CONTROLLER].ask[0].lo = num_from_float(0.4f);
     ticks(2);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(REFLUX));
-    struct held *h = supervisor_block(&bench.s, SLOT_NUMBERED + CONTROLLER);
+    struct held *h = supervisor_block(&bench.s, BLOCK_NUMBERED + CONTROLLER);
     h->u[0] = num_from_float(0.44f);
     tick();
     ended("limit");
@@ -47,7 +47,7 @@ static void the_limits_of_the_loop_end_it(void)
     set_and_apply("loop2.out_hi", "0.62");
     ticks(2);
     excite_all();
-    struct held *h = supervisor_block(&bench.s, SLOT_NUMBERED + CONTROLLER);
+    struct held *h = supervisor_block(&bench.s, BLOCK_NUMBERED + CONTROLLER);
     h->u[1] = num_from_float(0.61f);
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.51, sent(HEAT));
@@ -63,7 +63,7 @@ static void the_operating_limits_end_it(void)
     set_and_apply("mv2.max", "1.24"); /* 0.62 */
     ticks(2);
     excite_all();
-    struct held *h = supervisor_block(&bench.s, SLOT_NUMBERED + CONTROLLER);
+    struct held *h = supervisor_block(&bench.s, BLOCK_NUMBERED + CONTROLLER);
     h->u[1] = num_from_float(0.61f);
     wish[CONTROLLER].ask[1].value = num_from_float(0.1f);
     tick();

@@ -361,7 +361,7 @@ static void dead_times_that_do_not_fit_say_how_many_bytes_they_need(void)
         at += plan.block[b].grains;
     }
     TEST_ASSERT_TRUE(at * ARENA_GRAIN <= PLAN_ARENA_BYTES);
-    TEST_ASSERT_TRUE(plan.block[SLOT_FEEDFORWARDS].grains * ARENA_GRAIN >= 4 * 3002);
+    TEST_ASSERT_TRUE(plan.block[BLOCK_FEEDFORWARDS].grains * ARENA_GRAIN >= 4 * 3002);
 }
 
 static void an_interlock_forces_within_the_span(void)

@@ -54,6 +54,17 @@ static void a_loop_in_manual_neither_moves_nor_is_moved(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, D(N(0.5)), sent(REFLUX));
 }
 
+static void a_loop_that_takes_no_part_moves_nothing_though_the_matrix_has_numbers_for_it(void)
+{
+    set_and_apply("loop1.decouple", "off");
+    both_in_automatic();
+    double reflux = sent(REFLUX);
+    reading(T10, 114);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.5 + 0.015, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, reflux, sent(REFLUX));
+}
+
 static void a_loop_that_joins_or_leaves_moves_nobodys_output(void)
 {
     both_in_automatic();
@@ -436,6 +447,7 @@ int main(void)
     RUN_TEST(entering_automatic_moves_nothing_however_large_the_inverse);
     RUN_TEST(one_loop_moves_both_outputs);
     RUN_TEST(a_loop_in_manual_neither_moves_nor_is_moved);
+    RUN_TEST(a_loop_that_takes_no_part_moves_nothing_though_the_matrix_has_numbers_for_it);
     RUN_TEST(a_loop_that_joins_or_leaves_moves_nobodys_output);
     RUN_TEST(another_matrix_moves_no_output);
     RUN_TEST(taking_part_or_no_longer_moves_no_output);

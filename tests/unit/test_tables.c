@@ -28,7 +28,7 @@ static enum err try_value(struct config *c, const char *name, const char *value)
 
 static const struct column_record *record(const struct config *c, uint8_t n)
 {
-    return config_record(c, n);
+    return config_block_settings(c, n);
 }
 
 static void a_table_takes_nothing_of_the_pool(void)
@@ -134,7 +134,7 @@ static void a_refused_table_changes_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&was, &first, sizeof was);
     TEST_ASSERT_FALSE(record_restore(&first, 2, "column")); /* as stored: kept by name */
     TEST_ASSERT_EQUAL_STRING("column", first.block[2].kind);
-    TEST_ASSERT_NULL(config_record(&first, 2));
+    TEST_ASSERT_NULL(config_block_settings(&first, 2));
     TEST_ASSERT_EQUAL(3, record(&first, 0)->version);
 }
 

@@ -100,13 +100,13 @@ static void why_a_block_is_off_is_remembered(void)
     mode(BOTTOM, LOOP_AUTO);
     tick();
     request(REQUEST_BLOCK, PLAN_NONE, PAIR, 0, 0);
-    TEST_ASSERT_EQUAL_STRING("asked", bench.s.served[PAIR].gave_up);
+    TEST_ASSERT_EQUAL_STRING("asked", bench.s.numbered[PAIR].gave_up);
     request(REQUEST_BLOCK, PLAN_NONE, PAIR, 1, 0);
     bad_reading(FEED, QUALITY_BAD, 0);
     ticks(4);
-    TEST_ASSERT_TRUE(bench.s.block[SLOT_NUMBERED + PAIR].off);
-    TEST_ASSERT_NULL(bench.s.served[PAIR].gave_up); /* its input */
-    TEST_ASSERT_EQUAL_UINT8(0, bench.s.served[PAIR].input);
+    TEST_ASSERT_TRUE(bench.s.block[BLOCK_NUMBERED + PAIR].off);
+    TEST_ASSERT_NULL(bench.s.numbered[PAIR].gave_up); /* its input */
+    TEST_ASSERT_EQUAL_UINT8(0, bench.s.numbered[PAIR].input);
 }
 
 int main(void)

@@ -67,7 +67,7 @@ static void ask_gain_off(const struct tune_context *c, struct block_io *io)
         uint8_t element = (uint8_t)(c->s.element - 1u);
         io->requests.switch_off->element =
             c->s.block ? switch_off_term((uint8_t)(c->s.block - 1u), element)
-                       : switch_off_element(element);
+                       : switch_off_of_ff(element);
         put_gain_off(c, io->requests.switch_off->value);
         return;
     }

@@ -18,7 +18,7 @@ struct leadlag_term {
     uint8_t from, to, number;
 };
 
-_Static_assert(LEADLAG_TERMS == ELEMENT_TERMS, "rows of so many values are those of the terms");
+_Static_assert(LEADLAG_TERMS == SWITCH_OFF_TERMS, "rows of so many values are those of the terms");
 
 struct leadlag {
     struct leadlag_term term[LEADLAG_TERMS];
@@ -78,18 +78,18 @@ static bool is_term(const struct leadlag_settings *c, unsigned k)
     return c->from[k] > 0;
 }
 
-static struct element_settings element_of(const struct block_setup *setup, unsigned k)
+static struct feedforward_settings element_of(const struct block_setup *setup, unsigned k)
 {
     REFLUX_ASSERT(k < LEADLAG_TERMS);
     const struct leadlag_settings *c = setup->settings;
     const struct block_signal *d = &setup->input[c->from[k] - 1u];
-    return (struct element_settings){.gain = c->gain[k],
-                                     .lead_s = c->lead_s[k],
-                                     .lag_s = c->lag_s[k],
-                                     .dead_time_s = c->dead_s[k],
-                                     .reference = (c->reference[k] - d->lo) / (d->hi - d->lo),
-                                     .out_lo = -2,
-                                     .out_hi = 2};
+    return (struct feedforward_settings){.gain = c->gain[k],
+                                         .lead_s = c->lead_s[k],
+                                         .lag_s = c->lag_s[k],
+                                         .dead_time_s = c->dead_s[k],
+                                         .reference = (c->reference[k] - d->lo) / (d->hi - d->lo),
+                                         .out_lo = -2,
+                                         .out_hi = 2};
 }
 
 /* Returns the dead band as a fraction of the input's span. */
@@ -110,7 +110,7 @@ static enum err check_term(const struct block_setup *setup, unsigned k, struct b
         return block_refuse(fault, 0, "to", "must be the number of an MV that there is");
     if (c->lead_s[k] / (c->lag_s[k] + setup->interval_s) > c->kick)
         return block_refuse(fault, 0, "lead", "is more than kick allows: lead/(lag + base tick)");
-    const struct element_settings element = element_of(setup, k);
+    const struct feedforward_settings element = element_of(setup, k);
     if (!(element.reference >= -1 && element.reference <= 2))
         return block_refuse(fault, 0, "reference", "must be within a span of the input's range");
     if (!(dead_band_of(setup, k) <= 1))
@@ -150,7 +150,7 @@ static uint32_t ring_bytes(const struct block_setup *setup, unsigned k)
     const struct leadlag_settings *c = setup->settings;
     if (!is_term(c, k) || c->from[k] > setup->inputs)
         return 0;
-    const struct element_settings element = element_of(setup, k);
+    const struct feedforward_settings element = element_of(setup, k);
     return (uint32_t)feedforward_bytes(&element, setup->interval_s);
 }
 
@@ -188,7 +188,7 @@ static bool has_same_terms(const struct leadlag *s, const struct block_setup *se
 static enum err retune_term(const struct block_setup *setup, unsigned k, struct leadlag_term *t)
 {
     const struct leadlag_settings *c = setup->settings;
-    const struct element_settings element = element_of(setup, k);
+    const struct feedforward_settings element = element_of(setup, k);
     enum err err = washout_retune(&t->washout, 1, c->washout_s, c->washout_s, setup->interval_s);
     return err ? err : feedforward_retune(&t->element, &element, setup->interval_s);
 }
@@ -197,7 +197,7 @@ static enum err make_term(const struct block_setup *setup, unsigned k, struct le
                           num_t *ring)
 {
     const struct leadlag_settings *c = setup->settings;
-    const struct element_settings element = element_of(setup, k);
+    const struct feedforward_settings element = element_of(setup, k);
     t->from = (uint8_t)(c->from[k] - 1u);
     t->to = (uint8_t)(c->to[k] - 1u);
     t->dead_s = c->dead_s[k];

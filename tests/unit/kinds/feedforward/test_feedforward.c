@@ -19,7 +19,7 @@ void tearDown(void) {}
 
 static num_t ring[2048];
 
-static struct feedforward make(struct element_settings c, float h_s)
+static struct feedforward make(struct feedforward_settings c, float h_s)
 {
     struct feedforward ff;
     TEST_ASSERT_EQUAL_INT(ERR_OK, feedforward_init(&ff, &c, h_s, ring, sizeof ring));
@@ -28,7 +28,7 @@ static struct feedforward make(struct element_settings c, float h_s)
 
 static void at_rest_the_output_is_gain_times_the_deviation_from_the_reference(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = -0.8f;
     c.lead_s = 12.0f;
     c.lag_s = 40.0f;
@@ -42,7 +42,7 @@ static void at_rest_the_output_is_gain_times_the_deviation_from_the_reference(vo
 
 static void at_the_reference_nothing_is_called_for(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = 100.0f;
     c.reference = 0.37f;
     struct feedforward ff = make(c, 1.0f);
@@ -51,7 +51,7 @@ static void at_the_reference_nothing_is_called_for(void)
 
 static void a_step_is_delayed_then_shaped(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = 0.5f;
     c.lead_s = 30.0f;
     c.lag_s = 10.0f;
@@ -69,7 +69,7 @@ static void a_step_is_delayed_then_shaped(void)
 
 static void it_begins_as_if_the_disturbance_had_always_been_at_the_reference(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = 2.0f;
     c.reference = 0.5f;
     c.lag_s = 10.0f;
@@ -84,7 +84,7 @@ static void it_begins_as_if_the_disturbance_had_always_been_at_the_reference(voi
 
 static void the_output_stays_within_its_own_limits(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = 5.0f;
     c.lead_s = 50.0f;
     c.lag_s = 5.0f;
@@ -108,7 +108,7 @@ static void a_gain_of_zero_is_off(void)
 static double largest_deviation(float gain)
 {
     static struct fopdt_plant through_d, through_u;
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.gain = gain;
     c.lead_s = 30.0f;
     c.lag_s = 50.0f;
@@ -167,8 +167,8 @@ static void bad_settings_are_refused_by_name(void)
         {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "", "0.001 to 1e5 s"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        struct element_settings c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,
-                                     bad[i].reference, bad[i].lo,   bad[i].hi};
+        struct feedforward_settings c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,
+                                         bad[i].reference, bad[i].lo,   bad[i].hi};
         struct feedforward ff, was;
         memset(&ff, 0x33, sizeof ff);
         memcpy(&was, &ff, sizeof ff);
@@ -193,7 +193,7 @@ static void settings_at_the_ends_of_their_ranges_are_taken(void)
     };
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
         const float *e = ends[i];
-        const struct element_settings c = {e[0], e[1], e[2], e[3], e[4], e[5], e[6]};
+        const struct feedforward_settings c = {e[0], e[1], e[2], e[3], e[4], e[5], e[6]};
         const char *field = "";
         TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, feedforward_validate(&c, e[7], &field, NULL), field);
         TEST_ASSERT_TRUE(feedforward_bytes(&c, e[7]) > 0);
@@ -202,7 +202,7 @@ static void settings_at_the_ends_of_their_ranges_are_taken(void)
 
 static void it_begins_at_rest_at_its_reference(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     TEST_ASSERT_EQUAL_FLOAT(-1.0f, c.out_lo);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, c.out_hi);
     c.gain = 2.0f;
@@ -214,7 +214,7 @@ static void it_begins_at_rest_at_its_reference(void)
 
 static void a_ring_that_is_too_small_is_refused(void)
 {
-    struct element_settings c = feedforward_default_config();
+    struct feedforward_settings c = feedforward_default_config();
     c.dead_time_s = 60.0f;
     struct feedforward ff;
     size_t bytes = feedforward_bytes(&c, 1.0f);

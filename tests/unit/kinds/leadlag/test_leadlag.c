@@ -96,13 +96,13 @@ static void a_term_is_an_element_of_the_same_numbers_to_the_bit(void)
 {
     static num_t ring[64];
     struct feedforward element;
-    const struct element_settings same = {.gain = -1.3f,
-                                          .lead_s = 60,
-                                          .lag_s = 25,
-                                          .dead_time_s = 37,
-                                          .reference = 0.5f,
-                                          .out_lo = -1,
-                                          .out_hi = 1};
+    const struct feedforward_settings same = {.gain = -1.3f,
+                                              .lead_s = 60,
+                                              .lag_s = 25,
+                                              .dead_time_s = 37,
+                                              .reference = 0.5f,
+                                              .out_lo = -1,
+                                              .out_hi = 1};
     term(0, 1, 1, -1.3f, 60, 25, 37);
     begin();
     TEST_ASSERT_EQUAL(ERR_OK, feedforward_init(&element, &same, 10, ring, sizeof ring));

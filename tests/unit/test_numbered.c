@@ -6,7 +6,7 @@
 #include "kinds/pid/pid.h"
 #include "plan/plan_build.h"
 #include "put_block.h"
-#include "served_kinds.h"
+#include "numbered_kinds.h"
 #include "supervisor_bench.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
@@ -70,19 +70,19 @@ static void an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop(voi
 static void a_setting_of_its_record_holds_without_a_new_start(void)
 {
     bench_start_with(estimates);
-    struct mean *m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    struct mean *m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     uint32_t counted = m->counted = 3;
     put_float(0, 0, 1);
     apply();
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 85, value_of(MEAN));
-    m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     TEST_ASSERT_EQUAL_UINT32(counted, m->counted);
     strcpy(bench.config.block[0].inputs, "T10 T1");
     apply(); /* another block, as far as states go */
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 115, value_of(MEAN));
-    m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     TEST_ASSERT_EQUAL_UINT32(0, m->counted);
 }
 
@@ -210,7 +210,7 @@ static void an_estimate_is_interlocked_and_alarmed_like_any_measurement(void)
 static void work_is_done_between_ticks_and_its_result_comes_when_it_was_declared(void)
 {
     bench_start_with(estimates);
-    struct mean *m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    struct mean *m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     struct jobs jobs = {0};
     TEST_ASSERT_EQUAL(ERR_OK, jobs_add(&jobs, &bench.s.work[0]));
     TEST_ASSERT_TRUE(block_work_is_asked(&bench.s));
@@ -231,7 +231,7 @@ static void work_is_done_between_ticks_and_its_result_comes_when_it_was_declared
 static void work_that_is_late_says_so_and_its_result_is_taken_when_it_is_there(void)
 {
     bench_start_with(estimates);
-    struct mean *m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    struct mean *m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     ticks(5);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_JOB_LATE, "block"));
     struct jobs jobs = {0};
@@ -269,12 +269,12 @@ static void another_tick_is_another_interval(void)
 {
     struct config_fault fault;
     bench_start_with(estimates);
-    struct mean *m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    struct mean *m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     TEST_ASSERT_EQUAL_FLOAT(1, m->interval_s);
     struct plan *plan = &bench.plan[bench.current];
     TEST_ASSERT_EQUAL(ERR_OK, plan_set_tick(plan, 2.0f, &fault));
     supervisor_take_plan(&bench.s, plan);
-    m = supervisor_block(&bench.s, SLOT_NUMBERED);
+    m = supervisor_block(&bench.s, BLOCK_NUMBERED);
     TEST_ASSERT_EQUAL_FLOAT(2, m->interval_s);
     TEST_ASSERT_FALSE(m->begun); /* and a new beginning */
     TEST_ASSERT_FALSE(block_work_is_asked(&bench.s));

@@ -13,7 +13,7 @@ enum { THIRD = 2 };
 
 static struct cross *cross_at(unsigned n)
 {
-    return supervisor_block(&bench.s, (uint8_t)(SLOT_NUMBERED + n));
+    return supervisor_block(&bench.s, (uint8_t)(BLOCK_NUMBERED + n));
 }
 
 static void set_setting(unsigned n, unsigned offset, float x)
@@ -144,7 +144,7 @@ static void switched_off_while_it_waits_to_come_on_it_stays_off(void)
     switched(0, false);
     bench.s.work[0].working = false;
     ticks(2);
-    TEST_ASSERT_TRUE(bench.s.block[SLOT_NUMBERED].off);
+    TEST_ASSERT_TRUE(bench.s.block[BLOCK_NUMBERED].off);
     TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_ON, "cross"));
 }
 
@@ -303,7 +303,7 @@ static void what_took_effect_is_in_the_compensators_state(void)
 /* Controller output that member k of the first compensator gets: behind the state, in the arena. */
 static num_t passed_told(unsigned k)
 {
-    const struct block_state *b = &bench.s.block[SLOT_NUMBERED];
+    const struct block_state *b = &bench.s.block[BLOCK_NUMBERED];
     const num_t(*end)[2] = (const num_t(*)[2])bench.s.arena + b->grain + b->grains;
     return end[(int)k - 2][0];
 }
@@ -377,7 +377,7 @@ static void a_block_that_serves_its_loops_drives_through_it(void)
     setpoint(BOTTOM, 150);
     ticks(50);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.55, sent(HEAT));
-    struct duet *d = supervisor_block(&bench.s, SLOT_NUMBERED + 1);
+    struct duet *d = supervisor_block(&bench.s, BLOCK_NUMBERED + 1);
     TEST_ASSERT_TRUE(D(d->applied[1]) < 0.6); /* of its own output, not of the MV */
     setpoint(BOTTOM, 110);
     tick();

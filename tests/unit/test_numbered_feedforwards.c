@@ -11,7 +11,7 @@
 
 static struct ahead *ahead_at(unsigned n)
 {
-    return supervisor_block(&bench.s, (uint8_t)(SLOT_NUMBERED + n));
+    return supervisor_block(&bench.s, (uint8_t)(BLOCK_NUMBERED + n));
 }
 
 static void set_ahead(unsigned n, unsigned offset, float x)
