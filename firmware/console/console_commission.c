@@ -43,7 +43,8 @@ static void test_line(const struct commission *c, const struct config *config, s
     hal_tick_lock();
     bool testing = status_phase(&c->status) == COMMISSION_TESTING;
     uint8_t turn = inputs_turn(&c->inputs);
-    const struct tested_input *in = inputs_under_test(&c->inputs);
+    /* When the last input is through, none is under test. */
+    const struct tested_input *in = testing ? inputs_under_test(&c->inputs) : NULL;
     struct {
         enum experiment_phase phase;
         uint8_t worst_output;
