@@ -8,8 +8,9 @@
  * Sources: G. J. Bierman, Factorization Methods for Discrete Sequential Estimation (1977), ch. V (measurement update; rank-one
  * addition after Agee and Turner).
  *
- * Order of calls for a measurement: ud_project(), then ud_correct() with its results. n is 1 to UD_MAX. No function allocates or
- * checks: the caller gives finite numbers and a positive D. */
+ * Order of calls for a measurement: ud_project(), then ud_correct() with its results. n is at least 1; the largest user,
+ * the whole covariance of `composition`, has 128. No function allocates or checks: the caller gives finite numbers and a
+ * positive D. */
 #ifndef REFLUX_NUM_UD_H
 #define REFLUX_NUM_UD_H
 
@@ -17,8 +18,6 @@
 
 #include "num/double_symbols.h"
 #include "num/real.h"
-
-#define UD_MAX 96
 
 /* Returns the count of numbers in a packed triangle. */
 static inline size_t ud_count(size_t n)
