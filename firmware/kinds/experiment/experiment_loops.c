@@ -206,7 +206,7 @@ bool experiment_loops_propose(struct experiment_loops *l, const struct experimen
                               struct block_proposal *room)
 {
     bool goes_on = true;
-    if (!room)
+    if (!room || room->n) /* taken, or just filled by the experiment itself */
         return true;
     room->manner =
         c->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;

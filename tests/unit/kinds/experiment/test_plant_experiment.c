@@ -7,6 +7,7 @@
 #include "base/workspace.h"
 #include "block_defaults.h"
 #include "kinds/experiment/experiment_job.h"
+#include "kinds/experiment/experiment_loops.h"
 #include "kinds/experiment/experiment_record.h"
 #include "kinds/experiment/experiment_state.h"
 #include "kinds/experiment/plant_model.h"
@@ -347,6 +348,27 @@ static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
     TEST_ASSERT_EQUAL(EXCITE_NOTHING, excite[2].what);
 }
 
+/* ---- controllers that are proposed ---- */
+
+static void a_controller_waits_until_the_experiments_own_proposal_is_gone(void)
+{
+    static struct plant_experiment e;
+    static struct block_proposal room;
+    memset(&e, 0, sizeof e);
+    e.context.n = 1;
+    e.context.s.place[0] = 3;
+    room.n = 1;
+    room.manner = PROPOSAL_AT_ONCE;
+    TEST_ASSERT_TRUE(experiment_loops_propose(&e.loops, &e.context, &room));
+    TEST_ASSERT_EQUAL_UINT8(1, room.n);
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, room.manner);
+    memset(&room, 0, sizeof room);
+    TEST_ASSERT_TRUE(experiment_loops_propose(&e.loops, &e.context, &room));
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_MAX, room.n); /* all of the controller */
+    TEST_ASSERT_FALSE(
+        experiment_loops_propose(&e.loops, &e.context, memset(&room, 0, sizeof room)));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -367,5 +389,6 @@ int main(void)
     RUN_TEST(three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing);
     RUN_TEST(the_gain_of_the_recursive_estimate_is_that_at_rest_and_0_of_what_integrates);
     RUN_TEST(the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude);
+    RUN_TEST(a_controller_waits_until_the_experiments_own_proposal_is_gone);
     return UNITY_END();
 }
