@@ -44,7 +44,7 @@ static struct passed *passed_by(const struct supervisor *s, uint8_t block)
 static void gather_signals(const struct supervisor *s, uint8_t block, const num_t *signal,
                            bool differences, struct gathered *g)
 {
-    gather(s, block, g);
+    gather_all(s, block, g);
     g->io.members.acting = s->block[block].acting;
     g->io.members.going_on = s->block[block].going_on;
     for (uint8_t k = 0; k < g->links.members; k++) {

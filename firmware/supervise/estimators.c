@@ -37,7 +37,7 @@ void estimators_step(struct supervisor *s)
     for (uint8_t k = plan_stage_begin(s->plan, STAGE_ESTIMATE); k < end; k++) {
         uint8_t block = s->plan->listed[k];
         struct gathered g;
-        gather(s, block, &g);
+        gather_all(s, block, &g);
         if (s->block[block].must_follow && block_kind_at(s, block)->follow)
             block_kind_at(s, block)->follow(supervisor_block(s, block), &g.io);
         s->block[block].must_follow = false;

@@ -58,7 +58,7 @@ static void tell_switched_off(struct supervisor *s, uint8_t block, struct gather
         loops_make_room(s, &g->links);
 }
 
-static void add(struct supervisor *s, uint8_t block, const struct gathered *g)
+static void add_to_loops(struct supervisor *s, uint8_t block, const struct gathered *g)
 {
     num_t most = num_from_float(plan_added_most(block));
     for (uint8_t k = 0; k < g->links.points; k++) {
@@ -70,7 +70,7 @@ static void add(struct supervisor *s, uint8_t block, const struct gathered *g)
 static void step_feedforward(struct supervisor *s, uint8_t block)
 {
     struct gathered g;
-    gather(s, block, &g);
+    gather_all(s, block, &g);
     bool runs = has_values(s, block, &g.links);
     if (!runs && s->block[block].running) { /* no value, no correction */
         raised_forget(s, block);
@@ -95,7 +95,7 @@ static void step_feedforward(struct supervisor *s, uint8_t block)
         return;
     }
     numbered_grant(s, block, &g);
-    add(s, block, &g);
+    add_to_loops(s, block, &g);
 }
 
 void feed_forward(struct supervisor *s, num_t *before)

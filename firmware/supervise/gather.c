@@ -1,7 +1,5 @@
 #include "supervise/gather.h"
 
-#include "supervise/numbered.h"
-
 uint8_t input_quality(const struct supervisor *s, uint8_t input, bool measured)
 {
     if (input & INPUT_IS_MV)
@@ -24,6 +22,4 @@ void gather(const struct supervisor *s, uint8_t block, struct gathered *g)
         g->input[k] =
             input & INPUT_IS_MV ? s->mv[input & ~INPUT_IS_MV].applied : s->measurement[input].value;
     }
-    if (block >= BLOCK_NUMBERED)
-        numbered_gather(s, block, g);
 }

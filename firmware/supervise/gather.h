@@ -35,9 +35,8 @@ struct gathered {
     struct numbered_io numbered;
 };
 
-/* Fills in what a block looks at and has room for: g->links, with members that are loops of the plan, and values
- * of inputs; of a block with a number also what its members stand at, qualities, ages and histories. Points have no value yet.
- * Each stage says what goes in and comes out. */
+/* Fills in what every block looks at and has room for: g->links, with members that are loops of the plan, and values
+ * of inputs. Points have no value yet. Each stage says what goes in and comes out. */
 void gather(const struct supervisor *s, uint8_t block, struct gathered *g);
 
 /* Returns enum quality of an input. measured: a value that stands in for a reading is bad. */

@@ -44,7 +44,7 @@ static void gather_members(const struct supervisor *s, struct gathered *g)
     }
 }
 
-void numbered_gather(const struct supervisor *s, uint8_t block, struct gathered *g)
+static void gather_numbered(const struct supervisor *s, uint8_t block, struct gathered *g)
 {
     struct numbered_io *n = &g->numbered;
     bool estimates = block_is(s, block, STAGE_ESTIMATE);
@@ -79,6 +79,13 @@ void numbered_gather(const struct supervisor *s, uint8_t block, struct gathered 
         g->point[k] = num_zero();
         n->point_quality[k] = QUALITY_MISSING;
     }
+}
+
+void gather_all(const struct supervisor *s, uint8_t block, struct gathered *g)
+{
+    gather(s, block, g);
+    if (block >= BLOCK_NUMBERED)
+        gather_numbered(s, block, g);
 }
 
 static void take_work(struct supervisor *s, uint8_t block, struct block_io *io)

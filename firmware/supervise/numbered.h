@@ -19,8 +19,8 @@ static inline uint8_t numbered_end(const struct supervisor *s)
     return (uint8_t)(BLOCK_NUMBERED + s->plan->numbered_end);
 }
 
-/* Its part of gather(). */
-void numbered_gather(const struct supervisor *s, uint8_t block, struct gathered *g);
+/* gather() for any block; of a block with a number also what its members stand at, qualities, ages and histories. */
+void gather_all(const struct supervisor *s, uint8_t block, struct gathered *g);
 
 /* Returns the first of its inputs that is not usable, or PLAN_NONE. */
 uint8_t first_bad_input(const struct supervisor *s, uint8_t block);
@@ -51,7 +51,7 @@ static inline bool is_a_number(num_t x)
 
 #else
 
-#define numbered_gather(s, block, g)                ((void)(s))
+#define gather_all(s, block, g)                     gather(s, block, g)
 #define first_bad_input(s, block)                   PLAN_NONE
 #define numbered_step(s, block, g)                  ((void)(s))
 #define numbered_grant(s, block, g)                 ((void)(s))

@@ -14,7 +14,7 @@ void controllers_follow(struct supervisor *s)
         if (!b->must_follow)
             continue;
         struct gathered g;
-        gather(s, block, &g);
+        gather_all(s, block, &g);
         block_kind_at(s, block)->follow(supervisor_block(s, block), &g.io);
         b->must_follow = b->stepped = false;
     }
@@ -47,7 +47,7 @@ void numbered_control(struct supervisor *s, uint8_t block)
         return;
     const struct block_kind *kind = block_kind_at(s, block);
     struct gathered g;
-    gather(s, block, &g);
+    gather_all(s, block, &g);
     if (!g.io.members.acting) {
         raised_forget(s, block);
         return;
@@ -83,7 +83,7 @@ void controllers_back_calculate(struct supervisor *s)
         struct block_state *b = &s->block[block];
         const struct numbered_plan *r = numbered_at(s, block);
         struct gathered g;
-        gather(s, block, &g);
+        gather_all(s, block, &g);
         if (b->off || !g.io.members.acting || b->must_follow) {
             b->must_follow = !b->off; /* it follows before it acts again */
             continue;

@@ -54,7 +54,7 @@ class SmallBoardTest(unittest.TestCase):
             self.console.do(line)
         reply = self.console.ask("apply")[-1]
         self.assertTrue(reply.startswith("err MEMORY ff1.dead:"), reply)
-        self.assertIn("bytes needed: 1272, there are: 1264", reply)
+        self.assertIn("bytes needed: 1288, there are: 1280", reply)
         self.console.do("set ff1.dead 300")
         self.console.do("apply")
 

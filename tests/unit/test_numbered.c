@@ -4,9 +4,9 @@
 #include "exchange/block_settings.h"
 #include "exchange/block_work.h"
 #include "kinds/pid/pid.h"
+#include "numbered_kinds.h"
 #include "plan/plan_build.h"
 #include "put_block.h"
-#include "numbered_kinds.h"
 #include "supervisor_bench.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
