@@ -35,7 +35,7 @@ static bool gives_numbers(const struct gathered *g, uint8_t members)
 {
     for (uint8_t k = 0; k < members; k++)
         if ((g->io.members.acting & (1u << k)) &&
-            (!is_a_number(g->out[k]) || !num_lt(num_abs(g->out[k]), num_from_float(COMMAND_MAX))))
+            !num_lt(num_abs(g->out[k]), num_from_float(COMMAND_MAX))) /* nor is NaN less */
             return false;
     return true;
 }
