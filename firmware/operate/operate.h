@@ -255,7 +255,7 @@ static inline bool operate_poll_proposals(struct operate *door)
 }
 #endif
 
-/* ---- settings: staging.c, settings.c ---- */
+/* ---- settings: settings.c, transaction.c ---- */
 
 /* The open transaction's, or those that apply to a request made now. */
 const struct config *operate_view(const struct session *session);
@@ -314,14 +314,16 @@ const char *operate_sequence_word(enum sequence_command what);
 MUST_CHECK enum err operate_sequence(struct session *session, enum sequence_command what,
                                      struct answer *answer);
 
-/* ---- automatic start-up: startup.c, on_trial.c ---- */
+/* ---- automatic start-up: startup.c ---- */
 
 #if COMMISSION_CHANNELS
 /* Once a turn of the main loop: puts the old settings back where a trial has failed. Returns whether there was anything to do. */
 bool operate_poll(struct operate *door);
-/* A trial of what start-up has proposed is running or rolling back. */
-bool operate_start_up_on_trial(const struct service *s);
-bool operate_is_in_acceptance(const struct session *session);
+/* Returns true while a trial of what start-up has proposed is running or rolling back. */
+static inline bool operate_start_up_on_trial(const struct service *s)
+{
+    return commission_is_on_trial(s->commission);
+}
 #else
 static inline bool operate_poll(struct operate *door)
 {
@@ -333,12 +335,11 @@ static inline bool operate_start_up_on_trial(const struct service *s)
     (void)s;
     return false;
 }
+#endif
 static inline bool operate_is_in_acceptance(const struct session *session)
 {
-    (void)session;
-    return false;
+    return operate_start_up_on_trial(session->door->service);
 }
-#endif
 /* "begin", as the history names it; NULL: nothing a client may ask for so. */
 const char *operate_startup_word(enum commission_ask what);
 /* BEGIN, PAUSE, RESUME, SKIP, REPEAT, ABORT, REJECT. Pause and abort are everybody's, the others the engineer's.

@@ -2,6 +2,7 @@
 #ifndef REFLUX_OPERATE_OPERATE_INTERNAL_H
 #define REFLUX_OPERATE_OPERATE_INTERNAL_H
 
+#include "exchange/tables.h"
 #include "operate/operate.h"
 
 #define QUEUE_FULL   "the request queue is full, try again"
@@ -32,18 +33,12 @@ bool operate_may_change_settings(const struct operate *door);
 /* ---- what a board may lack ---- */
 
 #if CONFIG_BLOCKS
-/* Before settings are written without operate_stage(): keeps tables that start-up may go back to from being given to others. */
-void operate_watch_tables(const struct service *s);
 /* Tells that the open transaction, if there is one, has come into force, or is abandoned. */
 void operate_transaction_over(struct operate *door, bool applied);
 /* After ERR_FULL: how many bytes a block's settings need, and how many are free; both 0 where a table has no place. Returns ERR_FULL. */
 MUST_CHECK enum err operate_block_figures(const struct parameter *p, struct config *staged,
                                           const char *text, struct answer *answer);
 #else
-static inline void operate_watch_tables(const struct service *s)
-{
-    (void)s;
-}
 static inline void operate_transaction_over(struct operate *door, bool applied)
 {
     (void)applied;
@@ -63,12 +58,28 @@ MUST_CHECK static inline enum err operate_block_figures(const struct parameter *
 
 #if COMMISSION_CHANNELS
 /* The settings that a failed trial goes back to; NULL: no trial is running. */
-const struct config *operate_settings_before_trial(const struct service *s);
+static inline const struct config *operate_settings_before_trial(const struct service *s)
+{
+    return operate_start_up_on_trial(s) ? commission_old(s->commission) : NULL;
+}
 #else
 static inline const struct config *operate_settings_before_trial(const struct service *s)
 {
     (void)s;
     return NULL;
+}
+#endif
+
+#if CONFIG_BLOCKS
+/* Before settings are written without operate_stage(): keeps tables that start-up may go back to from being given to others. */
+static inline void operate_watch_tables(const struct service *s)
+{
+    tables_watch(TABLES_TO_GO_BACK_TO, operate_settings_before_trial(s));
+}
+#else
+static inline void operate_watch_tables(const struct service *s)
+{
+    (void)s;
 }
 #endif
 

@@ -1,10 +1,66 @@
-/* The transaction, and settings one by one. */
+/* The settings that a client writes before they come into force, who may write them, and settings one by one. */
 #include "operate/operate_internal.h"
+#include "storage/storage.h"
 
 /* A build without calibration lacks parameters that other builds have. */
 #define NO_PARAMETER                                                                               \
     (CONFIG_CALIBRATION ? "no such parameter; `list all` shows them"                               \
                         : "no such parameter in this board's build; `list all` shows them")
+
+const struct config *operate_view(const struct session *session)
+{
+    struct service *s = session->door->service;
+    return s->staging ? service_staged(s) : operate_settings(session);
+}
+
+struct config *operate_stage(struct session *session, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    operate_watch_tables(s);
+    if (s->staging && session->door->editor == session)
+        return service_staged(s);
+    /* The last two: the place where settings are written is being saved, or named on a line half printed. */
+    if (s->staging || storage_saving(s->storage) || s->telemetry.printing) {
+        (void)!operate_refuse(answer, ERR_BUSY, NULL,
+                              s->staging ? "another client has opened a transaction"
+                                         : "another client reads the settings, try again");
+        return NULL;
+    }
+    return service_stage(s);
+}
+
+bool operate_settings_are_free(const struct service *s)
+{
+    /* An open transaction and a sequence are somebody's work, a save has the scratch plan, and a line of telemetry under
+     * way needs the names of its plan. */
+    bool read = s->telemetry.printing || storage_saving(s->storage);
+    return !s->staging && !read && !operate_sequence_runs(s);
+}
+
+bool operate_may_change_settings(const struct operate *door)
+{
+    const struct service *s = door->service;
+    return operate_settings_are_free(s) && !s->supervisor->testing && !operate_start_up_on_trial(s);
+}
+
+enum err operate_activate(struct session *session, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    enum err err = operate_keep_acting_loops(s, service_staged(s), &answer->config);
+    if (!err)
+        err = service_apply(s, service_staged(s), &answer->config);
+    if (!err)
+        return ERR_OK;
+    if (!answer->config.group)
+        return operate_refuse(answer, err, NULL, QUEUE_FULL);
+    answer->more = ANSWER_CONFIG;
+    return err;
+}
+
+enum err operate_activate_unless_open(struct session *session, struct answer *answer)
+{
+    return operate_is_open(session) ? ERR_OK : operate_activate(session, answer);
+}
 
 enum err operate_find_parameter(const struct session *session, const char *name,
                                 struct parameter *p, struct answer *answer)
@@ -21,60 +77,6 @@ enum err operate_find_parameter(const struct session *session, const char *name,
         (void)!operate_refuse(answer, err, name, NO_PARAMETER);
     }
     return err;
-}
-
-enum err operate_begin(struct session *session, struct answer *answer)
-{
-    struct service *s = session->door->service;
-    enum err err = operate_admit(session, "begin", answer);
-    if (err)
-        return err;
-    if (s->staging)
-        return operate_refuse(answer, ERR_STATE, NULL, OPEN_ALREADY);
-    if (!operate_stage(session, answer))
-        return ERR_BUSY;
-    s->staging = true;
-    session->door->editor = session;
-    return ERR_OK;
-}
-
-bool operate_changes(const struct session *session, const struct parameter *p)
-{
-    return !parameter_equal(p, operate_view(session), operate_settings(session));
-}
-
-enum err operate_apply(struct session *session, struct answer *answer)
-{
-    struct service *s = session->door->service;
-    struct parameter p;
-    enum err err = operate_admit(session, "apply", answer);
-    if (err)
-        return err;
-    if (!s->staging)
-        return operate_refuse(answer, ERR_STATE, NULL, "no transaction is open: begin one first");
-    if (!operate_stage(session, answer))
-        return ERR_BUSY;
-    unsigned changes = 0;
-    for (unsigned i = 0; parameter_of(operate_view(session), i, &p); i++)
-        changes += operate_changes(session, &p);
-    err = operate_activate(session, answer);
-    if (err)
-        return err; /* it stays open to be mended */
-    operate_transaction_over(session->door, true);
-    operate_record(session, EVENT_DO_APPLY, NULL, (float)changes);
-    return ERR_OK;
-}
-
-enum err operate_abandon(struct session *session, struct answer *answer)
-{
-    struct service *s = session->door->service;
-    enum err err = operate_admit(session, "abandon", answer);
-    if (err)
-        return err;
-    if (!s->staging)
-        return operate_refuse(answer, ERR_STATE, NULL, "no transaction is open");
-    operate_transaction_over(session->door, false);
-    return ERR_OK;
 }
 
 static enum err refuse_value(struct answer *answer, enum err err, const struct parameter *p,

@@ -19,7 +19,7 @@
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
-static const float values[] = {VALUES(ENTRY, )};
+const float parameter_numbers[] = {VALUES(ENTRY, )};
 
 /* A number that is not in the list gets a place that no byte holds, so the compiler refuses it. */
 #define PLACE_IF(place, value, x) (float)(x) == (value) ? (place):
@@ -370,18 +370,3 @@ const struct parameter_field parameter_own_fields[] = {
     ROW(0, PARAMETER_WORD, 0, "", "", 0, 0, 0, ""),
     ROW(0, PARAMETER_ROW, 0, "", "", 0, 0, 0, ""),
 };
-
-float field_lo(const struct parameter_field *field)
-{
-    return values[field->lo];
-}
-
-float field_hi(const struct parameter_field *field)
-{
-    return values[field->hi];
-}
-
-float field_initial(const struct parameter_field *field)
-{
-    return values[field->initial];
-}

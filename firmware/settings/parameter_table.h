@@ -87,8 +87,19 @@ static inline bool parameter_names_event(const struct parameter *p)
 }
 
 /* Return the limits and the default of a row of the table. */
-float field_lo(const struct parameter_field *field);
-float field_hi(const struct parameter_field *field);
-float field_initial(const struct parameter_field *field);
+/* The list of numbers, each once. */
+extern const float parameter_numbers[];
+static inline float field_lo(const struct parameter_field *field)
+{
+    return parameter_numbers[field->lo];
+}
+static inline float field_hi(const struct parameter_field *field)
+{
+    return parameter_numbers[field->hi];
+}
+static inline float field_initial(const struct parameter_field *field)
+{
+    return parameter_numbers[field->initial];
+}
 
 #endif
