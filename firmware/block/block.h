@@ -18,12 +18,11 @@
  * gets follow before its first step, and before its first step after the plant was away, because its state may
  * describe another plant or be hours old.
  *
- * Compensators and feedforward elements with a number (blockN) run in every base tick. A compensator gets step
- * while one of its members acts, and back_calculate once after each step; where nothing was limited the differences
- * are 0 and must give 0. It gets follow when its members, the set of acting members, its settings, or a compensator
- * behind it change. Follow takes MVs, and returns the controllers' outputs for which the next step gives these MVs;
- * transients for the members in `going_on` continue. An element gets follow before its first step, and starts at
- * rest at its inputs. */
+ * Compensators and feedforward elements run in every base tick. A compensator gets step while one of its members
+ * acts, and back_calculate once after each step; where nothing was limited the differences are 0 and must give 0. It
+ * gets follow when its members, the set of acting members, its settings, or a compensator behind it change. Follow
+ * takes MVs, and returns the controllers' outputs for which the next step gives these MVs; transients for the members
+ * in `going_on` continue. A feedforward element gets follow before its first step, and starts at rest at its inputs. */
 #ifndef REFLUX_BLOCK_BLOCK_H
 #define REFLUX_BLOCK_BLOCK_H
 
@@ -47,12 +46,13 @@ enum block_stage {
     BLOCK_STAGES
 };
 
-/* Reaction of a block of several members to the loss of one of its further inputs, and of an element to the loss of
- * any input. */
+/* Reaction of a block of several members to the loss of one of its further inputs, and of a feedforward element to the
+ * loss of any input. */
 enum block_bad_input {
-    /* The loops' own controllers take over; a compensator is bypassed, and an element adds nothing. */
+    /* The loops' own controllers take over; a compensator is bypassed, and a feedforward element adds
+     * nothing. */
     BAD_INPUT_GIVES_UP,
-    /* The members go to manual; for an element, the loops on its MVs do. */
+    /* The members go to manual; for a feedforward element, the loops on its MVs do. */
     BAD_INPUT_MANUAL,
     /* The block sees the quality of its inputs, and has a fallback of its own. */
     BAD_INPUT_IS_TOLD
@@ -89,7 +89,7 @@ struct block_setup {
      * without a past. */
     struct block_signal pv[BLOCK_SIGNALS(BLOCK_MEMBERS_MAX)]; /* PVs of the members */
     struct block_signal input[BLOCK_SIGNALS(BLOCK_INPUTS_MAX)];
-    /* Points that the block writes; for an element, the MVs it adds to. */
+    /* Points that the block writes; for a feedforward element, the MVs it adds to. */
     struct block_signal point[BLOCK_SIGNALS(BLOCK_POINTS_MAX)];
     /* Settings of the block that this block names; NULL if it names none. A state may keep this pointer until the
      * next configure, because configure is called whenever the pointer changes. In check(), the named block's own
@@ -112,20 +112,20 @@ struct block_fault {
 struct block_members {
     uint8_t acting;        /* bit k: member k has the block's output */
     const num_t *setpoint; /* for controllers */
-    /* PVs; for a compensator the controllers' outputs, for an element its inputs. */
+    /* PVs; for a compensator the controllers' outputs, for a feedforward element its inputs. */
     const num_t *in;
-    /* Outputs: step writes them; back_calculate, follow and shift read them. For an element, the added value for
-     * each point. */
+    /* Outputs: step writes them; back_calculate, follow and shift read them. For a feedforward element, the added value
+     * for each point. */
     num_t *out;
     const uint8_t *clamp; /* enum integral_clamp; in back_calculate */
     /* enum integral_clamp, written by the block: its own limits that the output has reached. */
     uint8_t *limited;
-    /* The fields below are set for blocks with a number (blockN), in step, back_calculate and follow. */
-    /* Applied values of the member's MV, where the kind asks for a history; NULL for a member that drives a loop. */
+    /* For a block with a number (blockN), in step, back_calculate and follow: applied values of the member's MV, where
+     * the kind asks for a history; NULL for a member that drives a loop. */
     const struct applied_history **applied;
     /* For a compensator, in follow: acting members that also acted in the last step. */
     uint8_t going_on;
-    uint16_t divisor; /* base ticks of a step */
+    uint16_t divisor; /* for a block with a number: base ticks of a step */
 };
 
 #if CONFIG_BLOCKS
@@ -151,8 +151,8 @@ struct block_requests {
     /* Written by the block: asks for work(), whose result the block takes after this many steps; 0 asks for none. */
     uint8_t ask_work;
     /* Written by the block that gives up: why, in a word. The loops' own controllers take over in this step
-     * already, and an element adds nothing from this step on. For a compensator the MVs stay for this tick, and it
-     * is bypassed from the next tick on. A block may give up in back_calculate and follow as well. */
+     * already, and a feedforward element adds nothing from this step on. For a compensator the MVs stay for this tick,
+     * and it is bypassed from the next tick on. A block may give up in back_calculate and follow as well. */
     const char *gives_up;
     /* A step may write a proposal here; NULL while another proposal waits (block/proposal.h). */
     struct block_proposal *proposal;
@@ -160,7 +160,7 @@ struct block_requests {
     bool withdraws;
     /* A step may write a switch-off here; NULL while the block's last one waits (block/proposal.h). */
     struct block_switch_off *switch_off;
-    /* For an element, bit k: term k is switched off, and adds nothing. */
+    /* For a feedforward element, bit k: term k is switched off, and adds nothing. */
     uint8_t silenced;
     /* Written by the block, bit k: the kind's k-th event holds in this step. */
     uint16_t raised;

@@ -22,7 +22,7 @@ struct block_proposal {
     struct proposed_value value[PROPOSAL_MAX];
 };
 
-/* A switch-off of a harmful feedforward element, or of a harmful term of an element with a number (blockN). From
+/* A switch-off of a harmful feedforward element ffN, or of a harmful term of a feedforward element blockN. From
  * the next tick on it adds nothing, even while a transaction is open. The values, which have the same effect,
  * follow when the settings are free. */
 #define SWITCH_OFF_MAX 2
@@ -32,16 +32,16 @@ struct block_switch_off {
     struct proposed_value value[SWITCH_OFF_MAX];
 };
 
-/* Most terms of an element with a number (blockN): rows of this many values have one for each term. */
+/* Most terms of a feedforward element blockN: rows of this many values have one for each term. */
 #define SWITCH_OFF_TERMS 8
 
-/* Returns the number of an element: 0 for ff1, and so on. */
+/* Returns the number of a feedforward element ffN: 0 for ff1, and so on. */
 static inline uint8_t switch_off_of_ff(uint8_t index)
 {
     return index;
 }
 
-/* Returns the number of a term of the element blockN; both count from 0. */
+/* Returns the number of a term of the feedforward element blockN; both count from 0. */
 static inline uint8_t switch_off_term(uint8_t block, uint8_t term)
 {
     return (uint8_t)(SWITCH_OFF_TERMS * (block + 1u) + term);

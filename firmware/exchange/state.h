@@ -230,7 +230,7 @@ struct block_state {
 struct numbered_state {
     const char *gave_up; /* why it is off, in a word; NULL: its input `input` was bad */
     uint8_t input;
-    uint8_t silenced; /* terms of an element that added nothing in its last step */
+    uint8_t silenced; /* terms of a feedforward element that added nothing in its last step */
     /* Bit k: the k-th event of its kind held in its last step. */
     uint16_t raised : BLOCK_EVENTS_MAX;
     uint16_t on_pending : 1; /* it waits for the end of a piece of its work, and then comes on */
@@ -273,7 +273,7 @@ struct proposal_slot {
     struct block_proposal content;
 };
 
-/* A switch-off on its way from the tick to the main loop. The tick has silenced the element, and writes the
+/* A switch-off on its way from the tick to the main loop. The tick has silenced the feedforward element, and writes the
  * switch-off while the place is free; the main loop turns it into settings. */
 enum switch_off_state {
     SWITCH_OFF_FREE,
@@ -382,7 +382,7 @@ static inline void *supervisor_block(const struct supervisor *s, uint8_t block)
 }
 
 #if CONFIG_BLOCKS
-/* Returns true if the element is switched off. element: switch_off_of_ff() or switch_off_term(). */
+/* Returns true if the feedforward element or term is switched off. element: switch_off_of_ff() or switch_off_term(). */
 static inline bool is_switched_off(const struct supervisor *s, uint8_t element)
 {
     return element / SWITCH_OFF_TERMS < SWITCH_OFF_BYTES &&

@@ -180,7 +180,7 @@ MUST_CHECK enum err operate_tune(const struct session *session, uint8_t loop, en
                                  const struct fopdt *process, float lambda_s, struct tuning *tuning,
                                  struct answer *answer);
 
-/* ---- blocks with a record (blockN): blocks.c ---- */
+/* ---- blocks with a number (blockN): blocks.c ---- */
 
 enum block_work { BLOCK_IDLE, BLOCK_WORKS, BLOCK_WORK_LATE };
 

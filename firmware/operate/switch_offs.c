@@ -1,4 +1,4 @@
-/* Elements that blocks have switched off in the tick (supervise/switch_offs.h): the same made settings.
+/* Feedforward elements that blocks have switched off in the tick (supervise/switch_offs.h): the same made settings.
  *
  *     given -> in force, the old values kept
  *           -> in the open transaction: applied with it, or overruled in it; after `abandon` given again

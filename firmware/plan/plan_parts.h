@@ -46,8 +46,8 @@ const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE]);
 enum err plan_resolve_numbered(struct plan *plan, struct config_fault *fault);
 /* Has the kinds check the settings of blocks with a number; the loops must be in order. */
 enum err plan_check_numbered(struct plan *plan, struct config_fault *fault);
-/* plan_numbered_stages.c: resolve the MVs that a feedforward element adds to; check that a compensator or an element
- * has what it needs; and check that none moves an MV that it looks at, after all feedforward elements have been
+/* plan_numbered_stages.c: resolve the MVs that a feedforward element adds to; check that a compensator or feedforward
+ * element has what it needs; and check that none moves an MV that it looks at, after all feedforward elements have been
  * resolved. */
 enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault);
 enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault);

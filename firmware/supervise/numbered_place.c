@@ -84,7 +84,7 @@ void numbered_moves_loops(struct supervisor *s, const struct plan *plan, uint8_t
             s->loop[s->plan->owner[r->point[k]]].moved = true;
 }
 
-/* Returns true if the terms of an element are the same ones, though their settings may differ. */
+/* Returns true if the terms of a feedforward element are the same ones, though their settings may differ. */
 static bool same_terms(const struct plan *plan, const struct plan *old, uint8_t block)
 {
     const struct numbered_plan *r = &plan->numbered[block - BLOCK_NUMBERED];

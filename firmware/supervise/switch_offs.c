@@ -25,7 +25,7 @@ struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t block)
     return &w->content;
 }
 
-/* Writes the name of an element: "ff1", "block3.term2". */
+/* Writes the name of a feedforward element or term: "ff1", "block3.term2". */
 static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
 {
     uint8_t block = (uint8_t)(element / SWITCH_OFF_TERMS),

@@ -10,7 +10,7 @@
 struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t block);
 /* Hands over the switch-off of a block that has made its step, and has not given up. */
 void switch_off_hand_over(struct supervisor *s, uint8_t block, const struct block_io *io);
-/* Before elements run: lets those act again whose switch-off was overruled. */
+/* Before feedforward runs: lets those act again whose switch-off was overruled. */
 void switch_offs_lift(struct supervisor *s);
 /* Lets ffK, from 0, act again, because a plan brings other settings for it. */
 void switch_off_forget_ff(struct supervisor *s, uint8_t k);

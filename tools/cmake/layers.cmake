@@ -1,6 +1,6 @@
 # A layer is a folder under firmware/ (or the contract headers of hal/) built as one target that sees only
 # the layers it names. Each layer gets an include root of its own holding one link, so that
-# #include "supervise/loops.h" in a lower layer finds nothing and does not compile.
+# #include "supervise/blocks.h" in a lower layer finds nothing and does not compile.
 #
 # The links stand in the build tree, or wherever REFLUX_LAYERS says: two trees that see the same headers under the same
 # paths make the same machine code from the same text (sanitizers write paths into programs), and tools/test runs it once.
