@@ -9,6 +9,6 @@ if(TARGET test_fault_matrix) # its plant stands behind the bench's instruments
   target_link_libraries(test_fault_matrix PRIVATE reflux_bench)
 endif()
 
-# ... of blocks with a record, with kinds that only the test has.
+# ... of blocks with a number (blockN), with kinds that only the test has.
 reflux_test(fault_matrix_blocks LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_fault_matrix_blocks.c
             LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_every_kind)

@@ -1,5 +1,5 @@
-/* Faults that concern blocks with a record, in every mode of operation, and the state each must end in: an estimator whose point
- * is the PV of a loop, with work between ticks, and a controller of two loops with a further input. The product has no such
+/* Faults that concern blocks with a number (blockN), in every mode of operation, and the state each must end in: an estimator
+ * whose point is the PV of a loop, with work between ticks, and a controller of two loops with a further input. The product has no such
  * kinds yet: those of the test stand in for them. To add a fault: a row of faults[]. */
 #include <math.h>
 

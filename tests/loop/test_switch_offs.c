@@ -267,7 +267,7 @@ static void while_settings_are_saved(void)
     settings_have_followed();
 }
 
-/* Two terms of an element with a record, from the feed to the reflux, in place of ff1. */
+/* Two terms of a feedforward element blockN, from the feed to the reflux, in place of ff1. */
 static void two_terms(void)
 {
     static const char *const lines[] = {"begin",

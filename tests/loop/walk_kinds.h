@@ -1,5 +1,5 @@
-/* All kinds that only tests have, in one table: served, told, exciting, stage, and the worked family; and three that do by chance
- * whatever a kind may do. Included in one file of a test, it stands in for app/kinds.c. */
+/* All kinds that only tests have, in one table: numbered, verb, exciting and stage kinds, and the worked family; and three that
+ * do by chance whatever a kind may do. Included in one file of a test, it stands in for app/kinds.c. */
 #ifndef REFLUX_TESTS_WALK_KINDS_H
 #define REFLUX_TESTS_WALK_KINDS_H
 

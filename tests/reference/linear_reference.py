@@ -2,7 +2,7 @@
 """Gains, poles, step responses and pairings of the linear plants, worked out apart from the simulator.
 
 Reads host_sim/plants/*.json for the numbers of the models and nothing else: transfer functions by partial
-fractions, matrices by scipy. Writes the tables that tests/unit/test_linear_plants.py compares with:
+fractions, matrices by scipy. Writes the tables that tests/unit/test_linear_plants.c compares with:
 
   linear_gains.csv     steady-state gains, output unit per input unit
   linear_poles.csv     poles; 1/s, discrete plants in the z plane

@@ -1,6 +1,6 @@
-/* Kinds of blocks with a record that no product has, which really do something: an estimator with two points and work between
- * ticks, and a controller of two loops with a further input. For tests of what the tick does with such blocks; included
- * in one file of a test, which has the table of kinds. */
+/* Kinds of blocks with a number (blockN) that no product has, which really do something: an estimator with two points and work
+ * between ticks, and a controller of two loops with a further input. For tests of what the tick does with such blocks;
+ * included in one file of a test, which has the table of kinds. */
 #ifndef REFLUX_TESTS_NUMBERED_KINDS_H
 #define REFLUX_TESTS_NUMBERED_KINDS_H
 

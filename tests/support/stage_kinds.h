@@ -1,4 +1,4 @@
-/* Kinds with a record that no product has: a dynamic compensator of one or two loops, a feedforward element with two inputs, a
+/* Kinds for blockN that no product has: a dynamic compensator of one or two loops, a feedforward element with two inputs, a
  * controller of two loops. Included in one file of a test it stands in for app/kinds.c. */
 #ifndef REFLUX_TESTS_STAGE_KINDS_H
 #define REFLUX_TESTS_STAGE_KINDS_H
@@ -440,7 +440,7 @@ static const struct block_kind duet_kind = {
     .follow = duet_back_calculate,
 };
 
-/* Those with a record before those without: groups like ffN find theirs all the same. */
+/* Those for blockN before the others: groups like ffN find theirs all the same. */
 const struct block_kind *const block_kinds[] = {
     &pid_kind,  &cross_kind, &twice_kind,     &ahead_kind,       &wary_kind,
     &keen_kind, &duet_kind,  &decoupler_kind, &feedforward_kind, &two_position_kind,

@@ -1,5 +1,5 @@
-/* Blocks with a record: an estimator whose points are measurements, and a controller of two loops in place of their own. The
- * kinds are of this test alone; what the tick does with them is what every family relies on. */
+/* Blocks with a number (blockN): an estimator whose points are measurements, and a controller of two loops in place of their
+ * own. The kinds are of this test alone; what the tick does with them is what every family relies on. */
 #include "block/block.h"
 #include "exchange/block_settings.h"
 #include "exchange/block_work.h"

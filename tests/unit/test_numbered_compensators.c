@@ -1,4 +1,5 @@
-/* Compensators with a record, between the loops' controllers and their MVs: forwards, backwards, and what comes and goes. */
+/* Compensators with a number (blockN), between the loops' controllers and their MVs: forwards, backwards, and what comes and
+ * goes. */
 #include "put_block.h"
 #include "settings/block_parameters.h"
 #include "supervisor_bench.h"

@@ -1,5 +1,5 @@
-/* Feedforward elements with a record: what they add, when they begin and end, and what limits, compensators and interlocks
- * make of it. */
+/* Feedforward elements with a number (blockN): what they add, when they begin and end, and what limits, compensators and
+ * interlocks make of it. */
 #include "put_block.h"
 #include "settings/block_parameters.h"
 #include "supervisor_bench.h"

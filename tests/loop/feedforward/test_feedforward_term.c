@@ -1,5 +1,5 @@
-/* The kind `ff_tune` tunes a term of an element with a record, and switches it off; and the dead band of that element keeps the noise of a
- * sensor away from the MV. */
+/* The kind `ff_tune` tunes a term of a feedforward element blockN, and switches it off; and the dead band of that element keeps the noise
+ * of a sensor away from the MV. */
 #include "tune_bench.h"
 
 void setUp(void)
