@@ -4,12 +4,12 @@
  * hal_tick_lock.
  *
  * A tick, top to bottom (architecture: docs/tick.md)
- *     validate      readings to fractions of span; bad ones are held, then their loops go to manual
+ *     validate      readings to fractions of span; bad ones are held, then their loops go to manual; estimators
  *     requests      modes, setpoints and manual outputs asked for since the last tick
  *     sequence      the actions of the next rows of a sequence
+ *     feed forward  what is added to the outputs of loops that act
  *     control       due loops, outer before inner
- *     compensate    static decoupler over the loops that act
- *     feed forward  added to the outputs of loops that act
+ *     compensate    static decoupler, then each blockN of that stage, over the loops that act
  *     excite        a test signal on top, from whoever holds the plant
  *     constrain     operating limits, rates, interlocks, safe state
  * Back-calculation with the applied values ends the tick. Report and actuation are the caller's. */
