@@ -27,18 +27,11 @@
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
 #endif
 #ifndef CONFIG_LOOPS
-#if COMMISSION_CHANNELS
-#define CONFIG_LOOPS 16 /* automatic start-up may propose one for every channel */
-#else
-#define CONFIG_LOOPS 8
-#endif
+#define CONFIG_LOOPS                                                                               \
+    (COMMISSION_CHANNELS > 0 ? 16 : 8) /* automatic start-up may propose one for every channel */
 #endif
 #ifndef CONFIG_PAIRS
-#if COMMISSION_CHANNELS
-#define CONFIG_PAIRS 4
-#else
-#define CONFIG_PAIRS 0
-#endif
+#define CONFIG_PAIRS (COMMISSION_CHANNELS > 0 ? 4 : 0)
 #endif
 
 /* Loops that act keep their sense, and have a deviation alarm; 0 leaves both out. */
@@ -46,18 +39,10 @@
 #define CONFIG_LOOP_GUARD 1
 #endif
 #ifndef CONFIG_ANALYSERS /* measurements that come every n-th tick; 0 leaves them out */
-#if COMMISSION_CHANNELS
-#define CONFIG_ANALYSERS 1
-#else
-#define CONFIG_ANALYSERS 0
-#endif
+#define CONFIG_ANALYSERS (COMMISSION_CHANNELS > 0)
 #endif
 #ifndef CONFIG_CALIBRATION /* meas.gain, zero, valid_lo and valid_hi, and watch.c; 0 leaves them out */
-#if COMMISSION_CHANNELS
-#define CONFIG_CALIBRATION 1
-#else
-#define CONFIG_CALIBRATION 0
-#endif
+#define CONFIG_CALIBRATION (COMMISSION_CHANNELS > 0)
 #endif
 /* Bytes for the settings of all blocks, a multiple of 4. */
 #ifndef CONFIG_POOL_BYTES

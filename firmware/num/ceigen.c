@@ -171,7 +171,7 @@ enum err ceigen_values(struct cmatrix *a, struct cplx *values)
 void ceigen_follow(const struct cplx *before, struct cplx *now, uint8_t n)
 {
     REFLUX_ASSERT(n <= MATRIX_MAX);
-    struct cplx of[MATRIX_MAX];
+    struct cplx ordered[MATRIX_MAX];
     uint16_t placed = 0, taken = 0;
     for (uint8_t round = 0; round < n; round++) {
         uint8_t to = 0, from = 0;
@@ -187,10 +187,10 @@ void ceigen_follow(const struct cplx *before, struct cplx *now, uint8_t n)
                     from = j;
                 }
             }
-        of[to] = now[from];
+        ordered[to] = now[from];
         placed = (uint16_t)(placed | (1u << to));
         taken = (uint16_t)(taken | (1u << from));
     }
     for (uint8_t i = 0; i < n; i++)
-        now[i] = of[i];
+        now[i] = ordered[i];
 }

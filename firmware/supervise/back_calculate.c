@@ -87,21 +87,21 @@ static void back_outer(struct supervisor *s, uint8_t i)
 
 void back_calculate_loops(struct supervisor *s)
 {
-    num_t told[CONFIG_LOOPS];
+    num_t effect[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         uint8_t j = s->plan->loop[i].mv;
-        told[i] = s->loop[i].v;
+        effect[i] = s->loop[i].v;
         if (j != PLAN_NONE)
-            told[i] = num_add(told[i], mv_shortfall(&s->mv[j]));
+            effect[i] = num_add(effect[i], mv_shortfall(&s->mv[j]));
     }
-    compensators_back_calculate(s, told);
+    compensators_back_calculate(s, effect);
     /* Inner loops come first, because the limits of an outer loop depend on them. */
     for (uint8_t k = plan_stage_end(s->plan, STAGE_CONTROL); k-- > 0;) {
         uint8_t i = s->plan->listed[k];
         if (i >= CONFIG_LOOPS) /* blocks with a number come when it is known for all loops */
             continue;
         if (s->plan->loop[i].mv != PLAN_NONE)
-            back_direct(s, i, told[i]);
+            back_direct(s, i, effect[i]);
         else
             back_outer(s, i);
     }
