@@ -26,23 +26,38 @@
 #ifndef COMMISSION_CHANNELS
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
 #endif
+/* Boards with start-up, which may propose a loop for every channel, have more of the rest as well. CONFIG_ANALYSERS: measurements that
+ * come every n-th tick; CONFIG_CALIBRATION: meas.gain, zero, valid_lo and valid_hi, and watch.c; 0 leaves them out. */
+#if COMMISSION_CHANNELS
 #ifndef CONFIG_LOOPS
-#define CONFIG_LOOPS                                                                               \
-    (COMMISSION_CHANNELS > 0 ? 16 : 8) /* automatic start-up may propose one for every channel */
+#define CONFIG_LOOPS 16
 #endif
 #ifndef CONFIG_PAIRS
-#define CONFIG_PAIRS (COMMISSION_CHANNELS > 0 ? 4 : 0)
+#define CONFIG_PAIRS 4
 #endif
-
+#ifndef CONFIG_ANALYSERS
+#define CONFIG_ANALYSERS 1
+#endif
+#ifndef CONFIG_CALIBRATION
+#define CONFIG_CALIBRATION 1
+#endif
+#else
+#ifndef CONFIG_LOOPS
+#define CONFIG_LOOPS 8
+#endif
+#ifndef CONFIG_PAIRS
+#define CONFIG_PAIRS 0
+#endif
+#ifndef CONFIG_ANALYSERS
+#define CONFIG_ANALYSERS 0
+#endif
+#ifndef CONFIG_CALIBRATION
+#define CONFIG_CALIBRATION 0
+#endif
+#endif
 /* Loops that act keep their sense, and have a deviation alarm; 0 leaves both out. */
 #ifndef CONFIG_LOOP_GUARD
 #define CONFIG_LOOP_GUARD 1
-#endif
-#ifndef CONFIG_ANALYSERS /* measurements that come every n-th tick; 0 leaves them out */
-#define CONFIG_ANALYSERS (COMMISSION_CHANNELS > 0)
-#endif
-#ifndef CONFIG_CALIBRATION /* meas.gain, zero, valid_lo and valid_hi, and watch.c; 0 leaves them out */
-#define CONFIG_CALIBRATION (COMMISSION_CHANNELS > 0)
 #endif
 /* Bytes for the settings of all blocks, a multiple of 4. */
 #ifndef CONFIG_POOL_BYTES
