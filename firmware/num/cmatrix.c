@@ -6,14 +6,18 @@
 
 #define ELEMENT_MAX REAL_C(1e15)
 
+static bool element_in_range(struct cplx a)
+{
+    return real_abs(a.re) <= ELEMENT_MAX && real_abs(a.im) <= ELEMENT_MAX;
+}
+
 enum err cmatrix_check(const struct cmatrix *a)
 {
     if (a->rows < 1 || a->rows > MATRIX_MAX || a->cols < 1 || a->cols > MATRIX_MAX)
         return ERR_RANGE;
     for (size_t i = 0; i < a->rows; i++)
         for (size_t j = 0; j < a->cols; j++)
-            if (!(real_abs(a->value[i][j].re) <= ELEMENT_MAX) ||
-                !(real_abs(a->value[i][j].im) <= ELEMENT_MAX))
+            if (!element_in_range(a->value[i][j]))
                 return ERR_NOT_FINITE;
     return ERR_OK;
 }
@@ -44,17 +48,28 @@ enum err clu_factor(const struct cmatrix *a, struct clu *lu)
         return err;
     if (a->rows != a->cols)
         return ERR_RANGE;
-    size_t n = a->rows;
+    for (size_t i = 0; i < a->rows; i++)
+        for (size_t j = 0; j < a->cols; j++)
+            lu->value[i][j] = a->value[i][j];
+    return clu_factor_own(lu, a->rows);
+}
+
+enum err clu_factor_own(struct clu *lu, uint8_t rows)
+{
+    if (rows < 1 || rows > MATRIX_MAX)
+        return ERR_RANGE;
+    size_t n = rows;
     real_t largest[MATRIX_MAX];
-    lu->n = a->rows;
+    lu->n = rows;
     lu->sign = 1;
     for (size_t i = 0; i < n; i++) {
         lu->row[i] = (uint8_t)i;
         largest[i] = REAL_C(0.0);
         for (size_t j = 0; j < n; j++) {
-            lu->value[i][j] = a->value[i][j];
-            if (size_of(a->value[i][j]) > largest[i])
-                largest[i] = size_of(a->value[i][j]);
+            if (!element_in_range(lu->value[i][j]))
+                return ERR_NOT_FINITE;
+            if (size_of(lu->value[i][j]) > largest[i])
+                largest[i] = size_of(lu->value[i][j]);
         }
     }
     for (size_t k = 0; k < n; k++) {
@@ -102,6 +117,85 @@ void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x)
     }
     for (size_t i = 0; i < n; i++)
         x[i] = y[i];
+}
+
+void clu_inverse_diagonal(const struct clu *lu, struct cplx *diagonal)
+{
+    REFLUX_ASSERT(lu->n <= MATRIX_MAX);
+    size_t n = lu->n;
+    struct cplx y[MATRIX_MAX];
+    for (size_t first = 0; first < n; first++) {
+        /* Column k of the inverse: L y = P e_k begins with the 1 at `first`, U x = y ends with x_k. */
+        size_t k = lu->row[first];
+        for (size_t i = 0; i < n; i++) {
+            y[i] = cplx(i == first ? REAL_C(1.0) : REAL_C(0.0), REAL_C(0.0));
+            for (size_t j = first; j < i; j++)
+                y[i] = cplx_sub(y[i], cplx_mul(lu->value[i][j], y[j]));
+        }
+        for (size_t i = n; i-- > k;) {
+            for (size_t j = i + 1; j < n; j++)
+                y[i] = cplx_sub(y[i], cplx_mul(lu->value[i][j], y[j]));
+            y[i] = cplx_div(y[i], lu->value[i][i]);
+        }
+        diagonal[k] = y[k];
+    }
+}
+
+/* Row with the largest element of column k, from row k on, or n where all are too small. */
+static size_t pivot_row(struct cplx a[MATRIX_MAX][MATRIX_MAX], size_t n, size_t k, real_t least)
+{
+    size_t pivot = n;
+    for (size_t i = k; i < n; i++)
+        if (size_of(a[i][k]) > least) {
+            least = size_of(a[i][k]);
+            pivot = i;
+        }
+    return pivot;
+}
+
+enum err cmatrix_invert_own(struct cplx a[MATRIX_MAX][MATRIX_MAX], uint8_t rows)
+{
+    if (rows < 1 || rows > MATRIX_MAX)
+        return ERR_RANGE;
+    size_t n = rows, row[MATRIX_MAX];
+    real_t largest = REAL_C(0.0);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            if (!element_in_range(a[i][j]))
+                return ERR_NOT_FINITE;
+            largest = size_of(a[i][j]) > largest ? size_of(a[i][j]) : largest;
+        }
+    for (size_t k = 0; k < n; k++) {
+        size_t pivot = pivot_row(a, n, k, (real_t)n * REAL_EPSILON * largest);
+        if (pivot == n)
+            return ERR_SINGULAR;
+        row[k] = pivot;
+        for (size_t j = 0; j < n && pivot != k; j++) {
+            struct cplx swap = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = swap;
+        }
+        struct cplx inverse = cplx_div(cplx(REAL_C(1.0), REAL_C(0.0)), a[k][k]);
+        a[k][k] = cplx(REAL_C(1.0), REAL_C(0.0));
+        for (size_t j = 0; j < n; j++)
+            a[k][j] = cplx_mul(a[k][j], inverse);
+        for (size_t i = 0; i < n; i++) {
+            if (i == k)
+                continue;
+            struct cplx factor = a[i][k];
+            a[i][k] = cplx(REAL_C(0.0), REAL_C(0.0));
+            for (size_t j = 0; j < n; j++)
+                a[i][j] = cplx_sub(a[i][j], cplx_mul(factor, a[k][j]));
+        }
+    }
+    /* Rows that were exchanged are columns of the inverse that are. */
+    for (size_t k = n; k-- > 0;)
+        for (size_t i = 0; i < n && row[k] != k; i++) {
+            struct cplx swap = a[i][k];
+            a[i][k] = a[i][row[k]];
+            a[i][row[k]] = swap;
+        }
+    return ERR_OK;
 }
 
 void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_magnitude)

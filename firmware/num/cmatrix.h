@@ -72,9 +72,17 @@ MUST_CHECK enum err cmatrix_check(const struct cmatrix *a);
 
 /* Factors a as lu_factor() does. Errors as there. */
 MUST_CHECK enum err clu_factor(const struct cmatrix *a, struct clu *lu);
+/* The same for the matrix of n rows that is in lu->value already. */
+MUST_CHECK enum err clu_factor_own(struct clu *lu, uint8_t n);
+/* Diagonal of the inverse, in half of the time of all solutions. */
+void clu_inverse_diagonal(const struct clu *lu, struct cplx *diagonal);
 void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x);
 /* det A = *direction exp(*log_magnitude), |*direction| = 1. */
 void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_magnitude);
+
+/* Replaces the n x n matrix in a by its inverse, by Gauss-Jordan elimination with pivots by rows. ERR_SINGULAR: a pivot is at
+ * most n REAL_EPSILON of the largest element. ERR_RANGE: n. On an error a is destroyed. */
+MUST_CHECK enum err cmatrix_invert_own(struct cplx a[MATRIX_MAX][MATRIX_MAX], uint8_t n);
 
 /* Pseudo-inverse: (A^H A)^-1 A^H of a tall or square matrix of full column rank, A^H (A A^H)^-1 of a wide one, by Gram-Schmidt
  * with reorthogonalisation. ERR_SINGULAR: the rank is not full to working precision. */

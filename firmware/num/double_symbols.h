@@ -17,6 +17,9 @@
 #define cmatrix_check              cmatrix_check_double
 #define cmatrix_pseudo_inverse     cmatrix_pseudo_inverse_double
 #define clu_factor                 clu_factor_double
+#define clu_factor_own             clu_factor_own_double
+#define clu_inverse_diagonal       clu_inverse_diagonal_double
+#define cmatrix_invert_own         cmatrix_invert_own_double
 #define clu_solve                  clu_solve_double
 #define clu_determinant            clu_determinant_double
 #define ceigen_values              ceigen_values_double

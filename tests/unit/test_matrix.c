@@ -340,6 +340,40 @@ static void complex_elimination_solves_and_its_determinant_is_that_of_the_real_f
     }
 }
 
+/* Rows in an order that asks for exchanges. */
+static void a_complex_matrix_is_inverted_in_its_place_and_so_is_its_diagonal(void)
+{
+    for (uint64_t seed = 1; seed <= 60; seed++) {
+        struct random_source r = {seed};
+        unsigned n = 1 + random_below(&r, MATRIX_MAX);
+        ca.rows = ca.cols = (uint8_t)n;
+        for (unsigned i = 0; i < n; i++)
+            for (unsigned j = 0; j < n; j++) {
+                ca.value[i][j] = cplx((real_t)random_fraction(&r), (real_t)random_fraction(&r));
+                if (j == (i * 5 + 3) % n && (n % 5 != 0))
+                    ca.value[i][j].im += (real_t)(2 * n);
+                else if (n % 5 == 0 && i == j)
+                    ca.value[i][j].re += (real_t)(2 * n);
+            }
+        cx = ca;
+        struct cplx diagonal[MATRIX_MAX];
+        TEST_ASSERT_EQUAL_INT(ERR_OK, cmatrix_invert_own(cx.value, (uint8_t)n));
+        memcpy(clu.value, ca.value, sizeof clu.value);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, clu_factor_own(&clu, (uint8_t)n));
+        clu_inverse_diagonal(&clu, diagonal);
+        for (unsigned i = 0; i < n; i++) {
+            for (unsigned j = 0; j < n; j++) {
+                struct cplx sum = cplx(i == j ? REAL_C(-1.0) : REAL_C(0.0), REAL_C(0.0));
+                for (unsigned k = 0; k < n; k++)
+                    sum = cplx_add(sum, cplx_mul(ca.value[i][k], cx.value[k][j]));
+                TEST_ASSERT_DOUBLE_WITHIN(40 * EPS, 0.0, (double)cplx_abs(sum));
+            }
+            struct cplx miss = cplx_sub(diagonal[i], cx.value[i][i]);
+            TEST_ASSERT_DOUBLE_WITHIN(40 * EPS, 0.0, (double)cplx_abs(miss));
+        }
+    }
+}
+
 static void the_determinant_of_a_complex_permutation_has_its_angle(void)
 {
     /* rows swapped once: det = -(2i)(3)(e^{i}) */
@@ -370,6 +404,12 @@ static void matrices_that_cannot_be_inverted_are_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, lu_factor(&a, &lu)); /* not square */
     ca = (struct cmatrix){2, 2, {{{0, 1}, {1, 0}}, {{-1, 0}, {0, 1}}}};
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, clu_factor(&ca, &clu));
+    cx = ca;
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, cmatrix_invert_own(cx.value, 2));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, cmatrix_invert_own(cx.value, 0));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, cmatrix_invert_own(cx.value, 17));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, clu_factor_own(&clu, 0));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, clu_factor_own(&clu, 17));
     TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, cmatrix_pseudo_inverse(&ca, &cwork, &cx));
     a = (struct matrix){2, 2, {{0, 0}, {0, 0}}};
     TEST_ASSERT_EQUAL_INT(ERR_OK, svd_decompose(&svd, &a));
@@ -387,6 +427,9 @@ static void sizes_and_elements_out_of_range_are_refused(void)
         TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, svd_begin(&svd, &a));
         ca = (struct cmatrix){1, 1, {{{1, bad[k]}}}};
         TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, clu_factor(&ca, &clu));
+        clu.value[0][0] = ca.value[0][0];
+        TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, clu_factor_own(&clu, 1));
+        TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, cmatrix_invert_own(ca.value, 1));
         TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, cmatrix_pseudo_inverse(&ca, &cwork, &cx));
     }
     a = (struct matrix){0, 2, {{0}}};
@@ -505,6 +548,7 @@ int main(void)
     RUN_TEST(equilibrated_rows_and_columns_have_about_length_one);
     RUN_TEST(complex_inverses_satisfy_penrose);
     RUN_TEST(complex_elimination_solves_and_its_determinant_is_that_of_the_real_form);
+    RUN_TEST(a_complex_matrix_is_inverted_in_its_place_and_so_is_its_diagonal);
     RUN_TEST(the_determinant_of_a_complex_permutation_has_its_angle);
     RUN_TEST(matrices_that_cannot_be_inverted_are_refused);
     RUN_TEST(sizes_and_elements_out_of_range_are_refused);
