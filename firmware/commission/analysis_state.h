@@ -126,7 +126,8 @@ struct analysis {
         struct pairing pairing;
         struct structure_work structure;
         struct {
-            struct interact_plant plant;
+            real_t gain[INTERACT_MAX]
+                       [INTERACT_MAX]; /* of the plant, while small ones are left out */
             struct measure result;
             struct measure_work work;
             struct assignment assignment;

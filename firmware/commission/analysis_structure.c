@@ -163,6 +163,7 @@ static void close_inner(struct analysis *a, struct interact_plant *plant,
     real_t large = lag > tau_c_s ? lag : tau_c_s, small = lag > tau_c_s ? tau_c_s : lag;
     e->time_constant_s = large + REAL_C(0.5) * small;
     e->dead_time_s = c->between.dead_time_s + inner.dead_time_s + REAL_C(0.5) * small;
+    plant->shape[c->outer][j] = (struct interact_shape){REAL_C(0.0), REAL_C(0.0)};
     beginning[c->outer][j].time_constant_s = REAL_C(0.0); /* it was of another element */
 }
 
@@ -181,15 +182,21 @@ void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant
 /* A gain of 0 has no times and would count for much when it is divided by none. */
 void analysis_ask_second(struct analysis *a)
 {
-    struct interact_plant *plant = &a->work.second.plant;
+    struct interact_plant *plant = &a->plant;
     struct measure *m = &a->work.second.result;
-    *plant = a->plant;
+    for (uint8_t i = 0; i < plant->outputs; i++)
+        for (uint8_t j = 0; j < plant->inputs; j++) {
+            real_t *gain = &plant->element[i][j].gain;
+            a->work.second.gain[i][j] = *gain;
+            if (real_abs(*gain) <= REAL_C(3.0) * plant->gain_sd[i][j])
+                *gain = REAL_C(0.0);
+        }
+    a->layout.second = SECOND_NONE;
+    enum err err = measure_compute(plant, &a->pairs, a->config.h_s, &a->work.second.work, m);
     for (uint8_t i = 0; i < plant->outputs; i++)
         for (uint8_t j = 0; j < plant->inputs; j++)
-            if (real_abs(plant->element[i][j].gain) <= REAL_C(3.0) * plant->gain_sd[i][j])
-                plant->element[i][j].gain = REAL_C(0.0);
-    a->layout.second = SECOND_NONE;
-    if (measure_compute(plant, &a->pairs, a->config.h_s, &a->work.second.work, m) != ERR_OK)
+            plant->element[i][j].gain = a->work.second.gain[i][j];
+    if (err)
         return;
     for (uint8_t k = 0; k < a->pairs.n; k++)
         a->layout.pair_phi[k] = m->phi.value[k][k];

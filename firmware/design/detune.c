@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "base/assertion.h"
+#include "design/first_order.h"
+#include "design/modes.h"
 
 #define REFINED REAL_C(1.05) /* F is found to 5 % */
 
@@ -47,33 +49,40 @@ static enum err check_detuning(const struct detune_config *c, struct interact_re
     return ERR_OK;
 }
 
+/* Returns the way from the input of loop l to the output of loop k as one lag with dead time. */
+static struct fopdt reduced_element(const struct detune *d, size_t k, size_t l)
+{
+    size_t i = d->loops.pairs.output[k], j = d->loops.pairs.input[l];
+    return first_order_of(&d->plant->element[i][j], &d->plant->shape[i][j]);
+}
+
 /* Returns loop k with the decoupler: gain, mean dead time and mean residence time of the sum of its parts, K_kj D_jk
  * e^{-Ls}/(Ts + 1). Where parts cancel, a mean outside their range says nothing; the loop's own element stands in. */
 static struct fopdt decoupled(const struct detune *d, size_t k)
 {
     REFLUX_ASSERT(k < d->loops.pairs.n);
     const struct loops *loops = &d->loops;
-    const struct fopdt *own = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
+    const struct fopdt own = reduced_element(d, k, k);
     real_t gain = REAL_C(0.0), dead = REAL_C(0.0), lag = REAL_C(0.0);
-    real_t dead_hi = own->dead_time_s, dead_lo = own->dead_time_s;
-    real_t lag_hi = own->time_constant_s, lag_lo = own->time_constant_s;
+    real_t dead_hi = own.dead_time_s, dead_lo = own.dead_time_s;
+    real_t lag_hi = own.time_constant_s, lag_lo = own.time_constant_s;
     for (size_t j = 0; j < loops->pairs.n; j++) {
-        const struct fopdt *e = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[j]];
-        real_t part = e->gain * loops->decoupler->value[j][k];
+        const struct fopdt e = reduced_element(d, k, j);
+        real_t part = e.gain * loops->decoupler->value[j][k];
         if (real_abs(part) <= REAL_C(0.0))
             continue;
         gain += part;
-        dead += part * e->dead_time_s;
-        lag += part * e->time_constant_s;
-        dead_hi = e->dead_time_s > dead_hi ? e->dead_time_s : dead_hi;
-        dead_lo = e->dead_time_s < dead_lo ? e->dead_time_s : dead_lo;
-        lag_hi = e->time_constant_s > lag_hi ? e->time_constant_s : lag_hi;
-        lag_lo = e->time_constant_s < lag_lo ? e->time_constant_s : lag_lo;
+        dead += part * e.dead_time_s;
+        lag += part * e.time_constant_s;
+        dead_hi = e.dead_time_s > dead_hi ? e.dead_time_s : dead_hi;
+        dead_lo = e.dead_time_s < dead_lo ? e.dead_time_s : dead_lo;
+        lag_hi = e.time_constant_s > lag_hi ? e.time_constant_s : lag_hi;
+        lag_lo = e.time_constant_s < lag_lo ? e.time_constant_s : lag_lo;
     }
     dead = dead / gain;
     lag = lag / gain;
-    return (struct fopdt){gain, real_within(dead, dead_lo, dead_hi) ? dead : own->dead_time_s,
-                          real_within(lag, lag_lo, lag_hi) ? lag : own->time_constant_s};
+    return (struct fopdt){gain, real_within(dead, dead_lo, dead_hi) ? dead : own.dead_time_s,
+                          real_within(lag, lag_lo, lag_hi) ? lag : own.time_constant_s};
 }
 
 static enum err set_models(struct detune *d, struct interact_refusal *reason)
@@ -87,7 +96,7 @@ static enum err set_models(struct detune *d, struct interact_refusal *reason)
     for (size_t k = 0; k < loops->pairs.n; k++) {
         struct fopdt *m = &d->model[k];
         real_t lambda = d->work.begin.lambda.value[k][k];
-        *m = d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
+        *m = reduced_element(d, k, k);
         if (loops->decoupler)
             *m = decoupled(d, k);
         else if (lambda > REAL_C(0.0) && lambda < REAL_C(1.0))
@@ -105,39 +114,47 @@ static enum err set_models(struct detune *d, struct interact_refusal *reason)
 }
 
 /* Through g/(T s + 1), held for h, g sqrt((1 - a)/(1 + a)), a = exp(-h/T), of what changes from one sample to the next. */
-static real_t passes(const struct detune *d, size_t j, size_t i)
+static real_t passes(const struct interact_plant *plant, size_t j, size_t i, real_t interval_s)
 {
-    REFLUX_ASSERT(j < d->plant->outputs && i < d->plant->inputs);
-    const struct fopdt *e = &d->plant->element[j][i];
+    REFLUX_ASSERT(j < plant->outputs && i < plant->inputs);
+    const struct fopdt *e = &plant->element[j][i];
+    const struct interact_shape *shape = &plant->shape[j][i];
+    if (!interact_one_lag(shape)) {
+        struct modes modes;
+        modes_of(e, shape, &modes);
+        return e->gain * modes_noise(&modes, interval_s);
+    }
     real_t a = REAL_C(0.0);
     if (e->time_constant_s > REAL_C(0.0))
-        a = real_exp(-d->loops.interval_s / e->time_constant_s);
+        a = real_exp(-interval_s / e->time_constant_s);
     return e->gain * real_sqrt((REAL_C(1.0) - a) / (REAL_C(1.0) + a));
 }
 
 /* ... from controller k to output j. */
-static real_t passes_from(const struct detune *d, size_t j, size_t k)
+static real_t passes_from(const struct interact_plant *plant, const struct loops *loops, size_t j,
+                          size_t k)
 {
-    const struct pairs *p = &d->loops.pairs;
-    if (!d->loops.decoupler)
-        return passes(d, j, p->input[k]);
+    const struct pairs *p = &loops->pairs;
+    real_t h = loops->interval_s;
+    if (!loops->decoupler)
+        return passes(plant, j, p->input[k], h);
     real_t sum = REAL_C(0.0);
     for (size_t l = 0; l < p->n; l++)
-        sum += passes(d, j, p->input[l]) * d->loops.decoupler->value[l][k];
+        sum += passes(plant, j, p->input[l], h) * loops->decoupler->value[l][k];
     return sum;
 }
 
-/* Largest gain of loop k. Noise s of its measurement moves what the controller puts out by K_c s. */
-static real_t largest_gain(const struct detune *d, size_t k)
+/* Noise s of a measurement moves what the controller puts out by K_c s. */
+real_t detune_largest_gain(const struct interact_plant *plant, const struct loops *loops,
+                           const struct detune_config *c, uint8_t k)
 {
-    REFLUX_ASSERT(k < d->loops.pairs.n);
-    const struct detune_config *c = &d->config;
+    REFLUX_ASSERT(k < loops->pairs.n);
     real_t largest = c->gain_hi;
     if (!c->noise_sd)
         return largest;
-    real_t noise = c->noise_sd[d->loops.pairs.output[k]];
-    for (size_t j = 0; j < d->plant->outputs && noise > c->noise_least; j++) {
-        real_t moves = real_abs(passes_from(d, j, k)) * noise;
+    real_t noise = c->noise_sd[loops->pairs.output[k]];
+    for (size_t j = 0; j < plant->outputs && noise > c->noise_least; j++) {
+        real_t moves = real_abs(passes_from(plant, loops, j, k)) * noise;
         real_t most = c->noise_times * c->noise_sd[j];
         if (most > REAL_C(0.0) && moves * largest > most)
             largest = most / moves;
@@ -159,7 +176,7 @@ static enum err set_tuning(struct detune *d, real_t factor)
         enum err err = tuning_simc_pi(m, tau_c < REAL_C(1e6) ? tau_c : REAL_C(1e6), t, NULL);
         if (err)
             return err;
-        real_t largest = largest_gain(d, k);
+        real_t largest = detune_largest_gain(d->plant, &d->loops, &d->config, (uint8_t)k);
         if (t->gain > largest) { /* as with the larger tau_c that would have given this gain */
             real_t ti = t->ti_s * (t->gain / largest);
             t->gain = largest;

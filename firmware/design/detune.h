@@ -5,7 +5,7 @@
  * as little as possible, but so that the loops together are as far from instability as Luyben (1986) asks of multiloop
  * systems: closed-loop log modulus at most db_per_loop n, here never more than db_most; and stay stable with all gains
  * gain_margin times as large. (Luyben begins with Ziegler and Nichols' settings and takes K/F and F Ti.) theta includes
- * half a sample interval. The gain a loop is designed on is the larger of its own, K, and that with the other loops
+ * half a sample interval; an element of more than one lag counts as one (design/first_order.h). The gain a loop is designed on is the larger of its own, K, and that with the other loops
  * closed, K/lambda (the gain of the equivalent transfer function of He et al. 2009); with a decoupler K/lambda, and the
  * mean dead time and lag of what then makes up the loop.
  *
@@ -77,5 +77,10 @@ MUST_CHECK enum err detune_begin(struct detune *d, const struct interact_plant *
                                  const struct matrix *decoupler, const struct detune_config *config,
                                  struct interact_refusal *reason);
 MUST_CHECK enum err detune_step(struct detune *d);
+
+/* Returns the largest gain of loop k that noise allows: gain_hi, or less where noise_sd is known. All as detune_begin has
+ * checked it; settings of the loops do not matter. */
+real_t detune_largest_gain(const struct interact_plant *plant, const struct loops *loops,
+                           const struct detune_config *config, uint8_t k);
 
 #endif

@@ -3,19 +3,43 @@
 #include <stddef.h>
 #include <string.h>
 
-#define STEP_COSINE    REAL_C(0.921) /* 0.4 rad */
-#define STEP_LOG       REAL_C(0.336) /* ln 1.4 */
-#define RATIO_FIRST    REAL_C(1.1)
-#define RATIO_MOST     REAL_C(1.3)
-#define RATIO_LEAST    REAL_C(1.00001)
-#define STEP_DEAD_TIME REAL_C(1.0)  /* rad that a dead time may turn in a step, */
-#define NOTED          REAL_C(0.1)  /* in elements of the open loop of at least this size */
-#define NEGLIGIBLE     REAL_C(0.05) /* G C this small turns no curve any more */
-#define LOWER_TRIES    6
-#define DB_OF_NEPER    REAL_C(8.685889638065037)
-#define PI             REAL_C(3.141592653589793)
+#include "base/assertion.h"
+
+#define STEP_COSINE      REAL_C(0.921) /* 0.4 rad */
+#define STEP_LOG         REAL_C(0.336) /* ln 1.4 */
+#define FEW              4
+#define STEP_COSINE_MANY REAL_C(0.362) /* 1.2 rad */
+#define STEP_LOG_MANY    REAL_C(1.2)
+#define RATIO_FIRST      REAL_C(1.1)
+#define RATIO_FINE       REAL_C(1.002) /* finer than that no peak is looked at */
+#define STEP_PEAK        REAL_C(0.08)  /* of a sensitivity */
+#define RATIO_MOST       REAL_C(1.3)
+#define RATIO_LEAST      REAL_C(1.00001)
+#define STEP_DEAD_TIME   REAL_C(1.0)  /* rad that a dead time may turn in a step, */
+#define NOTED            REAL_C(0.1)  /* in elements of the open loop of at least this size */
+#define NEGLIGIBLE       REAL_C(0.05) /* G C this small turns no curve any more */
+#define LOWER_TRIES      6
+#define DB_OF_NEPER      REAL_C(8.685889638065037)
+#define PI               REAL_C(3.141592653589793)
 
 enum { STAGE_BEGIN, STAGE_FOLLOW, STAGE_DONE };
+
+/* An element of two lags or with a zero: its slowest time, and the frequency from which on it no longer rises. */
+static void take_corners(struct nyquist *n, size_t k, size_t l, real_t *slowest)
+{
+    REFLUX_ASSERT(k < n->loops->pairs.n && l < n->loops->pairs.n);
+    size_t i = n->loops->pairs.output[k], j = n->loops->pairs.input[l];
+    const struct interact_shape *shape = &n->plant->shape[i][j];
+    if (interact_one_lag(shape))
+        return;
+    bool square = shape->square_s2 > REAL_C(0.0);
+    real_t time = square ? real_sqrt(shape->square_s2) : n->plant->element[i][j].time_constant_s;
+    real_t zero = real_abs(shape->zero_s), above = REAL_C(2.0) / time;
+    n->shaped = true;
+    n->last_corner = above > n->last_corner ? above : n->last_corner;
+    *slowest = time > *slowest ? time : *slowest;
+    *slowest = zero > *slowest ? zero : *slowest;
+}
 
 enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
                        const struct loops *loops, real_t gain_times, real_t limit_db)
@@ -41,6 +65,7 @@ enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
             const struct fopdt *e = &plant->element[loops->pairs.output[k]][loops->pairs.input[l]];
             if (e->dead_time_s + e->time_constant_s > slowest)
                 slowest = e->dead_time_s + e->time_constant_s;
+            take_corners(n, k, l, &slowest);
         }
     }
     loops_sample(plant, loops, NYQUIST_DELAY, REAL_C(0.0), &n->sampled);
@@ -52,13 +77,24 @@ enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
     return ERR_OK;
 }
 
+enum err nyquist_begin_peaks(struct nyquist *n, const struct interact_plant *plant,
+                             const struct loops *loops)
+{
+    enum err err = nyquist_begin(n, plant, loops, REAL_C(1.0), INFINITY);
+    if (err)
+        return err;
+    n->with_peaks = true;
+    peaks_begin(&n->peaks, loops->pairs.n);
+    return ERR_OK;
+}
+
 /* Bound on the spectral radius of the open loop: the smaller of its largest row and column sums. */
-static real_t open_bound(const struct cmatrix *open)
+static real_t open_bound(const struct clu *open, size_t n)
 {
     real_t row = REAL_C(0.0), col = REAL_C(0.0);
-    for (size_t i = 0; i < open->rows; i++) {
+    for (size_t i = 0; i < n; i++) {
         real_t r = REAL_C(0.0), c = REAL_C(0.0);
-        for (size_t j = 0; j < open->cols; j++) {
+        for (size_t j = 0; j < n; j++) {
             r += cplx_abs(open->value[i][j]);
             c += cplx_abs(open->value[j][i]);
         }
@@ -76,7 +112,7 @@ static real_t dead_time(const struct nyquist *n)
     for (size_t k = 0; k < pairs->n; k++)
         for (size_t l = 0; l < pairs->n; l++) {
             real_t dead = n->plant->element[pairs->output[k]][pairs->input[l]].dead_time_s;
-            if (dead > longest && cplx_square(n->open.value[k][l]) >= NOTED * NOTED)
+            if (dead > longest && cplx_square(n->lu.value[k][l]) >= NOTED * NOTED)
                 longest = dead;
         }
     return longest;
@@ -88,22 +124,25 @@ struct point {
     real_t db;             /* log modulus */
     real_t bound;          /* of the open loop */
     real_t dead_s;         /* longest that matters */
+    struct peaks_point sensitivity;
 };
 
 static enum err evaluate_point(struct nyquist *n, real_t w, struct point *p)
 {
-    loops_open(n->loops, &n->sampled, w, &n->open);
+    loops_open(n->loops, &n->sampled, w, n->lu.value);
     size_t size = n->loops->pairs.n;
     for (size_t i = 0; i < size; i++)
         for (size_t j = 0; j < size; j++)
-            n->open.value[i][j] = cplx_scale(n->open.value[i][j], n->gain_times);
-    p->bound = open_bound(&n->open);
+            n->lu.value[i][j] = cplx_scale(n->lu.value[i][j], n->gain_times);
+    p->bound = open_bound(&n->lu, size);
     p->dead_s = dead_time(n);
     for (size_t i = 0; i < size; i++)
-        n->open.value[i][i].re += REAL_C(1.0);
-    enum err err = clu_factor(&n->open, &n->lu);
+        n->lu.value[i][i].re += REAL_C(1.0);
+    enum err err = clu_factor_own(&n->lu, n->loops->pairs.n);
     if (err)
         return err;
+    if (n->with_peaks)
+        peaks_values(&n->lu, &p->sensitivity);
     struct cplx det;
     real_t det_log;
     clu_determinant(&n->lu, &det, &det_log);
@@ -131,6 +170,8 @@ static void keep_point(struct nyquist *n, const struct point *p, real_t w)
     n->w = w;
     n->last = p->direction;
     n->last_log = p->size_log;
+    if (n->with_peaks)
+        peaks_keep(&n->peaks, &p->sensitivity, w);
     if (p->db > n->log_modulus_db) {
         n->log_modulus_db = p->db;
         n->omega = w;
@@ -162,12 +203,39 @@ static enum err first_point(struct nyquist *n)
     return ERR_BUSY;
 }
 
+/* Longest step from w, rad/s, that sees the resonances of underdamped elements: half of what is left to the next one, or
+ * half of its width. */
+static real_t step_to_resonance(const struct nyquist *n, real_t w)
+{
+    const struct pairs *pairs = &n->loops->pairs;
+    real_t step = INFINITY;
+    for (size_t k = 0; k < pairs->n; k++)
+        for (size_t l = 0; l < pairs->n; l++) {
+            size_t i = pairs->output[k], j = pairs->input[l];
+            real_t square = n->plant->shape[i][j].square_s2;
+            real_t sum = n->plant->element[i][j].time_constant_s;
+            if (sum * sum >= REAL_C(2.0) * square)
+                continue;
+            real_t width = REAL_C(0.5) * sum / square;
+            real_t left = real_abs(w - REAL_C(1.0) / real_sqrt(square));
+            left = REAL_C(0.5) * (left > width ? left : width);
+            step = left < step ? left : step;
+        }
+    return step;
+}
+
 static enum err follow_curve(struct nyquist *n)
 {
     struct point p;
     real_t w = n->w * n->ratio < n->w_end ? n->w * n->ratio : n->w_end;
-    if (evaluate_point(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < STEP_COSINE ||
-        real_abs(p.size_log - n->last_log) > STEP_LOG) {
+    /* A loop near instability shows in its own sensitivity, so that the determinant of many may turn by more. */
+    bool many = n->with_peaks && n->loops->pairs.n > FEW;
+    real_t cosine = many ? STEP_COSINE_MANY : STEP_COSINE,
+           size_log = many ? STEP_LOG_MANY : STEP_LOG;
+    if (evaluate_point(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < cosine ||
+        real_abs(p.size_log - n->last_log) > size_log ||
+        (n->with_peaks && n->ratio > RATIO_FINE &&
+         peaks_change(&n->peaks, &p.sensitivity) > STEP_PEAK)) {
         n->ratio = real_sqrt(n->ratio);
         /* a curve that cannot be followed runs through 0: the edge of stability */
         return n->ratio < RATIO_LEAST ? end_curve(n, false, ERR_OK) : ERR_BUSY;
@@ -179,7 +247,7 @@ static enum err follow_curve(struct nyquist *n)
     keep_point(n, &p, w);
     if (n->log_modulus_db > n->limit_db)
         return end_curve(n, false, ERR_OK);
-    if (p.bound < NEGLIGIBLE) /* whatever is left turns about 1 */
+    if (p.bound < NEGLIGIBLE && w >= n->last_corner) /* whatever is left turns about 1 */
         return end_curve(n, n->turns == 0, ERR_OK);
     if (w >= n->w_end) /* F(-1), real */
         return end_curve(n, n->turns == 0 && p.direction.re > REAL_C(0.0), ERR_OK);
@@ -188,6 +256,11 @@ static enum err follow_curve(struct nyquist *n)
         n->ratio = RATIO_MOST;
     if ((n->ratio - REAL_C(1.0)) * w * p.dead_s > STEP_DEAD_TIME)
         n->ratio = REAL_C(1.0) + STEP_DEAD_TIME / (w * p.dead_s);
+    if (n->shaped) {
+        real_t step = step_to_resonance(n, w);
+        if ((n->ratio - REAL_C(1.0)) * w > step)
+            n->ratio = REAL_C(1.0) + step / w;
+    }
     return ERR_BUSY;
 }
 

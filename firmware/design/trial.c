@@ -112,9 +112,8 @@ static void advance_plant(struct trial *t)
             uint32_t now = t->sample + TRIAL_DELAY - t->sampled.delay[k][l];
             real_t after = t->past[l][now % TRIAL_DELAY];
             real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
-            real_t rise = t->sampled.rise[k][l], late = t->sampled.rise_late[k][l];
-            t->state[k][l] += (rise - late) * before + late * after - rise * t->state[k][l];
-            t->y[k] += t->sampled.gain[k][l] * t->state[k][l];
+            t->y[k] += loops_advance(t->loops, &t->sampled, k, l, before, after, &t->state[k][l],
+                                     &t->second[k][l]);
         }
     }
 }

@@ -10,7 +10,7 @@
 
 #include "design/loops.h"
 
-#define TRIAL_DELAY   128   /* samples of every input that are remembered */
+#define TRIAL_DELAY   110   /* samples of every input that are remembered */
 #define TRIAL_SAMPLES 10000 /* longest trial */
 
 struct trial_config {
@@ -52,12 +52,12 @@ struct trial {
     real_t step_s;
     real_t duration_s;
 
-    /* Work: 13 KiB (float) */
+    /* Work: 14 KiB (float) */
     const struct interact_plant *plant;
     const struct loops *loops;
     struct trial_config config;
     struct loops_sampled sampled;
-    real_t state[INTERACT_MAX][INTERACT_MAX];
+    real_t state[INTERACT_MAX][INTERACT_MAX], second[INTERACT_MAX][INTERACT_MAX];
     real_t past[INTERACT_MAX][TRIAL_DELAY];
     real_t integral[INTERACT_MAX], y[INTERACT_MAX];
     real_t left_sum;

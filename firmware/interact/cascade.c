@@ -13,11 +13,6 @@ void cascade_config_default(struct cascade_config *config)
         .significance = REAL_C(3.0), .floor = REAL_C(0.02), .faster = REAL_C(0.6)};
 }
 
-static real_t residence(const struct fopdt *e)
-{
-    return e->dead_time_s + e->time_constant_s;
-}
-
 static bool moves(const struct interact_plant *plant, const struct cascade_config *c, size_t i,
                   size_t j)
 {
@@ -69,6 +64,8 @@ static bool follows(const struct interact_plant *plant, const struct cascade_con
     for (size_t j = 0; j < plant->inputs; j++) {
         const struct fopdt *in = &plant->element[found->inner][j];
         const struct fopdt *out = &plant->element[found->outer][j];
+        real_t in_s = interact_residence(plant, found->inner, j);
+        real_t out_s = interact_residence(plant, found->outer, j);
         bool inner_moves = moves(plant, c, found->inner, j);
         bool outer_moves = moves(plant, c, found->outer, j);
         if (!inner_moves && outer_moves)
@@ -78,11 +75,11 @@ static bool follows(const struct interact_plant *plant, const struct cascade_con
         found->inputs = (uint16_t)(found->inputs | (1u << j));
         if (!outer_moves)
             continue; /* the fit of gains will tell */
-        if (residence(in) > c->faster * residence(out) || in->dead_time_s > out->dead_time_s)
+        if (in_s > c->faster * out_s || in->dead_time_s > out->dead_time_s)
             return false;
         n++;
         dead += out->dead_time_s - in->dead_time_s;
-        later += residence(out) - residence(in);
+        later += out_s - in_s;
     }
     if (n == 0)
         return false;
@@ -116,7 +113,7 @@ static real_t lateness(const struct interact_plant *plant, size_t output, uint16
     real_t sum = REAL_C(0.0);
     for (size_t j = 0; j < plant->inputs; j++)
         if ((inputs & (1u << j)) != 0u)
-            sum += residence(&plant->element[output][j]);
+            sum += interact_residence(plant, output, j);
     return sum;
 }
 

@@ -2,9 +2,10 @@
 
 #include <stddef.h>
 
-static real_t residence_at_least(const struct fopdt *e, real_t shortest_s)
+static real_t residence_at_least(const struct interact_plant *plant, size_t output, size_t input,
+                                 real_t shortest_s)
 {
-    real_t sum = e->dead_time_s + e->time_constant_s;
+    real_t sum = interact_residence(plant, output, input);
     return sum > shortest_s ? sum : shortest_s;
 }
 
@@ -28,7 +29,7 @@ enum err measure_compute(const struct interact_plant *plant, const struct pairs 
         for (size_t l = 0; l < pairs->n; l++)
             work->gains.value[k][l] =
                 work->gains.value[k][l] /
-                residence_at_least(&plant->element[pairs->output[k]][pairs->input[l]], shortest_s);
+                residence_at_least(plant, pairs->output[k], pairs->input[l], shortest_s);
     err = rga_compute(&work->gains, &work->rga, &result->phi);
     if (err)
         return err;

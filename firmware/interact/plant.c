@@ -1,18 +1,37 @@
 #include "interact/plant.h"
 
-#include <stddef.h>
-
 #include "base/assertion.h"
 #include "num/real_trig.h"
 
 #define GAIN_MAX REAL_C(1e9)
 #define TIME_MAX REAL_C(1e6)
+/* Square of twice the least damping, 0.01: T^2 over square_s2. */
+#define DAMPING_LEAST REAL_C(4e-4)
 
 static enum err check_number(real_t x, real_t lo, real_t hi)
 {
     if (!real_is_finite(x))
         return ERR_NOT_FINITE;
     return x < lo || x > hi ? ERR_RANGE : ERR_OK;
+}
+
+static enum err check_shape(const struct fopdt *e, const struct interact_shape *shape,
+                            struct interact_refusal *reason)
+{
+    reason->field = "square_s2";
+    reason->wanted = "0 to 1e12 s2, a damping of at least 0.01";
+    enum err err = check_number(shape->square_s2, REAL_C(0.0), TIME_MAX * TIME_MAX);
+    if (err)
+        return err;
+    if (e->time_constant_s * e->time_constant_s < DAMPING_LEAST * shape->square_s2)
+        return ERR_RANGE;
+    reason->field = "zero_s";
+    reason->wanted = "-1e6 to 1e6 s, 0 without a lag";
+    err = check_number(shape->zero_s, -TIME_MAX, TIME_MAX);
+    if (err)
+        return err;
+    bool lags = e->time_constant_s > REAL_C(0.0);
+    return !lags && real_abs(shape->zero_s) > REAL_C(0.0) ? ERR_RANGE : ERR_OK;
 }
 
 enum err interact_check(const struct interact_plant *plant, struct interact_refusal *reason)
@@ -41,6 +60,8 @@ enum err interact_check(const struct interact_plant *plant, struct interact_refu
                 return err;
             *reason = (struct interact_refusal){"time_constant_s", "0 to 1e6 s", i, j};
             err = check_number(e->time_constant_s, REAL_C(0.0), TIME_MAX);
+            if (!err)
+                err = check_shape(e, &plant->shape[i][j], reason);
             if (err)
                 return err;
         }
@@ -96,6 +117,20 @@ struct cplx fopdt_response(const struct fopdt *model, real_t omega)
     return cplx(scale * (cosine - x * sine), -scale * (sine + x * cosine));
 }
 
+/* The same times (1 + i omega zero_s), with the square in the denominator. */
+static struct cplx element_with_shape(const struct fopdt *e, const struct interact_shape *shape,
+                                      real_t omega)
+{
+    if (interact_one_lag(shape))
+        return fopdt_response(e, omega);
+    real_t sine, cosine;
+    real_sincos(omega * e->dead_time_s, &sine, &cosine);
+    struct cplx above =
+        cplx_mul(cplx(e->gain, e->gain * omega * shape->zero_s), cplx(cosine, -sine));
+    real_t turned = omega * omega * shape->square_s2;
+    return cplx_div(above, cplx(REAL_C(1.0) - turned, omega * e->time_constant_s));
+}
+
 void interact_response(const struct interact_plant *plant, const struct pairs *pairs, real_t omega,
                        struct cmatrix *response)
 {
@@ -105,6 +140,7 @@ void interact_response(const struct interact_plant *plant, const struct pairs *p
     for (size_t k = 0; k < response->rows; k++)
         for (size_t l = 0; l < response->cols; l++) {
             size_t i = pairs ? pairs->output[k] : k, j = pairs ? pairs->input[l] : l;
-            response->value[k][l] = fopdt_response(&plant->element[i][j], omega);
+            response->value[k][l] =
+                element_with_shape(&plant->element[i][j], &plant->shape[i][j], omega);
         }
 }

@@ -1,11 +1,13 @@
-/* The plant as the analysis sees it: p outputs, m inputs, a first-order model with dead time for every pair, and how
- * well its gain is known.
+/* The plant as the analysis sees it: p outputs, m inputs, a model with dead time and one or two lags for every pair, and
+ * how well its gain is known.
  *
  * Shapes: element[i][j] is the way from input j to output i, both from 0. Gains are output span per input span: relative
  * gains of a square plant do not depend on it, singular values, condition numbers and the choice of outputs do. */
 #ifndef REFLUX_INTERACT_PLANT_H
 #define REFLUX_INTERACT_PLANT_H
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -17,10 +19,19 @@
 #define INTERACT_MAX  MATRIX_MAX
 #define INTERACT_NONE 255 /* no input, no output */
 
+/* What an element has beyond one lag. With gain K, dead time L and time constant T of the element it is
+ *     K (zero_s s + 1) e^{-Ls} / (square_s2 s^2 + T s + 1)
+ * T is then the sum of the lags, and square_s2 their product. Both 0: one lag. */
+struct interact_shape {
+    real_t square_s2; /* 0 to 1e12 s2; above 0 the damping T/(2 sqrt(square_s2)) is at least 0.01 */
+    real_t zero_s;    /* -1e6 to 1e6 s, 0 where T is 0; below 0 the response begins the wrong way */
+};
+
 struct interact_plant {
     uint8_t outputs, inputs; /* 1 to INTERACT_MAX */
     /* Time constant and dead time each 0 to 1e6 s, 0 allowed (a direct effect). Gain 0: no effect, times unused. */
     struct fopdt element[INTERACT_MAX][INTERACT_MAX];
+    struct interact_shape shape[INTERACT_MAX][INTERACT_MAX];
     /* Standard deviation of each gain, same unit, 0 or more; errors are taken as normal and independent. An error
      * common to an input's whole column (a wrong step size) changes no relative gain and need not be counted. */
     real_t gain_sd[INTERACT_MAX][INTERACT_MAX];
@@ -54,5 +65,18 @@ void interact_response(const struct interact_plant *plant, const struct pairs *p
                        struct cmatrix *response);
 /* gain exp(-i omega L) / (1 + i omega T). */
 struct cplx fopdt_response(const struct fopdt *model, real_t omega);
+
+static inline bool interact_one_lag(const struct interact_shape *shape)
+{
+    return !(shape->square_s2 > REAL_C(0.0)) && !(real_abs(shape->zero_s) > REAL_C(0.0));
+}
+/* Returns the mean residence time L + T - zero_s of an element, s. A zero that makes the response overshoot by much makes it
+ * negative. output and input must be of the plant. */
+static inline real_t interact_residence(const struct interact_plant *plant, size_t output,
+                                        size_t input)
+{
+    const struct fopdt *e = &plant->element[output][input];
+    return e->dead_time_s + e->time_constant_s - plant->shape[output][input].zero_s;
+}
 
 #endif

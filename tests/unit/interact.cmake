@@ -6,7 +6,7 @@ foreach(kind "" _double)
   foreach(part interact pairing integrity structure ina ina_search)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
-  foreach(part loops detune interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules
+  foreach(part loops shapes detune interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules
                response_fit refusal_reasons)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_design${kind})
   endforeach()

@@ -391,9 +391,15 @@ static void speed_can_turn_the_pairing_round(void)
     plant.element[0][0].time_constant_s = plant.element[1][1].time_constant_s = REAL_C(100.0);
     TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &crossed, 1, &measure_work, &measure));
     TEST_ASSERT_FALSE(measure_agrees(&measure, &assignment));
+    /* residence times of 100 s once more, by a zero */
+    plant.element[0][0].time_constant_s = plant.element[1][1].time_constant_s = REAL_C(1000.0);
+    plant.shape[0][0].zero_s = plant.shape[1][1].zero_s = REAL_C(900.0);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &crossed, 1, &measure_work, &measure));
+    TEST_ASSERT_FALSE(measure_agrees(&measure, &assignment));
     TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &pairs, 1, &measure_work, &measure));
     TEST_ASSERT_TRUE(measure_agrees(&measure, &assignment));
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + 0.0144), (double)measure.phi.value[0][0]);
+    memset(plant.shape, 0, sizeof plant.shape);
 }
 
 static void settings_out_of_range_are_refused(void)

@@ -377,7 +377,7 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
     struct interact_plant p;
     struct loops l;
     struct matrix d;
-    struct cmatrix response;
+    struct cplx response[MATRIX_MAX][MATRIX_MAX];
     struct loops_sampled sampled;
     enum err err = take_plant(plant, &p);
     if (!err)
@@ -387,11 +387,12 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
     if (err)
         return err;
     loops_sample(&p, &l, NYQUIST_DELAY, 0.0, &sampled);
-    loops_open(&l, &sampled, omega, &response);
-    for (size_t i = 0; i < response.rows; i++)
-        for (size_t j = 0; j < response.cols; j++) {
-            open[2 * (i * response.cols + j)] = response.value[i][j].re;
-            open[2 * (i * response.cols + j) + 1] = response.value[i][j].im;
+    loops_open(&l, &sampled, omega, response);
+    size_t n = l.pairs.n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            open[2 * (i * n + j)] = response[i][j].re;
+            open[2 * (i * n + j) + 1] = response[i][j].im;
         }
     return ERR_OK;
 }
