@@ -13,6 +13,7 @@
 #define RATIO_FIRST      REAL_C(1.1)
 #define RATIO_FINE       REAL_C(1.002) /* finer than that no peak is looked at */
 #define STEP_PEAK        REAL_C(0.08)  /* of a sensitivity */
+#define STEP_PEAK_MANY   REAL_C(0.16)
 #define RATIO_MOST       REAL_C(1.3)
 #define RATIO_LEAST      REAL_C(1.00001)
 #define STEP_DEAD_TIME   REAL_C(1.0)  /* rad that a dead time may turn in a step, */
@@ -230,12 +231,13 @@ static enum err follow_curve(struct nyquist *n)
     real_t w = n->w * n->ratio < n->w_end ? n->w * n->ratio : n->w_end;
     /* A loop near instability shows in its own sensitivity, so that the determinant of many may turn by more. */
     bool many = n->with_peaks && n->loops->pairs.n > FEW;
+    real_t peak = many ? STEP_PEAK_MANY : STEP_PEAK;
     real_t cosine = many ? STEP_COSINE_MANY : STEP_COSINE,
            size_log = many ? STEP_LOG_MANY : STEP_LOG;
     if (evaluate_point(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < cosine ||
         real_abs(p.size_log - n->last_log) > size_log ||
         (n->with_peaks && n->ratio > RATIO_FINE &&
-         peaks_change(&n->peaks, &p.sensitivity) > STEP_PEAK)) {
+         peaks_change(&n->peaks, &p.sensitivity) > peak)) {
         n->ratio = real_sqrt(n->ratio);
         /* a curve that cannot be followed runs through 0: the edge of stability */
         return n->ratio < RATIO_LEAST ? end_curve(n, false, ERR_OK) : ERR_BUSY;

@@ -14,6 +14,8 @@ void peaks_begin(struct peaks *p, uint8_t loops)
     REFLUX_ASSERT(loops <= INTERACT_MAX);
     memset(p, 0, sizeof *p);
     p->loops = loops;
+    for (size_t k = 0; k < loops; k++)
+        p->t[k] = REAL_C(1.0); /* at frequency 0: every loop integrates */
 }
 
 void peaks_values(const struct clu *lu, struct peaks_point *point)

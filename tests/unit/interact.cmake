@@ -6,7 +6,7 @@ foreach(kind "" _double)
   foreach(part interact pairing integrity structure ina ina_search)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
-  foreach(part loops shapes detune interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules
+  foreach(part loops shapes detune robust interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules
                response_fit refusal_reasons)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_design${kind})
   endforeach()
@@ -25,8 +25,10 @@ if(TARGET libreflux)
   endforeach()
 endif()
 
-# Not a test: what the analysis of a 16 x 16 plant costs.
+# No tests: what the analysis of a 16 x 16 plant costs, and the search for settings of the worst member.
 add_executable(interact_cost "${PROJECT_SOURCE_DIR}/tests/bench/interact_cost.c")
 target_link_libraries(interact_cost PRIVATE reflux_design reflux_options m)
+add_executable(robust_cost "${PROJECT_SOURCE_DIR}/tests/bench/robust_cost.c")
+target_link_libraries(robust_cost PRIVATE reflux_design reflux_options m)
 add_executable(matrix_cost "${PROJECT_SOURCE_DIR}/tests/bench/matrix_cost.c")
 target_link_libraries(matrix_cost PRIVATE reflux_num reflux_options m)
