@@ -15,7 +15,7 @@
     REAL_C(0.99) /* of the bounds, for what lies between the frequencies of a pass */
 #define MARGIN_LESS REAL_C(0.995)
 #define TRIES_MOST  5 /* of a climb that the whole curve does not confirm */
-#define ROUNDS_MOST 3
+#define ROUNDS_MOST 4
 #define PASSES_MOST 250
 /* Of more than ROBUST_PAIRED_LOOPS loops. */
 #define PASSES_MOST_OF_MANY 60
@@ -62,7 +62,7 @@ static void restore_settings(struct robust *r)
         r->part.tuning[k] = r->loops.tuning[r->place[k]];
 }
 
-static real_t within(real_t x, real_t lo, real_t hi)
+static real_t limited_setting(real_t x, real_t lo, real_t hi)
 {
     return x < lo ? lo : x > hi ? hi : x;
 }
@@ -72,8 +72,9 @@ static void slow_loop(struct robust *r, size_t k, real_t by)
 {
     REFLUX_ASSERT(k < INTERACT_MAX);
     struct tuning *t = &r->part.tuning[k];
-    t->gain = within(t->gain * real_exp(-by), ROBUST_GAIN_LEAST, r->part_gain_most[k]);
-    t->ti_s = within(t->ti_s * real_exp(REAL_C(0.5) * by), ROBUST_TI_LEAST_S, ROBUST_TI_MOST_S);
+    t->gain = limited_setting(t->gain * real_exp(-by), ROBUST_GAIN_LEAST, r->part_gain_most[k]);
+    t->ti_s =
+        limited_setting(t->ti_s * real_exp(REAL_C(0.5) * by), ROBUST_TI_LEAST_S, ROBUST_TI_MOST_S);
 }
 
 static void retreat(struct robust *r, real_t by)
@@ -84,7 +85,7 @@ static void retreat(struct robust *r, real_t by)
 
 /* ---- what comes next ---- */
 
-static enum err judge(struct robust *r, uint16_t plant, uint8_t goal)
+static enum err judge_plant(struct robust *r, uint16_t plant, uint8_t goal)
 {
     r->judged = plant;
     r->goal = goal;
@@ -110,7 +111,7 @@ static enum err next_active(struct robust *r)
     return ERR_BUSY;
 }
 
-static enum err begin_pass(struct robust *r)
+static enum err try_all_moves(struct robust *r)
 {
     robust_pass_begin(&r->work.pass, &r->part, &r->limits, r->step,
                       r->moved > 1 ? r->loops.tuning : NULL, r->place);
@@ -126,7 +127,7 @@ static enum err begin_climb(struct robust *r, real_t step)
     r->step = step;
     r->moved = 0;
     r->moved_most = r->part.pairs.n > ROBUST_PAIRED_LOOPS ? r->part.pairs.n : 1;
-    return begin_pass(r);
+    return try_all_moves(r);
 }
 
 static void take_part(struct robust *r, size_t first)
@@ -159,7 +160,7 @@ static enum err begin_search(struct robust *r)
     r->step = r->part.pairs.n > ROBUST_PAIRED_LOOPS ? STEP_FIRST_OF_MANY : STEP_FIRST;
     r->retreats = r->tries = r->rounds = 0;
     r->part_passes = 0;
-    return judge(r, 0, GOAL_RETREAT);
+    return judge_plant(r, 0, GOAL_RETREAT);
 }
 
 /* All parts have their settings: every plant is judged with all loops. */
@@ -171,13 +172,11 @@ static enum err begin_together(struct robust *r)
     r->rounds = 0;
     r->changed = false;
     r->s_worst = r->t_worst = REAL_C(0.0);
-    return judge(r, 0, GOAL_TOGETHER);
+    return judge_plant(r, 0, GOAL_TOGETHER);
 }
 
-static enum err end_search(struct robust *r, bool held)
+static enum err end_part_search(struct robust *r, bool held)
 {
-    keep_settings(r);
-    r->held = held;
     if (r->done != (uint16_t)((1ul << r->loops.pairs.n) - 1u))
         return begin_search(r);
     if (held && r->part.pairs.n == r->loops.pairs.n) {
@@ -225,11 +224,13 @@ static enum err end_retreat(struct robust *r, bool stable, bool good)
         take_range(r);
     if (good)
         return begin_climb(r, r->step);
-    if (r->retreats >= RETREATS_MOST)
-        return end_search(r, false);
+    if (r->retreats >= RETREATS_MOST) { /* slower loops are of no use to this plant */
+        restore_settings(r);
+        return end_part_search(r, false);
+    }
     r->retreats++;
     retreat(r, RETREAT);
-    return judge(r, r->judged, GOAL_RETREAT);
+    return judge_plant(r, r->judged, GOAL_RETREAT);
 }
 
 /* After a climb. Where a peak lay between the frequencies of its passes, the next climb keeps more distance. */
@@ -239,22 +240,22 @@ static enum err end_confirm(struct robust *r, bool stable, real_t excess)
         take_range(r);
     if (excess <= REAL_C(1.0)) {
         if (r->config.members == 0)
-            return end_search(r, true);
+            return end_part_search(r, true);
         if (r->part.pairs.n > ROUND_LOOPS)
-            return end_search(r, false);
+            return end_part_search(r, false);
         r->worst = 0;
         r->worst_excess = REAL_C(1.0);
-        return judge(r, 1, GOAL_ROUND);
+        return judge_plant(r, 1, GOAL_ROUND);
     }
     if (r->tries >= TRIES_MOST)
-        return end_search(r, false);
+        return end_part_search(r, false);
     r->tries++;
     real_t more = excess < REAL_C(1.2) ? excess : REAL_C(1.2);
     r->margin *= MARGIN_LESS / more;
     r->retreats = 0;
     r->step = STEP_LEAST * REAL_C(2.0);
     retreat(r, REAL_C(0.5) * RETREAT);
-    return judge(r, 0, GOAL_RETREAT);
+    return judge_plant(r, 0, GOAL_RETREAT);
 }
 
 static enum err end_round(struct robust *r, real_t excess)
@@ -264,16 +265,16 @@ static enum err end_round(struct robust *r, real_t excess)
         r->worst = r->judged;
     }
     if (r->judged < r->config.members)
-        return judge(r, (uint16_t)(r->judged + 1u), GOAL_ROUND);
+        return judge_plant(r, (uint16_t)(r->judged + 1u), GOAL_ROUND);
     if (r->worst == 0)
-        return end_search(r, true);
+        return end_part_search(r, true);
     unsigned most = r->part.pairs.n > ROBUST_PAIRED_LOOPS ? ACTIVE_OF_MANY : ROBUST_ACTIVE;
     if (r->actives >= most)
-        return end_search(r, false);
+        return end_part_search(r, false);
     r->active[r->actives++] = r->worst;
     r->retreats = 0;
     r->step = STEP_AGAIN;
-    return judge(r, r->worst, GOAL_RETREAT);
+    return judge_plant(r, r->worst, GOAL_RETREAT);
 }
 
 /* Slows the part of the loop that exceeds its bounds most, or all where nothing is known: integral times go up by half as much as
@@ -294,19 +295,23 @@ static enum err end_together(struct robust *r, bool stable, bool good)
 {
     if (!good && r->factor > LOWER_LEAST) {
         lower_gains(r, stable);
-        return judge(r, r->judged, GOAL_TOGETHER);
+        return judge_plant(r, r->judged, GOAL_TOGETHER);
     }
     note_peaks(r, stable);
-    r->failed = r->failed || !good;
+    if (!good) { /* lower gains were of no use */
+        r->worst_member = r->judged ? (uint16_t)(r->judged - 1u) : r->config.members;
+        r->stage = STAGE_OVER;
+        return ERR_TIMEOUT;
+    }
     if (r->judged < r->config.members)
-        return judge(r, (uint16_t)(r->judged + 1u), GOAL_TOGETHER);
-    if (r->changed && !r->failed && ++r->rounds < ROUNDS_MOST) {
+        return judge_plant(r, (uint16_t)(r->judged + 1u), GOAL_TOGETHER);
+    if (r->changed && ++r->rounds < ROUNDS_MOST) {
         r->changed = false;
-        return judge(r, 0, GOAL_TOGETHER);
+        return judge_plant(r, 0, GOAL_TOGETHER);
     }
     keep_settings(r);
     r->stage = STAGE_OVER;
-    return r->failed ? ERR_TIMEOUT : ERR_OK;
+    return ERR_OK;
 }
 
 static enum err end_judgement(struct robust *r, bool stable)
@@ -351,13 +356,13 @@ static enum err make_moves(struct robust *r)
         if (robust_make_move(&r->part, &move, r->step, &r->limits))
             r->moved = (uint8_t)(r->moved + 1u);
     }
-    return begin_pass(r);
+    return try_all_moves(r);
 }
 
 static enum err end_climb(struct robust *r)
 {
     restore_settings(r);
-    return judge(r, 0, GOAL_CONFIRM);
+    return judge_plant(r, 0, GOAL_CONFIRM);
 }
 
 static enum err end_pass(struct robust *r)
@@ -365,25 +370,25 @@ static enum err end_pass(struct robust *r)
     bool many = r->part.pairs.n > ROBUST_PAIRED_LOOPS;
     bool last = r->part_passes >= (many ? PASSES_MOST_OF_MANY : PASSES_MOST);
     bool unsure = r->moved > 1 && !(r->work.pass.away < REAL_C(1.0));
-    if (unsure || (r->work.pass.now > REAL_C(1.0) && r->moved > 1)) { /* too many at once */
+    if (unsure || (r->work.pass.present > REAL_C(1.0) && r->moved > 1)) { /* too many at once */
         restore_settings(r);
         r->moved_most = (uint8_t)(r->moved / 2u);
         return last ? end_climb(r) : make_moves(r);
     }
-    if (r->work.pass.now > REAL_C(1.0) && r->moved == 0 && r->retreats < RETREATS_MOST) {
+    if (r->work.pass.present > REAL_C(1.0) && r->moved == 0 && r->retreats < RETREATS_MOST) {
         r->retreats++; /* between the frequencies of the judgement, or with less margin */
         retreat(r, REAL_C(0.5) * RETREAT);
         keep_settings(r);
-        return last ? end_climb(r) : begin_pass(r);
+        return last ? end_climb(r) : try_all_moves(r);
     }
-    if (r->work.pass.now > REAL_C(1.0)) {
+    if (r->work.pass.present > REAL_C(1.0)) {
         restore_settings(r); /* by rounding only */
         r->choices = 0;
     } else {
         keep_settings(r);
         widen_range(r);
         if (r->widened > WIDENED_MOST && !last)
-            return judge(r, 0, GOAL_RETREAT); /* chooses the frequencies anew */
+            return judge_plant(r, 0, GOAL_RETREAT); /* chooses the frequencies anew */
         if (many && r->moved == r->moved_most && r->moved_most < r->part.pairs.n)
             r->moved_most = (uint8_t)(2u * r->moved_most);
         r->choices = robust_choose(&r->work.pass, r->moved_most, r->chosen);
@@ -395,7 +400,7 @@ static enum err end_pass(struct robust *r)
     r->moved = 0;
     r->step *= REAL_C(0.5);
     real_t least = many ? STEP_LEAST_OF_MANY : STEP_LEAST;
-    return r->step < REAL_C(0.99) * least ? end_climb(r) : begin_pass(r);
+    return r->step < REAL_C(0.99) * least ? end_climb(r) : try_all_moves(r);
 }
 
 /* ---- steps ---- */
@@ -425,7 +430,7 @@ enum err robust_begin(struct robust *r, const struct interact_plant *plant,
     r->factor = REAL_C(1.0);
     for (size_t k = 0; k < start->pairs.n; k++)
         r->loops.tuning[k].gain =
-            within(start->tuning[k].gain, ROBUST_GAIN_LEAST, config->gain_most[k]);
+            limited_setting(start->tuning[k].gain, ROBUST_GAIN_LEAST, config->gain_most[k]);
     return begin_search(r) == ERR_BUSY ? ERR_OK : ERR_STATE;
 }
 

@@ -51,7 +51,7 @@ struct robust {
     uint16_t part_passes;
     uint8_t actives, at_active, choices, moved, moved_most, retreats, tries, rounds;
     uint8_t stage, goal;
-    bool joint, changed, failed, held;
+    bool joint, changed;
     struct interact_plant member;
     union {
         struct nyquist nyquist;
@@ -61,8 +61,8 @@ struct robust {
 
 /* start: loops to begin with, PI without derivative (detune); their decoupler and plant must live and stay as they are.
  * ERR_RANGE, ERR_NOT_FINITE: as interact_check, loops_check, or for config (reason, which may be NULL, says). Then
- * robust_step until it is not ERR_BUSY: at most about 2e5 instructions a call. ERR_TIMEOUT from it: some plant exceeds a bound
- * with whatever gains; the settings are the slowest that were tried. */
+ * robust_step until it is not ERR_BUSY: at most about 2e5 instructions a call. ERR_TIMEOUT from it: no gains
+ * keep the bounds on plant number worst_member; the settings are those before step 3. */
 MUST_CHECK enum err robust_begin(struct robust *r, const struct interact_plant *plant,
                                  const struct loops *start, const struct robust_config *config,
                                  struct interact_refusal *reason);

@@ -37,7 +37,7 @@ struct robust_move robust_move(uint8_t loops, uint8_t number)
 }
 
 /* e^(steps * step); only what robust_move() has. */
-static real_t power(const real_t factor[5], int8_t steps)
+static real_t step_factor(const real_t factor[5], int8_t steps)
 {
     REFLUX_ASSERT(steps >= -2 && steps <= 2);
     return factor[steps + 2];
@@ -56,8 +56,8 @@ static bool move_allowed(const struct loops *loops, const struct robust_move *mo
     for (int m = 0; m < 2 && move->loop[m] != INTERACT_NONE; m++) {
         uint8_t k = move->loop[m];
         REFLUX_ASSERT(k < loops->pairs.n);
-        real_t gain = loops->tuning[k].gain * power(factor, move->gain[m]);
-        real_t ti = loops->tuning[k].ti_s * power(factor, move->ti[m]);
+        real_t gain = loops->tuning[k].gain * step_factor(factor, move->gain[m]);
+        real_t ti = loops->tuning[k].ti_s * step_factor(factor, move->ti[m]);
         if (!real_within(gain, limits->gain_least, limits->gain_most[k]) ||
             !real_within(ti, limits->ti_least_s, limits->ti_most_s))
             return false;
@@ -74,8 +74,8 @@ bool robust_make_move(struct loops *loops, const struct robust_move *move, real_
         return false;
     for (int m = 0; m < 2 && move->loop[m] != INTERACT_NONE; m++) {
         struct tuning *t = &loops->tuning[move->loop[m]];
-        t->gain *= power(factor, move->gain[m]);
-        t->ti_s *= power(factor, move->ti[m]);
+        t->gain *= step_factor(factor, move->gain[m]);
+        t->ti_s *= step_factor(factor, move->ti[m]);
     }
     return true;
 }
@@ -89,7 +89,7 @@ void robust_pass_begin(struct robust_pass *pass, const struct loops *loops,
     pass->place = place;
     pass->away = REAL_C(0.0);
     pass->limits = limits;
-    pass->now = REAL_C(0.0);
+    pass->present = REAL_C(0.0);
     pass->moves = robust_moves(loops->pairs.n);
     REFLUX_ASSERT(pass->moves <= ROBUST_MOVES);
     set_factors(pass->factor, step);
@@ -116,7 +116,7 @@ void robust_pass_plant(struct robust_pass *pass, const struct interact_plant *pl
     pass->opened = false;
 }
 
-static real_t larger_of(real_t a, real_t b)
+static real_t greater_of(real_t a, real_t b)
 {
     return a > b ? a : b;
 }
@@ -125,8 +125,8 @@ static real_t larger_of(real_t a, real_t b)
 static real_t excess_of(const struct robust_pass *pass, struct cplx s)
 {
     struct cplx t = cplx(REAL_C(1.0) - s.re, -s.im);
-    return larger_of(cplx_square(s) / (pass->limits->s_most * pass->limits->s_most),
-                     cplx_square(t) / (pass->limits->t_most * pass->limits->t_most));
+    return greater_of(cplx_square(s) / (pass->limits->s_most * pass->limits->s_most),
+                      cplx_square(t) / (pass->limits->t_most * pass->limits->t_most));
 }
 
 /* r: the controller of loop k after the move over that before, less 1. With a = h/(z - 1) it is 1 + a/Ti. */
@@ -135,8 +135,8 @@ static struct cplx controller_change(const struct robust_pass *pass, const struc
 {
     real_t ti = pass->loops->tuning[move->loop[m]].ti_s;
     struct cplx before = cplx(ti + a.re, a.im);
-    struct cplx after = cplx_scale(a, REAL_C(1.0) / power(pass->factor, move->ti[m]));
-    after = cplx_scale(cplx(ti + after.re, after.im), power(pass->factor, move->gain[m]));
+    struct cplx after = cplx_scale(a, REAL_C(1.0) / step_factor(pass->factor, move->ti[m]));
+    after = cplx_scale(cplx(ti + after.re, after.im), step_factor(pass->factor, move->gain[m]));
     return cplx_div(cplx_sub(after, before), before);
 }
 
@@ -161,7 +161,7 @@ static real_t after_single(const struct robust_pass *pass, const struct robust_m
     real_t worst = REAL_C(0.0);
     for (size_t i = 0; i < n; i++) {
         struct cplx change = cplx_mul(part, cplx_mul(other_of(pass, i, k), pass->s[k][i]));
-        worst = larger_of(worst, excess_of(pass, cplx_sub(pass->s[i][i], change)));
+        worst = greater_of(worst, excess_of(pass, cplx_sub(pass->s[i][i], change)));
     }
     return worst;
 }
@@ -188,7 +188,7 @@ static real_t after_pair(const struct robust_pass *pass, const struct robust_mov
         struct cplx change = cplx_add(cplx_mul(cplx_mul(other_of(pass, i, k), rk), xk),
                                       cplx_mul(cplx_mul(other_of(pass, i, l), rl), xl));
         change = cplx_mul(change, inverse);
-        worst = larger_of(worst, excess_of(pass, cplx_sub(pass->s[i][i], change)));
+        worst = greater_of(worst, excess_of(pass, cplx_sub(pass->s[i][i], change)));
     }
     return worst;
 }
@@ -209,7 +209,7 @@ static void note_way(struct robust_pass *pass, struct cplx a)
         real_t sum = REAL_C(0.0);
         for (size_t j = 0; j < n; j++)
             sum += cplx_abs(other_of(pass, i, j)) * r[j];
-        pass->away = larger_of(pass->away, sum);
+        pass->away = greater_of(pass->away, sum);
     }
 }
 
@@ -220,14 +220,14 @@ static void try_moves(struct robust_pass *pass)
     if (pass->before)
         note_way(pass, a);
     for (size_t k = 0; k < pass->loops->pairs.n; k++)
-        pass->now = larger_of(pass->now, excess_of(pass, pass->s[k][k]));
+        pass->present = greater_of(pass->present, excess_of(pass, pass->s[k][k]));
     for (uint8_t m = 0; m < pass->moves; m++) {
         if (!(pass->excess[m] <= REAL_C(1.0)))
             continue; /* no longer of interest */
         struct robust_move move = robust_move(pass->loops->pairs.n, m);
         bool single = move.loop[1] == INTERACT_NONE;
         real_t after = single ? after_single(pass, &move, a) : after_pair(pass, &move, a);
-        pass->excess[m] = larger_of(pass->excess[m], after);
+        pass->excess[m] = greater_of(pass->excess[m], after);
     }
 }
 
@@ -246,7 +246,7 @@ enum err robust_pass_step(struct robust_pass *pass)
     if (cmatrix_invert_own(pass->s, pass->loops->pairs.n) == ERR_OK)
         try_moves(pass);
     else
-        pass->now = INFINITY; /* on the edge of stability, or numbers too large */
+        pass->present = INFINITY; /* on the edge of stability, or numbers too large */
     pass->opened = false;
     pass->omega *= pass->ratio;
     pass->point++;

@@ -32,7 +32,7 @@ struct robust_move {
 
 struct robust_pass {
     /* Results, over all plants since the beginning: the largest of |S_kk|/s_most and |T_kk|/t_most, squared. */
-    real_t now;                  /* with the settings as they are */
+    real_t present;              /* with the settings as they are */
     real_t excess[ROBUST_MOVES]; /* after a move; infinite where it is refused */
     uint8_t moves;
     /* Largest row sum of |T_ij r_j|, r: what the controllers differ by from those of `before`. Below 1 these loops are stable where
