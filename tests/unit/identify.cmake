@@ -18,6 +18,10 @@ add_test(NAME identification_noise COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/t
 reflux_programs_of_test(identification_noise unit identify_records)
 set_tests_properties(identification_noise PROPERTIES ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
+# Not a test either: fits shapes to the records of tests/bench/shape_deviations.py.
+add_executable(shape_records "${PROJECT_SOURCE_DIR}/tests/bench/shape_records.c")
+target_link_libraries(shape_records PRIVATE reflux_identify reflux_options m)
+
 # Through the library for the host tools, and tools/identify.
 if(TARGET libreflux)
   reflux_script_test(identification_library LABEL tools SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_identification.py" PROGRAMS libreflux)

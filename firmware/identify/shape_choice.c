@@ -1,0 +1,228 @@
+#include "identify/shape_choice.h"
+
+#include <stddef.h>
+
+#include "base/assertion.h"
+#include "identify/common.h"
+#include "identify/shape_response.h"
+#include "identify/shape_search.h"
+
+#define CORRELATION_MAX REAL_C(0.9)
+#define SQUARES_LEAST   REAL_C(1e-10) /* of the whole, that float can tell */
+#define RAMP_SD_MAX     REAL_C(0.1)   /* deviation of the ramp's slope over it, to count as seen */
+#define RAMP_LAGS       REAL_C(4.0)   /* least level in slowest lags */
+#define SDS             REAL_C(2.0)
+
+static const uint8_t parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 3};
+
+static uint32_t degrees_of_freedom(const struct shape_fit *f, enum shape_formula formula)
+{
+    uint32_t used = parameter_counts[formula] + (uint32_t)f->line.offset + (uint32_t)f->line.slope;
+    return f->points > used + 4u ? f->points - used : 4u;
+}
+
+static real_t inflation(real_t correlation)
+{
+    return (ONE + correlation) / (ONE - correlation);
+}
+
+/* Variance of a point by the residuals of a formula, at least the noise that is known, times what their correlation costs. */
+static real_t variance_of_point(const struct shape_fit *f, enum shape_formula formula)
+{
+    const struct shape_candidate *c = &f->candidate[formula];
+    real_t own = c->squares / (real_t)degrees_of_freedom(f, formula);
+    own = own > f->noise_variance ? own : f->noise_variance;
+    return own * inflation(c->correlation);
+}
+
+void shape_choice_residuals(struct shape_fit *f)
+{
+    real_t square = ZERO, product = ZERO, before = ZERO;
+    for (uint32_t i = 0; i < f->points; i++) {
+        real_t r = f->y[i] - f->gain * f->column[0][i] - f->gain_zero * f->column[1][i];
+        square += r * r;
+        product += r * before;
+        before = r;
+    }
+    real_t rho = square > ZERO ? product / square : ZERO;
+    rho = rho < ZERO ? ZERO : (rho > CORRELATION_MAX ? CORRELATION_MAX : rho);
+    f->candidate[f->formula].correlation = rho;
+}
+
+void shape_choice_shape(const struct shape_fit *f, enum shape_formula formula, struct shape *s)
+{
+    const struct shape_candidate *c = &f->candidate[formula];
+    real_t lag, square;
+    shape_search_lags(f, formula, &c->place, &lag, &square);
+    real_t zero = real_abs(c->gain) > ZERO ? c->gain_zero / c->gain : ZERO;
+    *s = (struct shape){.gain = c->gain,
+                        .dead_time_s = c->place.dead * f->h_s,
+                        .lag_s = lag * f->h_s,
+                        .square_s2 = square * f->h_s * f->h_s,
+                        .zero_s = zero * f->h_s};
+}
+
+/* Derivative of parameter `which` of the shape by each column's parameter. */
+static void parameter_slopes(const struct shape_fit *f, uint32_t which, real_t *row)
+{
+    enum shape_formula formula = (enum shape_formula)f->formula;
+    const struct shape_candidate *c = &f->candidate[formula];
+    struct shape s;
+    shape_choice_shape(f, formula, &s);
+    bool zero = formula == SHAPE_FORMULA_ZERO, ramp = formula == SHAPE_FORMULA_INTEGRATING;
+    uint32_t dead = zero ? 2u : 1u, time = dead + 1u, ratio = dead + 2u;
+    for (uint32_t k = 0; k < SHAPE_COLUMNS; k++)
+        row[k] = ZERO;
+    switch (which) {
+    case SHAPE_GAIN:
+        row[0] = ONE;
+        break;
+    case SHAPE_DEAD:
+        row[dead] = f->h_s;
+        break;
+    case SHAPE_LAG:
+        row[time] = c->place.time * f->h_s;
+        break;
+    case SHAPE_SQUARE:
+        if (ramp)
+            row[time] = s.square_s2;
+        else if (formula != SHAPE_FORMULA_ONE)
+            row[time] = TWO * s.square_s2;
+        if (formula == SHAPE_FORMULA_TWO || zero)
+            row[ratio] = s.square_s2;
+        break;
+    default:
+        if (zero && real_abs(c->gain) > ZERO) {
+            row[0] = -s.zero_s / c->gain;
+            row[1] = f->h_s / c->gain;
+        }
+        break;
+    }
+}
+
+/* row := row times the inverse of the triangle. */
+static void by_inverse_triangle(const struct shape_fit *f, uint32_t count, real_t *row)
+{
+    for (uint32_t k = 0; k < count; k++) {
+        const real_t *column = &f->triangle[k * (k + 1u) / 2u];
+        for (uint32_t i = 0; i < k; i++)
+            row[k] -= row[i] * column[i];
+        row[k] = column[k] > ZERO ? row[k] / column[k] : ZERO;
+    }
+}
+
+void shape_choice_covariance(struct shape_fit *f)
+{
+    REFLUX_ASSERT(f->formula < SHAPE_FORMULAS);
+    struct shape_candidate *c = &f->candidate[f->formula];
+    real_t row[SHAPE_PARAMETERS][SHAPE_COLUMNS], residence = ZERO;
+    uint8_t columns[SHAPE_COLUMNS];
+    uint32_t count = shape_search_columns((enum shape_formula)f->formula, columns), n = 0;
+    real_t variance = variance_of_point(f, (enum shape_formula)f->formula);
+    for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
+        parameter_slopes(f, i, row[i]);
+        by_inverse_triangle(f, count, row[i]);
+        for (uint32_t j = 0; j <= i; j++) {
+            real_t sum = ZERO;
+            for (uint32_t k = 0; k < count; k++)
+                sum += row[i][k] * row[j][k];
+            c->covariance[n++] = variance * sum;
+        }
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        real_t sum = row[SHAPE_DEAD][k] + row[SHAPE_LAG][k] - row[SHAPE_ZERO][k];
+        residence += sum * sum;
+    }
+    c->residence_variance = variance * residence;
+}
+
+void shape_choice_weights(const struct shape_fit *f, real_t *weight)
+{
+    real_t least = REAL_C(3e38), sum = ZERO, n = (real_t)f->points, bic[SHAPE_FORMULAS];
+    real_t floor = SQUARES_LEAST * f->total, best = f->total, effective = n;
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        const struct shape_candidate *c = &f->candidate[k];
+        if (c->squares >= ZERO && c->squares <= best) {
+            best = c->squares;
+            effective = n / inflation(c->correlation);
+        }
+    }
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        real_t squares = f->candidate[k].squares;
+        squares = squares > floor ? squares : floor;
+        bic[k] = effective * real_log(squares / f->total) +
+                 (real_t)parameter_counts[k] * real_log(effective);
+        if (f->candidate[k].squares >= ZERO && bic[k] < least)
+            least = bic[k];
+    }
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        real_t worse = REAL_C(0.5) * (bic[k] - least);
+        weight[k] = f->candidate[k].squares >= ZERO && worse < REAL_C(30.0) ? real_exp(-worse)
+                                                                          : ZERO;
+        sum += weight[k];
+    }
+    for (unsigned k = 0; k < SHAPE_FORMULAS && sum > ZERO; k++)
+        weight[k] /= sum;
+}
+
+/* Noise of a point by the median of second differences, which a drift does not enter and a response little. */
+static real_t variance_of_differences(const struct shape_fit *f)
+{
+    real_t lo = ZERO, hi = ZERO;
+    for (uint32_t i = 1; i + 1u < f->points; i++) {
+        real_t d = real_abs(f->y[i - 1u] - TWO * f->y[i] + f->y[i + 1u]);
+        hi = d > hi ? d : hi;
+    }
+    for (int n = 0; n < 20; n++) {
+        real_t middle = REAL_C(0.5) * (lo + hi);
+        uint32_t below = 0;
+        for (uint32_t i = 1; i + 1u < f->points; i++)
+            below += real_abs(f->y[i - 1u] - TWO * f->y[i] + f->y[i + 1u]) <= middle;
+        if (2u * below < f->points - 2u)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    real_t noise = hi / (REAL_C(0.6745) * REAL_C(2.449490));
+    return noise * noise;
+}
+
+/* The slope of the ramp over the last half of the longest level: what the residuals leave of it is within two deviations. */
+static bool ramp_holds(struct shape_fit *f)
+{
+    const struct shape_candidate *c = &f->candidate[SHAPE_FORMULA_INTEGRATING];
+    real_t squares[2], linear[3], times = ZERO, count = ZERO, cross = ZERO, spread = ZERO;
+    shape_search_squares(f, SHAPE_FORMULA_INTEGRATING, &c->place, squares, linear);
+    real_t from = (real_t)f->level_from + REAL_C(0.5) * (f->level + c->place.dead);
+    real_t to = (real_t)f->level_from + f->level, block = (real_t)f->block;
+    for (uint32_t i = 0; i < f->points; i++)
+        if ((real_t)i * block >= from && (real_t)(i + 1u) * block <= to) {
+            times += (real_t)i;
+            count += ONE;
+        }
+    if (!(count >= REAL_C(4.0)))
+        return false;
+    for (uint32_t i = 0; i < f->points; i++)
+        if ((real_t)i * block >= from && (real_t)(i + 1u) * block <= to) {
+            real_t t = (real_t)i - times / count;
+            cross += t * (f->y[i] - linear[0] * f->column[0][i]);
+            spread += t * t;
+        }
+    real_t slope = linear[0] * f->level_height * block / f->integrator;
+    real_t sd = real_sqrt(variance_of_point(f, SHAPE_FORMULA_INTEGRATING) / spread);
+    return real_abs(cross / spread) < SDS * sd && sd < RAMP_SD_MAX * real_abs(slope) &&
+           f->level >= RAMP_LAGS * c->place.time;
+}
+
+void shape_choice_prepare(struct shape_fit *f)
+{
+    real_t squares[2], linear[3];
+    f->ramp_agrees = ramp_holds(f);
+    f->rough_variance = variance_of_differences(f);
+    const struct shape_place quarter = {.time = REAL_C(0.25) * f->level};
+    shape_search_squares(f, SHAPE_FORMULA_ONE, &quarter, squares, linear);
+    real_t strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
+    real_t variance = variance_of_point(f, SHAPE_FORMULA_ONE);
+    f->plain_gain = linear[0];
+    f->plain_sd = strength > ZERO ? real_sqrt(variance / strength) : ZERO;
+}

@@ -1,0 +1,28 @@
+/* Chooses among the formulas that have been fitted (shape_fit.h), by an information criterion, and says how sure the result
+ * is. A formula counts with the weight exp(-BIC/2); the criterion counts as many points as are independent,
+ * n (1 - r)/(1 + r), r the lag-one correlation of the residuals. */
+#ifndef REFLUX_IDENTIFY_SHAPE_CHOICE_H
+#define REFLUX_IDENTIFY_SHAPE_CHOICE_H
+
+#include "identify/shape_fit_state.h"
+#include "identify/shape_found.h"
+
+/* Correlation of the residuals of f->formula, right after shape_search_begin() at its best place. */
+void shape_choice_residuals(struct shape_fit *f);
+
+/* Covariance of f->formula, right after shape_search_slopes() at its best place. */
+void shape_choice_covariance(struct shape_fit *f);
+
+/* What the choice looks at besides. Two evaluations. */
+void shape_choice_prepare(struct shape_fit *f);
+
+/* Relative weights of the formulas, of sum 1; of one that was not fitted 0. */
+void shape_choice_weights(const struct shape_fit *f, real_t *weight);
+
+/* The shape of a candidate. */
+void shape_choice_shape(const struct shape_fit *f, enum shape_formula formula, struct shape *s);
+
+/* Fills *found. */
+void shape_choice_find(const struct shape_fit *f, struct shape_found *found);
+
+#endif

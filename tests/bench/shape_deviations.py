@@ -1,0 +1,197 @@
+#!/usr/bin/python3
+"""Are the deviations of identify/shape_fit honest? The real C code on random elements of seven classes, and a table.
+
+    cmake --build --preset host --target shape_records
+    tests/bench/shape_deviations.py --program build/host/tests/unit/shape_records            210 elements a class
+    tests/bench/shape_deviations.py --program ... --draws 30 --check                         judges: what the test runs
+    tests/bench/shape_deviations.py --program ... --study                                    BIC against AICc
+
+An element is drawn at random, moved by a double step (+a, -a, 0) or by +a, 0, -a, 0, and answers with 4 to 12 % of span. White
+noise of 0.1, 0.3 and 0.5 % of span in rotation, a drift of up to 1 % of span over the record and 12 bits come on top. A level
+lasts as long as the element needs to come within 0.2 to 6 % of its end. The baseline is free, or a line through the rest
+before. Same seed, same records.
+"""
+import argparse
+import math
+import subprocess
+import sys
+
+import numpy as np
+
+EDGES = 12
+HEAD = np.dtype([("samples", "u4"), ("edges", "u4"), ("known", "u4"), ("units", "u4"), ("h_s", "f8"),
+                 ("offset", "f8"), ("slope_per_s", "f8"), ("offset_sd", "f8"), ("slope_sd_per_s", "f8"), ("noise_sd", "f8"),
+                 ("edge", "f8", (EDGES, 2))])
+NOISES = (0.001, 0.003, 0.005)
+COUNT = 1.0 / 4096
+CLASSES = ("first order", "two lags", "damped", "inverse", "overshoot", "fast and slow", "dead time")
+KINDS = ("unknown", "no response", "one lag", "two lags", "two with zero", "integrating", "slow")
+UNKNOWN, NO_RESPONSE, ONE, TWO, ZERO, INTEGRATING, SLOW = range(7)
+FORMULAS = ("one", "two", "zero", "ramp")
+PARAMETERS = (3, 4, 5, 3)
+
+
+class Element:
+    """gain (zero s + 1) exp(-dead s) / ((first s + 1)(second s + 1)); damped: first and second are conjugate. Samples."""
+
+    def __init__(self, gain, dead, lag, square, zero=0.0):
+        self.gain, self.dead, self.lag, self.square, self.zero = gain, dead, lag, square, zero
+
+    def residence(self):
+        return self.dead + self.lag - self.zero
+
+    def step(self, t):
+        """Unit step response at times t from the step, samples."""
+        t = np.asarray(t, float) - self.dead
+        after = np.maximum(t, 0.0)
+        if self.square == 0.0:
+            rest = np.exp(-after / self.lag)
+            rest = rest - self.zero / self.lag * rest
+        else:
+            root = np.sqrt(complex(self.lag ** 2 - 4.0 * self.square))
+            if abs(root) < 1e-6 * self.lag:
+                root = 1e-6 * self.lag + 0j
+            a, b = 0.5 * (self.lag + root), 0.5 * (self.lag - root)
+            rest = (((a - self.zero) * np.exp(-after / a) - (b - self.zero) * np.exp(-after / b)) / (a - b)).real
+        return self.gain * np.where(t > 0.0, 1.0 - rest, 0.0)
+
+    def settled(self, share):
+        """First time from which the response stays within a share of its end."""
+        # the slowest exponential or envelope
+        slowest = self.lag if self.square == 0.0 else max(-1.0 / r.real for r in np.roots([self.square, self.lag, 1.0]))
+        t = self.dead + slowest * np.linspace(0.0, 14.0, 2801)
+        off = np.abs(self.step(t) / self.gain - 1.0) > share
+        return t[min(int(np.flatnonzero(off)[-1]) + 1, len(t) - 1)] if off.any() else self.dead
+
+
+def element_of(name, random):
+    scale = math.exp(random.uniform(math.log(6.0), math.log(120.0)))
+    u = random.uniform
+    gain = random.choice((-1.0, 1.0)) * math.exp(u(-1.0, 1.0))
+    if name == "first order":
+        return Element(gain, u(0.05, 1.0) * scale, scale, 0.0)
+    if name == "dead time":
+        return Element(gain, 3.0 * scale / 2, scale / 2, 0.0)
+    if name == "two lags":
+        second = u(0.1, 1.0) * scale
+        return Element(gain, u(0.05, 0.6) * scale, scale + second, scale * second)
+    if name == "damped":
+        zeta = u(0.15, 0.7)
+        return Element(gain, u(0.05, 1.0) * scale, 2.0 * zeta * scale, scale * scale)
+    second = u(0.3, 1.0) * scale
+    dead = u(0.05, 0.4) * scale
+    if name == "inverse":
+        return Element(gain, dead, scale + second, scale * second, -u(0.3, 1.5) * scale)
+    if name == "overshoot":
+        return Element(gain, dead, scale + second, scale * second, u(1.3, 3.0) * scale)
+    fast = 0.5 * scale
+    slow = fast * math.exp(u(math.log(5.0), math.log(40.0)))
+    part = u(0.2, 0.7)
+    return Element(gain, u(0.1, 1.0) * fast, fast + slow, fast * slow, part * fast + (1.0 - part) * slow)
+
+
+def record_of(element, noise, random, number):
+    """A test of the element: head and samples as bytes."""
+    share = math.exp(random.uniform(math.log(0.002), math.log(0.06)))
+    half = int(element.settled(share)) + 4
+    window = int(random.choice((32, 64, 128)))
+    amplitude = random.uniform(0.04, 0.12) / abs(element.gain)
+    levels = (1.0, -1.0, 0.0) if number % 2 else (1.0, 0.0, -1.0, 0.0)
+    samples = len(levels) * half + 8
+    start = 2
+    k = np.arange(-window, samples)
+    y = np.zeros(len(k))
+    edges = np.zeros((EDGES, 2))
+    before = 0.0
+    for n, level in enumerate(levels):
+        at = start + n * half
+        y += amplitude * (level - before) * element.step(k - at)
+        edges[n] = at, amplitude * level
+        before = level
+    slope = random.uniform(-0.01, 0.01) / samples
+    y += slope * k + noise * random.standard_normal(len(k))
+    y = np.round((0.5 + y) / COUNT) * COUNT - 0.5
+    rest, t = y[:window], np.arange(-window, 0)
+    fit = np.polyfit(t, rest, 1)
+    sd = float(np.std(np.diff(rest)) / math.sqrt(2.0))
+    mean_sd, slope_sd = sd / math.sqrt(window), sd * math.sqrt(12.0 / window ** 3)
+    head = np.zeros(1, HEAD)
+    head["samples"], head["edges"], head["known"], head["units"], head["h_s"] = samples, len(levels), number // 2 % 2, 7, 2.0
+    head["offset"], head["slope_per_s"] = fit[1], fit[0] / 2.0
+    head["offset_sd"] = math.hypot(mean_sd, slope_sd * window / 2.0)
+    head["slope_sd_per_s"] = slope_sd / 2.0
+    head["noise_sd"] = sd
+    head["edge"] = edges
+    return head.tobytes() + y[window:].tobytes()
+
+
+class Found:
+    """One line of the program."""
+
+    def __init__(self, line, element):
+        v = [float(x) for x in line.split()]
+        self.element = element
+        self.kind, self.evaluations, self.points = int(v[0]), int(v[1]), int(v[2])
+        self.gain, self.dead, self.lag, self.square, self.zero = v[3:8]
+        self.sd = v[8:13]
+        self.residence_sd, self.other, self.one_gain, self.one_sd, self.total = v[13:18]
+        self.formulas = np.array(v[18:]).reshape(4, 9)
+        self.times = 2.0
+
+    def residence(self):
+        return self.dead + self.lag - self.zero
+
+    def z(self):
+        return ((self.gain - self.element.gain) / self.sd[0],
+                (self.residence() - self.times * self.element.residence()) / self.residence_sd)
+
+
+def run(program, name, draws, seed):
+    random = np.random.default_rng([seed, CLASSES.index(name)])
+    elements = [element_of(name, random) for _ in range(draws)]
+    data = b"".join(record_of(e, NOISES[i % 3], random, i) for i, e in enumerate(elements))
+    out = subprocess.run([program], input=data, stdout=subprocess.PIPE, check=True).stdout.decode().splitlines()
+    return [Found(line, e) for line, e in zip(out, elements, strict=True)]
+
+
+def table(results):
+    print(f"{'class':14} {'n':>4} {'known':>6} | gain beyond 2 sd  3 sd | residence 2 sd  3 sd | median sd: gain  residence |"
+          f" one lag beyond 2 sd | kinds")
+    rows = []
+    for name, found in results.items():
+        known = [f for f in found if f.kind in (ONE, TWO, ZERO)]
+        z = np.abs(np.array([f.z() for f in known]))
+        beyond = [100.0 * np.mean(z[:, k] > s) for k in range(2) for s in (2.0, 3.0)]
+        sd = np.median([f.sd[0] / abs(f.gain) for f in known]), np.median([f.residence_sd / f.residence() for f in known])
+        one = 100.0 * np.mean([abs(f.one_gain - f.element.gain) > 2.0 * f.one_sd for f in known])
+        kinds = " ".join(f"{KINDS[k]}: {sum(f.kind == k for f in found)}" for k in range(7) if any(f.kind == k for f in found))
+        print(f"{name:14} {len(found):4} {len(known):6} | {beyond[0]:14.1f} % {beyond[1]:4.1f} % | {beyond[2]:12.1f} % {beyond[3]:4.1f} % |"
+              f" {100 * sd[0]:15.2f} % {100 * sd[1]:8.2f} % | {one:17.1f} % | {kinds}")
+        rows.append((name, len(found), len(known), beyond))
+    print("most evaluations:", max(f.evaluations for found in results.values() for f in found))
+    return rows
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--program", required=True)
+    options.add_argument("--draws", type=int, default=210)
+    options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--check", action="store_true")
+    options.add_argument("--worst", action="store_true")
+    o = options.parse_args()
+    print("seed", o.seed)
+    results = {name: run(o.program, name, o.draws, o.seed) for name in CLASSES}
+    rows = table(results)
+    if o.worst:
+        for name, found in results.items():
+            bad = sorted((f for f in found if f.kind in (ONE, TWO, ZERO)), key=lambda f: -max(map(abs, f.z())))[:5]
+            for f in bad:
+                e = f.element
+                print(f"{name}: z {f.z()[0]:.1f} {f.z()[1]:.1f} kind {KINDS[f.kind]} true {e.gain:.3f} {2*e.dead:.1f} {2*e.lag:.1f} {4*e.square:.0f} {2*e.zero:.1f}"
+                      f" found {f.gain:.3f} {f.dead:.1f} {f.lag:.1f} {f.square:.0f} {f.zero:.1f} sd {f.sd[0]:.3f} res {f.residence_sd:.1f} other {f.other:.2f}"
+                      f" squares {f.formulas[:, 0]} points {f.points}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
