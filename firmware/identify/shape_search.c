@@ -226,19 +226,26 @@ static void damped_step(const struct shape_fit *f, uint32_t first, uint32_t coun
         step[i] = solved && i < count && !held[i] ? rows[4 * i + 3] : ZERO;
 }
 
+/* The longest lag that is looked for. With a zero it is the level: a slower tail looks like a drift. */
+static real_t longest_time(const struct shape_fit *f)
+{
+    real_t longest = has_zero((enum shape_formula)f->formula) ? f->level : f->time_max;
+    return longest < f->time_max ? longest : f->time_max;
+}
+
 /* The place after a step; a parameter that would leave its range is held, and the others move alone. */
 static struct shape_place stepped(const struct shape_fit *f)
 {
     enum shape_formula formula = (enum shape_formula)f->formula;
     uint32_t first = has_zero(formula) ? 2u : 1u, count = has_ratio(formula) ? 3u : 2u;
     bool held[3] = {false, false, false};
-    real_t step[3];
+    real_t step[3], time_max = longest_time(f);
     for (int n = 0; n < 3; n++) {
         damped_step(f, first, count, held, step);
         bool dead = (f->place.dead <= ZERO && step[0] < ZERO) ||
                     (f->place.dead >= f->dead_max && step[0] > ZERO);
         bool time = (f->place.time <= TIME_MIN && step[1] < ZERO) ||
-                    (f->place.time >= f->time_max && step[1] > ZERO);
+                    (f->place.time >= time_max && step[1] > ZERO);
         bool ratio = (f->place.ratio <= SHAPE_RATIO_MIN && step[2] < ZERO) ||
                      (f->place.ratio >= SHAPE_RATIO_MAX && step[2] > ZERO);
         if (!dead && !time && !ratio)
@@ -250,7 +257,7 @@ static struct shape_place stepped(const struct shape_fit *f)
     struct shape_place p = f->place;
     p.dead = limited(p.dead + step[0], ZERO, f->dead_max);
     p.time *= real_exp(limited(step[1], -LOG_STEP_MAX, LOG_STEP_MAX));
-    p.time = limited(p.time, TIME_MIN, f->time_max);
+    p.time = limited(p.time, TIME_MIN, time_max);
     if (has_ratio(formula)) {
         p.ratio *= real_exp(limited(step[2], -TWO * LOG_STEP_MAX, TWO * LOG_STEP_MAX));
         p.ratio = limited(p.ratio, SHAPE_RATIO_MIN, SHAPE_RATIO_MAX);

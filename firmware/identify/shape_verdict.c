@@ -114,13 +114,11 @@ static void shrink_to_seen(struct shape *s, real_t to_come)
     s->square_s2 = slow * seen * fast;
 }
 
-static bool response_stands_out(const struct shape_fit *f, enum shape_formula best,
-                                const real_t *weight)
+static bool response_stands_out(const struct shape_fit *f, enum shape_formula best)
 {
     const struct shape_candidate *c = &f->candidate[best];
     uint32_t more = shape_parameter_counts[best] - 3u;
     real_t gained = f->total - c->squares, spread = c->squares / (real_t)f->points;
-    (void)weight;
     spread = spread > f->noise_variance ? spread : f->noise_variance;
     spread *= (ONE + c->correlation) / (ONE - c->correlation);
     return gained > (SIGNIFICANT + TWO * (real_t)more) * spread && gained > ZERO;
@@ -129,16 +127,20 @@ static bool response_stands_out(const struct shape_fit *f, enum shape_formula be
 static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula chosen,
                                   const real_t *weight, const struct shape_found *found)
 {
-    bool slow = false;
-    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
-        slow = slow || ((k == (unsigned)chosen || weight[k] > PLAUSIBLE) &&
-                        real_abs(share_to_come(f, (enum shape_formula)k)) > THIRD);
+    bool slow = false, perhaps_slow = real_abs(share_to_come(f, chosen)) > OPEN;
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        if (k != (unsigned)chosen && !(weight[k] > COUNTED))
+            continue;
+        bool open = real_abs(share_to_come(f, (enum shape_formula)k)) > THIRD;
+        slow = slow || (open && (k == (unsigned)chosen || weight[k] > PLAUSIBLE));
+        perhaps_slow = perhaps_slow || open;
+    }
     if (chosen == SHAPE_FORMULA_INTEGRATING && f->ramp_agrees)
         return SHAPE_INTEGRATING;
     if (slow)
         return SHAPE_SLOW;
     if (found->sd[SHAPE_GAIN] > THIRD * real_abs(found->shape.gain))
-        return real_abs(share_to_come(f, chosen)) > OPEN ? SHAPE_SLOW : SHAPE_UNKNOWN;
+        return perhaps_slow ? SHAPE_SLOW : SHAPE_UNKNOWN;
     if (chosen == SHAPE_FORMULA_ONE)
         return SHAPE_ONE_LAG;
     return chosen == SHAPE_FORMULA_TWO ? SHAPE_TWO_LAGS : SHAPE_TWO_WITH_ZERO;
@@ -153,7 +155,7 @@ void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
         if (weight[k] > weight[chosen])
             chosen = (enum shape_formula)k;
     *found = (struct shape_found){.kind = SHAPE_UNKNOWN};
-    if (!response_stands_out(f, chosen, weight)) {
+    if (!response_stands_out(f, chosen)) {
         found->kind = SHAPE_NO_RESPONSE;
         found->parameters = found->other_parameters = 1;
         found->shape.gain = f->plain_gain;
