@@ -6,14 +6,16 @@
 #include "identify/shape_response.h"
 #include "identify/shape_search.h"
 
-/* Variances of a point that a response explains at least; two more for each further parameter. */
+/* Variances of a point that a response explains at least, and beyond the logarithm of the points for each parameter. */
 #define SIGNIFICANT  REAL_C(16.0)
+#define BEYOND_NONE  REAL_C(4.0)
 #define THIRD        REAL_C(0.33333)
 #define PLAUSIBLE    REAL_C(0.1)   /* weight of a formula that makes an element slow */
 #define COUNTED      REAL_C(0.002) /* least weight of a formula in the mixture */
 #define OPEN         REAL_C(0.1)   /* share still to come with which an unsure gain is a slow one */
 #define EXCESS       REAL_C(1.5)   /* variance of noise over its mean that is not surprising */
 #define MISFIT_SHARE REAL_C(1.2)   /* error of the gain, over the misfit */
+#define UNSEEN_DOUBT REAL_C(0.2)   /* share of what is still to come, which the formula alone predicts */
 #define MISFIT_MAX   REAL_C(0.2)   /* over the response, for a shape that means something */
 
 static const uint8_t shape_parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 4};
@@ -89,9 +91,11 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
                     within[n] += share * (number[i] - middle[i]) * (number[j] - middle[j]);
             }
     }
-    within[0] += misfit * misfit;
     struct shape shape, second;
     shape_choice_shape(f, chosen, &shape);
+    real_t doubt = UNSEEN_DOUBT * share_to_come(f, chosen);
+    within[0] += misfit * misfit + doubt * doubt * shape.gain * shape.gain;
+    residence += doubt * doubt * shape.lag_s * shape.lag_s;
     shape_choice_shape(f, other, &second);
     shape_found_pack(found, &shape, shape_parameter_counts[chosen], &second,
                      shape_parameter_counts[other], other == chosen ? ZERO : part[other] / sum,
@@ -117,11 +121,12 @@ static void shrink_to_seen(struct shape *s, real_t to_come)
 static bool response_stands_out(const struct shape_fit *f, enum shape_formula best)
 {
     const struct shape_candidate *c = &f->candidate[best];
-    uint32_t more = shape_parameter_counts[best] - 3u;
+    real_t least = BEYOND_NONE + (real_t)shape_parameter_counts[best] * real_log((real_t)f->points);
     real_t gained = f->total - c->squares, spread = c->squares / (real_t)f->points;
     spread = spread > f->noise_variance ? spread : f->noise_variance;
     spread *= (ONE + c->correlation) / (ONE - c->correlation);
-    return gained > (SIGNIFICANT + TWO * (real_t)more) * spread && gained > ZERO;
+    least = least > SIGNIFICANT ? least : SIGNIFICANT;
+    return gained > least * spread && gained > ZERO;
 }
 
 static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula chosen,

@@ -24,6 +24,7 @@ HEAD = np.dtype([("samples", "u4"), ("edges", "u4"), ("known", "u4"), ("units", 
                  ("edge", "f8", (EDGES, 2))])
 NOISES = (0.001, 0.003, 0.005)
 COUNT = 1.0 / 4096
+OTHERS = ("no response", "three lags", "integrating", "short level")
 CLASSES = ("first order", "two lags", "damped", "inverse", "overshoot", "fast and slow", "dead time")
 KINDS = ("unknown", "no response", "one lag", "two lags", "two with zero", "integrating", "slow")
 UNKNOWN, NO_RESPONSE, ONE, TWO, ZERO, INTEGRATING, SLOW = range(7)
@@ -64,6 +65,66 @@ class Element:
         return t[min(int(np.flatnonzero(off)[-1]) + 1, len(t) - 1)] if off.any() else self.dead
 
 
+class Integrator(Element):
+    """slope exp(-dead s) / (s (lag s + 1)), seen for a number of its dead time and lag."""
+
+    def step(self, t):
+        after = np.maximum(np.asarray(t, float) - self.dead, 0.0)
+        return self.gain * (after + self.lag * np.expm1(-after / self.lag))
+
+    def settled(self, share):
+        return self.level
+
+
+class ThreeLags(Element):
+    """A third lag, which no formula has."""
+
+    def step(self, t):
+        t = np.asarray(t, float) - self.dead
+        after = np.maximum(t, 0.0)
+        lags = self.lags
+        rest = 0.0
+        for i, a in enumerate(lags):
+            others = [b for j, b in enumerate(lags) if j != i]
+            rest = rest + a * a * np.exp(-after / a) / ((a - others[0]) * (a - others[1]))
+        return self.gain * np.where(t > 0.0, 1.0 - rest, 0.0)
+
+    def settled(self, share):
+        t = np.linspace(0.0, 12.0 * sum(self.lags), 2401) + self.dead
+        off = np.flatnonzero(np.abs(self.step(t) / self.gain - 1.0) > share)
+        return t[min(int(off[-1]) + 1, len(t) - 1)]
+
+
+class Short(Element):
+    """A level that ends early."""
+
+    def settled(self, share):
+        return self.dead + self.part * super().settled(0.05)
+
+
+def other_element_of(name, random):
+    u = random.uniform
+    scale = math.exp(u(math.log(6.0), math.log(60.0)))
+    gain = random.choice((-1.0, 1.0)) * math.exp(u(-1.0, 1.0))
+    if name == "no response":
+        e = Element(gain, u(0.05, 1.0) * scale, scale, 0.0)
+        e.silent = True
+    elif name == "three lags":
+        e = ThreeLags(gain, u(0.05, 0.5) * scale, 0.0, 0.0)
+        e.lags = [scale, scale * u(0.5, 0.9), scale * u(0.2, 0.45)]
+        e.lag = sum(e.lags)
+    elif name == "integrating":
+        e = Integrator(gain, u(0.1, 1.0) * scale, u(0.2, 1.0) * scale, 0.0)
+        e.level = e.dead + e.lag * u(4.5, 12.0)
+    else:
+        name = CLASSES[int(u(0.0, 7.0))]
+        base = element_of(name, random)
+        e = Short(base.gain, base.dead, base.lag, base.square, base.zero)
+        e.name = name
+        e.part = math.exp(u(math.log(0.08), math.log(0.5)))
+    return e
+
+
 def element_of(name, random):
     scale = math.exp(random.uniform(math.log(6.0), math.log(120.0)))
     u = random.uniform
@@ -94,10 +155,13 @@ def record_of(element, noise, random, number):
     """A test of the element: head and samples as bytes."""
     share = math.exp(random.uniform(math.log(0.002), math.log(0.06)))
     half = int(element.settled(share)) + 4
-    if number // 4 % 2:  # a slower output of the same input makes the test longer
+    if number // 4 % 2 and type(element) is Element:  # a slower output of the same input makes the test longer
         half = int(half * math.exp(random.uniform(0.0, math.log(8.0))))
     window = int(random.choice((32, 64, 128)))
-    amplitude = random.uniform(0.04, 0.12) / abs(element.gain)
+    top = element.step(np.array([half]))[0] if type(element) in (Integrator, Short) else element.gain
+    amplitude = random.uniform(0.04, 0.12) / max(abs(top), 0.05 * abs(element.gain))
+    if getattr(element, "silent", False):
+        element.gain = 0.0
     levels = (1.0, -1.0, 0.0) if number % 2 else (1.0, 0.0, -1.0, 0.0)
     samples = len(levels) * half + 8
     start = 2
@@ -149,8 +213,8 @@ class Found:
 
 
 def run(program, name, draws, seed):
-    random = np.random.default_rng([seed, CLASSES.index(name)])
-    elements = [element_of(name, random) for _ in range(draws)]
+    random = np.random.default_rng([seed, (CLASSES + OTHERS).index(name)])
+    elements = [(element_of if name in CLASSES else other_element_of)(name, random) for _ in range(draws)]
     data = b"".join(record_of(e, NOISES[i % 3], random, i) for i, e in enumerate(elements))
     out = subprocess.run([program], input=data, stdout=subprocess.PIPE, check=True).stdout.decode().splitlines()
     return [Found(line, e) for line, e in zip(out, elements, strict=True)]
@@ -172,6 +236,26 @@ def table(results):
         rows.append((name, len(found), len(known), beyond))
     print("most evaluations:", max(f.evaluations for found in results.values() for f in found))
     return rows
+
+
+def other_table(results):
+    """Elements whose end is not seen, that have none, or whose shape no formula has."""
+    print(f"{'other':14} {'n':>4} {'known':>6} | known: gain beyond 2 sd  3 sd | slow: true gain below the bound | kinds")
+    for name, found in results.items():
+        known = [f for f in found if f.kind in (ONE, TWO, ZERO)]
+        z = np.abs(np.array([f.z() for f in known])) if known else np.zeros((1, 2))
+        slow = [f for f in found if f.kind == SLOW]
+        below = sum(abs(f.element.gain) < abs(f.gain) * 0.8 or f.gain * f.element.gain < 0.0 for f in slow)
+        kinds = " ".join(f"{KINDS[k]}: {sum(f.kind == k for f in found)}" for k in range(7) if any(f.kind == k for f in found))
+        print(f"{name:14} {len(found):4} {len(known):6} | {100 * np.mean(z[:, 0] > 2):21.1f} % {100 * np.mean(z[:, 0] > 3):4.1f} % |"
+              f" {below:30} | {kinds}")
+        if name == "integrating":
+            off = np.array([(f.gain / f.lag / (f.element.gain / 2.0) - 1.0) for f in found if f.kind == INTEGRATING])
+            z = np.array([(f.gain / f.lag - f.element.gain / 2.0) / (f.sd[0] / f.lag) for f in found if f.kind == INTEGRATING])
+            print(f"    slopes of integrators: rms error {100 * np.sqrt(np.mean(off ** 2)):.2f} %, {100 * np.mean(np.abs(z) > 2):.1f} % beyond 2 sd")
+        if name == "no response":
+            z = np.array([f.gain / f.sd[0] for f in found if f.kind == NO_RESPONSE])
+            print(f"    gains: {100 * np.mean(np.abs(z) > 2):.1f} % beyond 2 sd")
 
 
 def weights(found, criterion):
@@ -229,6 +313,9 @@ def main():
     print("seed", o.seed)
     results = {name: run(o.program, name, o.draws, o.seed) for name in CLASSES}
     rows = table(results)
+    others = {name: run(o.program, name, o.draws, o.seed) for name in OTHERS}
+    other_table(others)
+    results.update(others if o.worst else {})
     if o.study:
         study(results)
     if o.worst:
