@@ -11,6 +11,7 @@
 #define SQUARES_LEAST   REAL_C(1e-10) /* of the whole, that float can tell */
 #define RAMP_SD_MAX     REAL_C(0.1)   /* deviation of the ramp's slope over it, to count as seen */
 #define RAMP_LAGS       REAL_C(4.0)   /* least level in slowest lags */
+#define EFFECTIVE_MIN   REAL_C(8.0) /* points that count at least */
 #define SDS             REAL_C(2.0)
 
 static const uint8_t parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 3};
@@ -115,31 +116,33 @@ void shape_choice_covariance(struct shape_fit *f)
 {
     REFLUX_ASSERT(f->formula < SHAPE_FORMULAS);
     struct shape_candidate *c = &f->candidate[f->formula];
-    real_t row[SHAPE_PARAMETERS][SHAPE_COLUMNS], residence = ZERO;
+    real_t row[SHAPE_PARAMETERS][SHAPE_COLUMNS], lag = ZERO;
     uint8_t columns[SHAPE_COLUMNS];
     uint32_t count = shape_search_columns((enum shape_formula)f->formula, columns), n = 0;
     real_t variance = variance_of_point(f, (enum shape_formula)f->formula);
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
         parameter_slopes(f, i, row[i]);
         by_inverse_triangle(f, count, row[i]);
+    }
+    /* Residence time takes the place of the lag: a record knows it best, and the correlations stay small. */
+    for (uint32_t k = 0; k < count; k++) {
+        lag += row[SHAPE_LAG][k] * row[SHAPE_LAG][k];
+        row[SHAPE_LAG][k] += row[SHAPE_DEAD][k] - row[SHAPE_ZERO][k];
+    }
+    c->lag_variance = variance * lag;
+    for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++)
         for (uint32_t j = 0; j <= i; j++) {
             real_t sum = ZERO;
             for (uint32_t k = 0; k < count; k++)
                 sum += row[i][k] * row[j][k];
             c->covariance[n++] = variance * sum;
         }
-    }
-    for (uint32_t k = 0; k < count; k++) {
-        real_t sum = row[SHAPE_DEAD][k] + row[SHAPE_LAG][k] - row[SHAPE_ZERO][k];
-        residence += sum * sum;
-    }
-    c->residence_variance = variance * residence;
 }
 
 void shape_choice_weights(const struct shape_fit *f, real_t *weight)
 {
     real_t least = REAL_C(3e38), sum = ZERO, n = (real_t)f->points, bic[SHAPE_FORMULAS];
-    real_t floor = SQUARES_LEAST * f->total, best = f->total, effective = n;
+    real_t floor = SQUARES_LEAST * f->total + REAL_C(1e-37), best = f->total, effective = n;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         const struct shape_candidate *c = &f->candidate[k];
         if (c->squares >= ZERO && c->squares <= best) {
@@ -147,10 +150,11 @@ void shape_choice_weights(const struct shape_fit *f, real_t *weight)
             effective = n / inflation(c->correlation);
         }
     }
+    effective = effective > EFFECTIVE_MIN ? effective : EFFECTIVE_MIN;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         real_t squares = f->candidate[k].squares;
         squares = squares > floor ? squares : floor;
-        bic[k] = effective * real_log(squares / f->total) +
+        bic[k] = effective * real_log(squares) +
                  (real_t)parameter_counts[k] * real_log(effective);
         if (f->candidate[k].squares >= ZERO && bic[k] < least)
             least = bic[k];

@@ -32,9 +32,9 @@ struct shape_candidate {
     real_t gain, gain_zero; /* of the integrator: of the lag that stands for it */
     real_t squares;         /* sum that is left; negative: not fitted */
     real_t correlation;     /* lag one, of the residuals */
-    /* Of gain, dead time, lag, square, zero in units of the record, seconds: lower triangle by rows. */
+    /* Of gain, dead time, residence time, square, zero in units of the record, seconds: lower triangle by rows. */
     real_t covariance[15];
-    real_t residence_variance;
+    real_t lag_variance;
 };
 
 #define SHAPE_STARTS  5 /* of formula TWO, three of ZERO, of INTEGRATING */

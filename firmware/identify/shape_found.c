@@ -12,11 +12,14 @@
 /* Square over the square of the lag, at damping 0.1. */
 #define SQUARE_MOST REAL_C(25.0)
 
+/* Index of the residence time, which takes the place of the lag where covariances are kept. */
+#define RESIDENCE SHAPE_LAG
+
 static void to_numbers(const struct shape *s, real_t *number)
 {
     number[SHAPE_GAIN] = s->gain;
     number[SHAPE_DEAD] = s->dead_time_s;
-    number[SHAPE_LAG] = s->lag_s;
+    number[RESIDENCE] = shape_residence_s(s);
     number[SHAPE_SQUARE] = s->square_s2;
     number[SHAPE_ZERO] = s->zero_s;
 }
@@ -25,7 +28,7 @@ static void from_numbers(const real_t *number, struct shape *s)
 {
     *s = (struct shape){.gain = number[SHAPE_GAIN],
                         .dead_time_s = number[SHAPE_DEAD],
-                        .lag_s = number[SHAPE_LAG],
+                        .lag_s = number[RESIDENCE] - number[SHAPE_DEAD] + number[SHAPE_ZERO],
                         .square_s2 = number[SHAPE_SQUARE],
                         .zero_s = number[SHAPE_ZERO]};
 }
@@ -55,7 +58,7 @@ static uint32_t lower(uint32_t i, uint32_t j)
 
 void shape_found_pack(struct shape_found *f, const struct shape *chosen, uint8_t parameters,
                       const struct shape *other, uint8_t other_parameters, real_t other_weight,
-                      const real_t *within)
+                      const real_t *within, real_t lag_variance)
 {
     real_t a[SHAPE_PARAMETERS], b[SHAPE_PARAMETERS];
     f->shape = *chosen;
@@ -73,9 +76,13 @@ void shape_found_pack(struct shape_found *f, const struct shape *chosen, uint8_t
             real_t size = real_sqrt(within[lower(i, i)] * within[lower(j, j)]);
             real_t r = size > ZERO ? REAL_C(127.0) * within[lower(i, j)] / size : ZERO;
             r += r < ZERO ? REAL_C(-0.5) : REAL_C(0.5);
+            /* Infinite covariances have no correlation. */
+            r = real_within(r, REAL_C(-127.5), REAL_C(127.5)) ? r : ZERO;
             f->correlation[i * (i - 1u) / 2u + j] = (int8_t)r;
         }
     }
+    f->residence_sd_s = f->sd[RESIDENCE];
+    f->sd[SHAPE_LAG] = real_sqrt(lag_variance);
 }
 
 real_t shape_found_other(const struct shape_found *f, struct shape *other)
@@ -87,7 +94,8 @@ real_t shape_found_other(const struct shape_found *f, struct shape *other)
     return (real_t)f->other_weight / REAL_C(255.0);
 }
 
-/* Deviations of one shape: without the difference between the two. Returns the weight of the other. */
+/* Deviations of one shape, with the residence time, without the difference between the two; the difference. Returns the weight
+ * of the other. */
 static real_t deviations_within(const struct shape_found *f, real_t *sd, real_t *apart)
 {
     struct shape other;
@@ -96,7 +104,8 @@ static real_t deviations_within(const struct shape_found *f, real_t *sd, real_t 
     to_numbers(&other, apart);
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
         apart[i] -= a[i];
-        real_t variance = f->sd[i] * f->sd[i] - weight * apart[i] * apart[i];
+        real_t all = i == RESIDENCE ? f->residence_sd_s : f->sd[i];
+        real_t variance = all * all - weight * apart[i] * apart[i];
         sd[i] = variance > ZERO ? real_sqrt(variance) : ZERO;
     }
     return weight;
@@ -110,14 +119,26 @@ static real_t correlation_of(const struct shape_found *f, uint32_t i, uint32_t j
     return (real_t)f->correlation[row * (row - 1u) / 2u + column] / REAL_C(127.0);
 }
 
+/* Row of the lag in terms of the numbers that are kept. */
+static const real_t lag_of_numbers[SHAPE_PARAMETERS] = {ZERO, -ONE, ONE, ZERO, ONE};
+
 void shape_found_covariance(const struct shape_found *f, real_t *covariance)
 {
-    real_t sd[SHAPE_PARAMETERS], apart[SHAPE_PARAMETERS];
+    real_t sd[SHAPE_PARAMETERS], apart[SHAPE_PARAMETERS], lag[SHAPE_PARAMETERS];
     real_t weight = deviations_within(f, sd, apart);
+    real_t *c = covariance;
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++)
         for (uint32_t j = 0; j < SHAPE_PARAMETERS; j++)
-            covariance[SHAPE_PARAMETERS * i + j] =
+            c[SHAPE_PARAMETERS * i + j] =
                 correlation_of(f, i, j) * sd[i] * sd[j] + weight * apart[i] * apart[j];
+    for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
+        lag[i] = ZERO;
+        for (uint32_t j = 0; j < SHAPE_PARAMETERS; j++)
+            lag[i] += lag_of_numbers[j] * c[SHAPE_PARAMETERS * i + j];
+    }
+    for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++)
+        c[SHAPE_PARAMETERS * i + SHAPE_LAG] = c[SHAPE_PARAMETERS * SHAPE_LAG + i] = lag[i];
+    c[SHAPE_PARAMETERS * SHAPE_LAG + SHAPE_LAG] = f->sd[SHAPE_LAG] * f->sd[SHAPE_LAG];
 }
 
 /* Root of the matrix of correlations, lower triangle by rows; what rounding has made impossible counts as 0. */

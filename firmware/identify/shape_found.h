@@ -12,15 +12,16 @@
 enum shape_kind {
     /* Nothing is known of the element. It is not zero, and nothing may be built on it. */
     SHAPE_UNKNOWN,
-    /* No response stands out of the noise: the gain is what a response within a quarter of the longest level would have had,
-     * with its deviation; the times are 0 and mean nothing. A slower response than that may exist. */
+    /* No response stands out of the noise: the gain is that of a lag of a quarter of the longest level, which lag_s says, with
+     * its deviation. A slower response than that may exist, and so may a larger gain with it. */
     SHAPE_NO_RESPONSE,
     SHAPE_ONE_LAG,
     SHAPE_TWO_LAGS,      /* or damped */
     SHAPE_TWO_WITH_ZERO, /* of either sign */
     /* A ramp with a lag (lti/shape.h): its slope is gain over lag. */
     SHAPE_INTEGRATING,
-    /* The record does not show the end: at least this gain and this lag. */
+    /* The record does not show the end: gain and lag are what has been seen so far, with the beginning of the response as it
+     * is. The element has at least these; only one that overshoots may come back from its gain. */
     SHAPE_SLOW
 };
 
@@ -40,20 +41,23 @@ struct shape_found {
     uint8_t kind;         /* enum shape_kind */
     /* Parameters that the shape has: 3 for one lag, 4 with a square, 5 with a zero; and those of the other. */
     uint8_t parameters, other_parameters;
-    /* Correlations of the parameters of one shape, of 127: lower triangle by rows without its diagonal. */
+    /* Correlations of gain, dead time, residence time, square and zero of one shape, of 127: lower triangle by rows without
+     * its diagonal. */
     int8_t correlation[SHAPE_CORRELATIONS];
 };
 
-/* Packs: chosen and other with the weight of the other (0 to 1), `within`, the covariance without their difference (lower
- * triangle by rows with its diagonal), and whether the other counts. sd is found. */
+/* Packs: chosen and other with the weight of the other (0 to 1), `within`, the covariance of gain, dead time, residence time,
+ * square and zero without the difference of the two (lower triangle by rows with its diagonal), and the variance of the lag,
+ * the choice included. sd and residence_sd_s are found. */
 void shape_found_pack(struct shape_found *f, const struct shape *chosen, uint8_t parameters,
                       const struct shape *other, uint8_t other_parameters, real_t other_weight,
-                      const real_t *within);
+                      const real_t *within, real_t lag_variance);
 
 /* The next plausible shape; returns its weight, 0 to 1. */
 real_t shape_found_other(const struct shape_found *f, struct shape *other);
 
-/* Covariance of the parameters, the choice included: all 25 elements. */
+/* Covariance of the parameters in the order of enum shape_parameter, the choice included: all 25 elements. Rounded
+ * correlations make it inexact by about 1 %; sd and residence_sd_s are exact. */
 void shape_found_covariance(const struct shape_found *f, real_t *covariance);
 
 /* Draw number n of a seed: a plausible member. It takes the chosen shape or the other by weight, and its parameters from

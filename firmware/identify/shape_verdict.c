@@ -12,6 +12,7 @@
 #define THIRD        REAL_C(0.33333)
 #define PLAUSIBLE    REAL_C(0.1)   /* weight of a formula that makes an element slow */
 #define COUNTED      REAL_C(0.002) /* least weight of a formula in the mixture */
+#define AT_BOUND     REAL_C(0.98)
 #define OPEN         REAL_C(0.1)   /* share still to come with which an unsure gain is a slow one */
 #define EXCESS       REAL_C(1.5)   /* variance of noise over its mean that is not surprising */
 #define MISFIT_SHARE REAL_C(1.2)   /* error of the gain, over the misfit */
@@ -34,13 +35,14 @@ static real_t share_to_come(const struct shape_fit *f, enum shape_formula formul
     return shape_response_to_come(&m, time, zero);
 }
 
+/* The numbers of a shape with the residence time in place of the lag. */
 static void parameters_of(const struct shape_fit *f, enum shape_formula formula, real_t *number)
 {
     struct shape s;
     shape_choice_shape(f, formula, &s);
     number[SHAPE_GAIN] = s.gain;
     number[SHAPE_DEAD] = s.dead_time_s;
-    number[SHAPE_LAG] = s.lag_s;
+    number[SHAPE_LAG] = shape_residence_s(&s);
     number[SHAPE_SQUARE] = s.square_s2;
     number[SHAPE_ZERO] = s.zero_s;
 }
@@ -61,7 +63,7 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
                 real_t misfit, struct shape_found *found)
 {
     real_t within[15], middle[SHAPE_PARAMETERS], number[SHAPE_PARAMETERS], sum = ZERO;
-    real_t residence = ZERO, part[SHAPE_FORMULAS];
+    real_t lag = ZERO, part[SHAPE_FORMULAS];
     enum shape_formula other = chosen;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         bool mixes = k == (unsigned)chosen || (k != SHAPE_FORMULA_INTEGRATING &&
@@ -74,15 +76,18 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
     for (unsigned n = 0; n < 15; n++)
         within[n] = ZERO;
     parameters_of(f, chosen, middle);
-    real_t centre = middle[SHAPE_DEAD] + middle[SHAPE_LAG] - middle[SHAPE_ZERO];
+    struct shape shape, second;
+    shape_choice_shape(f, chosen, &shape);
+    shape_choice_shape(f, other, &second);
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         if (!(part[k] > ZERO))
             continue;
         const struct shape_candidate *c = &f->candidate[k];
         real_t share = part[k] / sum;
         parameters_of(f, (enum shape_formula)k, number);
-        real_t apart = number[SHAPE_DEAD] + number[SHAPE_LAG] - number[SHAPE_ZERO] - centre;
-        residence += share * (c->residence_variance + apart * apart);
+        real_t apart =
+            number[SHAPE_LAG] - number[SHAPE_DEAD] + number[SHAPE_ZERO] - shape.lag_s;
+        lag += share * (c->lag_variance + apart * apart);
         unsigned n = 0;
         for (unsigned i = 0; i < SHAPE_PARAMETERS; i++)
             for (unsigned j = 0; j <= i; j++, n++) {
@@ -91,16 +96,14 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
                     within[n] += share * (number[i] - middle[i]) * (number[j] - middle[j]);
             }
     }
-    struct shape shape, second;
-    shape_choice_shape(f, chosen, &shape);
-    real_t doubt = UNSEEN_DOUBT * share_to_come(f, chosen);
+    real_t doubt = chosen == SHAPE_FORMULA_INTEGRATING ? ZERO : share_to_come(f, chosen);
+    doubt *= UNSEEN_DOUBT;
     within[0] += misfit * misfit + doubt * doubt * shape.gain * shape.gain;
-    residence += doubt * doubt * shape.lag_s * shape.lag_s;
-    shape_choice_shape(f, other, &second);
+    within[5] += doubt * doubt * shape.lag_s * shape.lag_s; /* the residence time's */
+    lag += doubt * doubt * shape.lag_s * shape.lag_s;
     shape_found_pack(found, &shape, shape_parameter_counts[chosen], &second,
                      shape_parameter_counts[other], other == chosen ? ZERO : part[other] / sum,
-                     within);
-    found->residence_sd_s = real_sqrt(residence);
+                     within, lag);
 }
 
 /* Makes of a shape what has been seen of it: its slow lag and its gain shrink by the share that is still to come, so that the
@@ -129,6 +132,12 @@ static bool response_stands_out(const struct shape_fit *f, enum shape_formula be
     return gained > least * spread && gained > ZERO;
 }
 
+/* The slow tail of a shape with a zero is as long as it may be: it is longer, or there is a drift beside it. */
+static bool tail_is_open(const struct shape_fit *f)
+{
+    return f->candidate[SHAPE_FORMULA_ZERO].place.time >= AT_BOUND * f->level;
+}
+
 static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula chosen,
                                   const real_t *weight, const struct shape_found *found)
 {
@@ -136,7 +145,8 @@ static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula 
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         if (k != (unsigned)chosen && !(weight[k] > COUNTED))
             continue;
-        bool open = real_abs(share_to_come(f, (enum shape_formula)k)) > THIRD;
+        bool open = real_abs(share_to_come(f, (enum shape_formula)k)) > THIRD ||
+                    (k == SHAPE_FORMULA_ZERO && tail_is_open(f));
         slow = slow || (open && (k == (unsigned)chosen || weight[k] > PLAUSIBLE));
         perhaps_slow = perhaps_slow || open;
     }
@@ -161,9 +171,10 @@ void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
             chosen = (enum shape_formula)k;
     *found = (struct shape_found){.kind = SHAPE_UNKNOWN};
     if (!response_stands_out(f, chosen)) {
-        found->kind = SHAPE_NO_RESPONSE;
         found->parameters = found->other_parameters = 1;
         found->shape.gain = f->plain_gain;
+        found->shape.lag_s = REAL_C(0.25) * f->level * f->h_s;
+        found->kind = f->plain_sd > ZERO ? (uint8_t)SHAPE_NO_RESPONSE : (uint8_t)SHAPE_UNKNOWN;
         found->sd[SHAPE_GAIN] = f->plain_sd;
         return;
     }

@@ -58,7 +58,7 @@ static void print_candidates(void)
         printf(" %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g", (double)c->squares,
                (double)c->correlation, (double)s.gain, (double)s.dead_time_s, (double)s.lag_s,
                (double)s.square_s2, (double)s.zero_s, (double)c->covariance[0],
-               (double)c->residence_variance);
+               (double)c->covariance[5]);
     }
     printf("\n");
 }
