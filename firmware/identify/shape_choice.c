@@ -8,7 +8,14 @@
 #include "identify/shape_search.h"
 
 #define CORRELATION_MAX REAL_C(0.9)
-#define SQUARES_LEAST   REAL_C(1e-10) /* of the whole, that float can tell */
+/* Share of the whole that no formula meets better: equal lags are kept apart, and no plant is a formula. */
+#define SQUARES_LEAST   REAL_C(1e-7)
+/* Deviations of the searched parameters before any record: of the dead time over dead time and lag, of the zero over the
+ * lag, of the logarithms of lag and ratio. */
+#define PRIOR_DEAD      REAL_C(0.5)
+#define PRIOR_ZERO      REAL_C(0.25)
+#define PRIOR_TIME      REAL_C(1.5)
+#define PRIOR_RATIO     REAL_C(1.0)
 #define RAMP_SD_MAX     REAL_C(0.1)   /* deviation of the ramp's slope over it, to count as seen */
 #define RAMP_LAGS       REAL_C(4.0)   /* least level in slowest lags */
 #define EFFECTIVE_MIN   REAL_C(8.0) /* points that count at least */
@@ -112,6 +119,41 @@ static void by_inverse_triangle(const struct shape_fit *f, uint32_t count, real_
     }
 }
 
+/* Adds what is known of a parameter before any record: an observation of weight `weight` of column j's parameter, rotated into
+ * the triangle (Givens). */
+static void add_prior(struct shape_fit *f, uint32_t count, uint32_t j, real_t weight)
+{
+    real_t row[SHAPE_COLUMNS];
+    for (uint32_t k = 0; k < SHAPE_COLUMNS; k++)
+        row[k] = k == j ? weight : ZERO;
+    for (uint32_t k = j; k < count; k++) {
+        real_t *column = &f->triangle[k * (k + 1u) / 2u];
+        real_t length = real_sqrt(column[k] * column[k] + row[k] * row[k]);
+        if (!(length > ZERO))
+            continue;
+        real_t cosine = column[k] / length, sine = row[k] / length;
+        for (uint32_t i = k; i < count; i++) {
+            real_t *above = &f->triangle[i * (i + 1u) / 2u + k], kept = *above;
+            *above = cosine * kept + sine * row[i];
+            row[i] = cosine * row[i] - sine * kept;
+        }
+    }
+}
+
+/* Lags that a record cannot tell from dead time would have deviations of many times their size. */
+static void add_priors(struct shape_fit *f, uint32_t count, real_t variance)
+{
+    const struct shape_place *p = &f->candidate[f->formula].place;
+    uint32_t dead = f->formula == SHAPE_FORMULA_ZERO ? 2u : 1u;
+    real_t sd = real_sqrt(variance);
+    add_prior(f, count, dead, sd / (PRIOR_DEAD * (p->dead + p->time) + ONE));
+    add_prior(f, count, dead + 1u, sd / PRIOR_TIME);
+    if (dead + 2u < count)
+        add_prior(f, count, dead + 2u, sd / PRIOR_RATIO);
+    if (f->formula == SHAPE_FORMULA_ZERO)
+        add_prior(f, count, 1, sd / (PRIOR_ZERO * p->time * real_abs(f->gain) + REAL_C(1e-12)));
+}
+
 void shape_choice_covariance(struct shape_fit *f)
 {
     REFLUX_ASSERT(f->formula < SHAPE_FORMULAS);
@@ -120,6 +162,7 @@ void shape_choice_covariance(struct shape_fit *f)
     uint8_t columns[SHAPE_COLUMNS];
     uint32_t count = shape_search_columns((enum shape_formula)f->formula, columns), n = 0;
     real_t variance = variance_of_point(f, (enum shape_formula)f->formula);
+    add_priors(f, count, variance);
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
         parameter_slopes(f, i, row[i]);
         by_inverse_triangle(f, count, row[i]);
@@ -156,9 +199,14 @@ void shape_choice_weights(const struct shape_fit *f, real_t *weight)
         squares = squares > floor ? squares : floor;
         bic[k] = effective * real_log(squares) +
                  (real_t)parameter_counts[k] * real_log(effective);
-        if (f->candidate[k].squares >= ZERO && bic[k] < least)
-            least = bic[k];
     }
+    /* One more parameter that explains nothing says nothing, either. */
+    real_t point = (best > floor ? best : floor) / effective;
+    for (unsigned k = SHAPE_FORMULA_TWO; k <= SHAPE_FORMULA_ZERO; k++)
+        if (f->candidate[k].squares > f->candidate[k - 1u].squares - point)
+            bic[k] = REAL_C(3e38);
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
+        least = f->candidate[k].squares >= ZERO && bic[k] < least ? bic[k] : least;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         real_t worse = REAL_C(0.5) * (bic[k] - least);
         weight[k] = f->candidate[k].squares >= ZERO && worse < REAL_C(30.0) ? real_exp(-worse)

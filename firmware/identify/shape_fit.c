@@ -19,7 +19,7 @@ enum shape_phase { GRID, RAMP, START, SLOPES, STEP, JUDGE, CHOOSE, DONE };
 enum { NONE_FITTED = -1 };
 
 /* Where a search begins: a start that the grid has found, the lag that was given, or what another formula has come to. */
-enum start_place { FROM_GRID, FROM_ONE, FROM_TWO };
+enum start_place { FROM_GRID, FROM_ONE, FROM_TWO, FROM_ZERO };
 
 struct search_run {
     uint8_t formula, from, start;
@@ -29,10 +29,16 @@ static const struct search_run runs[] = {
     {SHAPE_FORMULA_ONE, FROM_ONE, 0},  {SHAPE_FORMULA_TWO, FROM_GRID, 0},
     {SHAPE_FORMULA_TWO, FROM_ONE, 0},  {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
     {SHAPE_FORMULA_ZERO, FROM_GRID, 2}, {SHAPE_FORMULA_ZERO, FROM_GRID, 3},
-    {SHAPE_FORMULA_ZERO, FROM_TWO, 0}, {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
+    {SHAPE_FORMULA_ZERO, FROM_TWO, 0}, {SHAPE_FORMULA_TWO, FROM_ZERO, 0},
+    {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
 };
 
 #define RUNS (sizeof runs / sizeof runs[0])
+
+_Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) +
+                       4u * SHAPE_FORMULAS + 2u <=
+                   SHAPE_FIT_UNITS_MAX,
+               "the search is bounded");
 
 /* Damping 0.12, 0.25, 0.5; lags of a ratio of 0.8, 0.3, 0.1, 0.03. */
 static const real_t grid_ratios[GRID_SHAPES] = {REAL_C(17.36),  REAL_C(4.0),    REAL_C(1.0),
@@ -230,8 +236,10 @@ static void start_run(struct shape_fit *f)
         shape_search_begin(f, &f->start[r->start]);
     else if (r->from == FROM_ONE)
         shape_search_begin(f, &f->one);
-    else
+    else if (r->from == FROM_TWO)
         shape_search_begin(f, &f->candidate[SHAPE_FORMULA_TWO].place);
+    else
+        shape_search_begin(f, &f->candidate[SHAPE_FORMULA_ZERO].place);
     f->phase = SLOPES;
 }
 

@@ -9,8 +9,8 @@
 #define GAIN_SURE REAL_C(3.0) /* deviations from which on a gain keeps its sign */
 #define GAIN_LEFT REAL_C(0.1) /* share of it that a member has at least */
 #define LAG_LEFT  REAL_C(0.05)
-/* Square over the square of the lag, at damping 0.1. */
-#define SQUARE_MOST REAL_C(25.0)
+/* Square over the square of the lag, at damping 0.09. */
+#define SQUARE_MOST REAL_C(30.0)
 
 /* Index of the residence time, which takes the place of the lag where covariances are kept. */
 #define RESIDENCE SHAPE_LAG

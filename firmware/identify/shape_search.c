@@ -7,7 +7,6 @@
 #include "identify/shape_response.h"
 #include "num/solve_small.h"
 
-#define TRIES         14
 #define DAMPING_FIRST REAL_C(1e-2)
 #define DAMPING_LEAST REAL_C(1e-6)
 #define DAMPING_MOST  REAL_C(1e6)
@@ -287,5 +286,5 @@ bool shape_search_step(struct shape_fit *f, bool *better)
         f->damping *= REAL_C(8.0);
     }
     f->tries++;
-    return small || f->tries >= TRIES || f->damping > DAMPING_MOST;
+    return small || f->tries >= SHAPE_SEARCH_TRIES || f->damping > DAMPING_MOST;
 }

@@ -6,9 +6,12 @@
 
 #include "identify/shape_fit_state.h"
 
-/* Least and largest ratio: lags of 1 and 1000; damping 0.1. */
+/* Least and largest ratio: lags of 1 and 1000; damping 0.09. */
 #define SHAPE_RATIO_MIN REAL_C(1e-3)
-#define SHAPE_RATIO_MAX REAL_C(25.0)
+#define SHAPE_RATIO_MAX REAL_C(30.0)
+
+/* Steps of a search; each takes four evaluations at most. */
+#define SHAPE_SEARCH_TRIES 14
 
 /* Lag and square of a formula at a place, samples. */
 void shape_search_lags(const struct shape_fit *f, enum shape_formula formula,
