@@ -182,39 +182,46 @@ void shape_choice_covariance(struct shape_fit *f)
         }
 }
 
-void shape_choice_weights(const struct shape_fit *f, real_t *weight)
+/* Weights exp(-(misfit + penalty of each parameter)/2) of sum 1; redundant formulas have none. */
+static void weights_of(const real_t *misfit, const bool *redundant, real_t penalty, real_t *weight)
 {
-    real_t least = REAL_C(3e38), sum = ZERO, n = (real_t)f->points, bic[SHAPE_FORMULAS];
-    real_t floor = SQUARES_LEAST * f->total + REAL_C(1e-37), best = f->total, effective = n;
+    real_t least = REAL_C(3e38), sum = ZERO;
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        weight[k] = misfit[k] + penalty * (real_t)parameter_counts[k];
+        least = !redundant[k] && weight[k] < least ? weight[k] : least;
+    }
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        real_t worse = REAL_C(0.5) * (weight[k] - least);
+        weight[k] = !redundant[k] && worse < REAL_C(30.0) ? real_exp(-worse) : ZERO;
+        sum += weight[k];
+    }
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
+        weight[k] /= sum;
+}
+
+void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w)
+{
+    real_t floor = SQUARES_LEAST * f->total + REAL_C(1e-37), best = f->total;
+    real_t effective = (real_t)f->points, misfit[SHAPE_FORMULAS];
+    bool redundant[SHAPE_FORMULAS] = {false, false, false, false};
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         const struct shape_candidate *c = &f->candidate[k];
-        if (c->squares >= ZERO && c->squares <= best) {
+        if (c->squares <= best) {
             best = c->squares;
-            effective = n / inflation(c->correlation);
+            effective = (real_t)f->points / inflation(c->correlation);
         }
     }
     effective = effective > EFFECTIVE_MIN ? effective : EFFECTIVE_MIN;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         real_t squares = f->candidate[k].squares;
-        squares = squares > floor ? squares : floor;
-        bic[k] = effective * real_log(squares) +
-                 (real_t)parameter_counts[k] * real_log(effective);
+        misfit[k] = effective * real_log(squares > floor ? squares : floor);
     }
     /* One more parameter that explains nothing says nothing, either. */
     real_t point = (best > floor ? best : floor) / effective;
     for (unsigned k = SHAPE_FORMULA_TWO; k <= SHAPE_FORMULA_ZERO; k++)
-        if (f->candidate[k].squares > f->candidate[k - 1u].squares - point)
-            bic[k] = REAL_C(3e38);
-    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
-        least = f->candidate[k].squares >= ZERO && bic[k] < least ? bic[k] : least;
-    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
-        real_t worse = REAL_C(0.5) * (bic[k] - least);
-        weight[k] = f->candidate[k].squares >= ZERO && worse < REAL_C(30.0) ? real_exp(-worse)
-                                                                          : ZERO;
-        sum += weight[k];
-    }
-    for (unsigned k = 0; k < SHAPE_FORMULAS && sum > ZERO; k++)
-        weight[k] /= sum;
+        redundant[k] = f->candidate[k].squares > f->candidate[k - 1u].squares - point;
+    weights_of(misfit, redundant, real_log(effective), w->choice);
+    weights_of(misfit, redundant, TWO, w->mixture);
 }
 
 /* Noise of a point by the median of second differences, which a drift does not enter and a response little. */

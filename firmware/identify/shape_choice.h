@@ -1,6 +1,9 @@
-/* Chooses among the formulas that have been fitted (shape_fit.h), by an information criterion, and says how sure the result
- * is. A formula counts with the weight exp(-BIC/2); the criterion counts as many points as are independent,
- * n (1 - r)/(1 + r), r the lag-one correlation of the residuals. */
+/* Chooses among the formulas that have been fitted (shape_fit.h) by an information criterion, and says how sure the result is.
+ *
+ * The formula with the least BIC is chosen (Schwarz 1978). The deviations mix the formulas with Akaike's weights, exp(-AIC/2)
+ * (Burnham and Anderson 2002): a formula too many is a worse choice than one too few, but an error that it would explain must
+ * not be left out. Both criteria count as many points as are independent, n (1 - r)/(1 + r), r the lag-one correlation of the
+ * residuals. docs/identification.md has the study. */
 #ifndef REFLUX_IDENTIFY_SHAPE_CHOICE_H
 #define REFLUX_IDENTIFY_SHAPE_CHOICE_H
 
@@ -16,8 +19,13 @@ void shape_choice_covariance(struct shape_fit *f);
 /* What the choice looks at besides. Two evaluations. */
 void shape_choice_prepare(struct shape_fit *f);
 
-/* Relative weights of the formulas, of sum 1; of one that was not fitted 0. */
-void shape_choice_weights(const struct shape_fit *f, real_t *weight);
+/* Weights of the formulas, of sum 1 each. */
+struct shape_weights {
+    real_t choice[SHAPE_FORMULAS];  /* by BIC */
+    real_t mixture[SHAPE_FORMULAS]; /* by AIC */
+};
+
+void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w);
 
 /* The shape of a candidate. */
 void shape_choice_shape(const struct shape_fit *f, enum shape_formula formula, struct shape *s);

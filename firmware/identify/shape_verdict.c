@@ -163,11 +163,11 @@ static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula 
 
 void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
 {
-    real_t weight[SHAPE_FORMULAS];
+    struct shape_weights weight;
     enum shape_formula chosen = SHAPE_FORMULA_ONE;
-    shape_choice_weights(f, weight);
+    shape_choice_weights(f, &weight);
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
-        if (weight[k] > weight[chosen])
+        if (weight.choice[k] > weight.choice[chosen])
             chosen = (enum shape_formula)k;
     *found = (struct shape_found){.kind = SHAPE_UNKNOWN};
     if (!response_stands_out(f, chosen)) {
@@ -180,9 +180,9 @@ void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
     }
     bool hopeless;
     real_t misfit = gain_misfit(f, chosen, &hopeless);
-    mix(f, chosen, weight, misfit, found);
+    mix(f, chosen, weight.mixture, misfit, found);
     found->kind = hopeless ? (uint8_t)SHAPE_UNKNOWN
-                           : (uint8_t)kind_found(f, chosen, weight, found);
+                           : (uint8_t)kind_found(f, chosen, weight.choice, found);
     if (found->kind == SHAPE_SLOW)
         shrink_to_seen(&found->shape, share_to_come(f, chosen));
 }

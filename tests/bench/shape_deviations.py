@@ -258,14 +258,15 @@ def other_table(results):
             print(f"    gains: {100 * np.mean(np.abs(z) > 2):.1f} % beyond 2 sd")
 
 
-def weights(found, criterion):
+def weights(found, criterion, penalty=None):
+    """penalty: of a parameter, in place of the criterion's."""
     n = found.points
     best = int(np.argmin(found.formulas[:, 0]))
     r = found.formulas[best, 1]
     n *= (1.0 - r) / (1.0 + r)
     value = []
     for squares, k in zip(found.formulas[:, 0], PARAMETERS, strict=True):
-        cost = k * math.log(n) if criterion == "BIC" else 2.0 * k + 2.0 * k * (k + 1.0) / max(n - k - 1.0, 1.0)
+        cost = penalty * k if penalty else k * math.log(n) if criterion == "BIC" else 2.0 * k + 2.0 * k * (k + 1.0) / max(n - k - 1.0, 1.0)
         value.append(n * math.log(max(squares, 1e-10 * found.total)) + cost)
     w = np.exp(-0.5 * (np.array(value) - min(value)))
     return w / w.sum()
@@ -276,7 +277,7 @@ def study(results):
     true = dict(zip(CLASSES, (0, 1, 1, 2, 2, 2, 0), strict=True))
     print(f"{'criterion':24} | true formula  too small  too large | gain: beyond 2 sd  3 sd | residence 2 sd  3 sd | rms error: gain  residence")
     for criterion in ("BIC", "AICc"):
-        for mixed in (True, False):
+        for mixed in (True, 3.0, 2.0, False):
             z, right, error = [], [], []
             for name, found in results.items():
                 for f in found:
@@ -288,6 +289,9 @@ def study(results):
                     best = int(np.argmax(w))
                     if not mixed:
                         w = np.eye(3)[best]
+                    elif mixed > 1.0:
+                        w = weights(f, criterion, mixed)[:3]
+                        w = w / w.sum()
                     sd = math.sqrt(np.sum(w * (variance + (gain - gain[best]) ** 2)))
                     residence_sd = math.sqrt(np.sum(w * (residence_variance + (residence - residence[best]) ** 2)))
                     off = residence[best] - f.times * f.element.residence()
@@ -296,7 +300,7 @@ def study(results):
                     right.append(best - true[name])
             z, right, error = np.array(z), np.array(right), np.sqrt(np.mean(np.square(error), 0))
             b = [100.0 * np.mean(z[:, k] > s) for k in range(2) for s in (2.0, 3.0)]
-            print(f"{criterion + (', mixed' if mixed else ', the best alone'):24} | {100 * np.mean(right == 0):10.1f} % {100 * np.mean(right < 0):8.1f} %"
+            print(f"{criterion + (', mixed' if mixed is True else f', mixed with {mixed}' if mixed else ', the best alone'):24} | {100 * np.mean(right == 0):10.1f} % {100 * np.mean(right < 0):8.1f} %"
                   f" {100 * np.mean(right > 0):8.1f} % | {b[0]:15.1f} % {b[1]:4.1f} % | {b[2]:12.1f} % {b[3]:4.1f} % |"
                   f" {100 * error[0]:14.2f} % {100 * error[1]:8.2f} %")
 

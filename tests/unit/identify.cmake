@@ -2,7 +2,7 @@
 foreach(kind "" _double)
   reflux_test(difference_model${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_difference_model.c LIBS reflux_lti${kind})
 endforeach()
-foreach(part prbs triangle arx arx_select decimate moments record fopdt_fit fit_bend shape_response shape_fit steady guard settling relay ranges_identify)
+foreach(part prbs triangle arx arx_select decimate moments record fopdt_fit fit_bend shape_response shape_fit shape_found steady guard settling relay ranges_identify)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
   reflux_test(${part}_double LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify_double)
 endforeach()

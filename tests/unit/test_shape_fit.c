@@ -298,16 +298,16 @@ static void deviations_include_the_choice(void)
     struct random_source source = {SEED};
     int mixed = 0;
     for (int n = 0; n < 20; n++) {
-        const struct test_shape e = {1, 20, 60 + 12, 60 * 12, 0};
-        const struct test_levels t = {5, 300, 300, 0.05, 0.004, 0, 1.0};
+        const struct test_shape e = {1, 20, 60 + 6, 60 * 6, 0};
+        const struct test_levels t = {5, 300, 300, 0.05, 0.006, 0, 1.0};
         take(shape_step, &e, &t, &source);
         struct shape_found r = run(NULL);
         struct shape other;
         if (!(shape_found_other(&r, &other) > (real_t)0.15) || r.kind != SHAPE_ONE_LAG)
             continue;
-        mixed++; 
+        mixed++;
         /* More than the fit of one lag alone says. */
-        TEST_ASSERT_TRUE(1.2f * r.sd[SHAPE_DEAD] * r.sd[SHAPE_DEAD] >
+        TEST_ASSERT_TRUE(r.sd[SHAPE_DEAD] * r.sd[SHAPE_DEAD] >
                          fit.candidate[SHAPE_FORMULA_ONE].covariance[2]);
         TEST_ASSERT_TRUE(r.sd[SHAPE_SQUARE] > 0);
         TEST_ASSERT_TRUE(other.square_s2 > 0);
