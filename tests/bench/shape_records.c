@@ -2,6 +2,7 @@
  * tests/bench/shape_deviations.py, which makes the records.
  *
  *   shape_records < records         a record: struct head, then head.samples doubles, native byte order
+ *   shape_records --members N < records     likewise, with N plausible members of each element at the end of its line
  *   shape_records --memory          bytes of the structs, computed by the compiler
  *
  * A line a record: kind, evaluations; shape; deviations; that of the residence time; weight of the other; then of each
@@ -60,10 +61,19 @@ static void print_candidates(void)
                (double)s.square_s2, (double)s.zero_s, (double)c->covariance[0],
                (double)c->covariance[5]);
     }
-    printf("\n");
 }
 
-static void fit_shapes(const struct head *h)
+static void print_members(const struct shape_found *found, uint32_t members)
+{
+    for (uint32_t n = 0; n < members; n++) {
+        struct shape s;
+        shape_found_draw(found, 1, n, &s);
+        printf(" %.9g %.9g %.9g %.9g %.9g", (double)s.gain, (double)s.dead_time_s, (double)s.lag_s,
+               (double)s.square_s2, (double)s.zero_s);
+    }
+}
+
+static void fit_shapes(const struct head *h, uint32_t members)
 {
     struct fopdt_fit_options o = {.baseline = {(real_t)h->offset, (real_t)h->slope_per_s,
                                                (real_t)h->offset_sd, (real_t)h->slope_sd_per_s,
@@ -89,6 +99,8 @@ static void fit_shapes(const struct head *h)
            (double)one.element.gain, (double)one.element.gain_sd);
     printf(" %.9g", (double)fit.total);
     print_candidates();
+    print_members(&found, members);
+    printf("\n");
 }
 
 int main(int argc, char **argv)
@@ -98,6 +110,9 @@ int main(int argc, char **argv)
                sizeof(struct shape_found));
         return 0;
     }
+    uint32_t members = 0;
+    if (argc == 3 && strcmp(argv[1], "--members") == 0)
+        members = (uint32_t)strtoul(argv[2], NULL, 10);
     struct head h;
     while (fread(&h, sizeof h, 1, stdin) == 1) {
         double *y = malloc(h.samples * sizeof *y);
@@ -109,7 +124,7 @@ int main(int argc, char **argv)
         }
         take_record(&h, y);
         free(y);
-        fit_shapes(&h);
+        fit_shapes(&h, members);
     }
     return 0;
 }

@@ -21,6 +21,10 @@ set_tests_properties(identification_noise PROPERTIES ENVIRONMENT "PYTHONDONTWRIT
 # Not a test either: fits shapes to the records of tests/bench/shape_deviations.py.
 add_executable(shape_records "${PROJECT_SOURCE_DIR}/tests/bench/shape_records.c")
 target_link_libraries(shape_records PRIVATE reflux_identify reflux_options m)
+add_test(NAME shape_deviations COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/tests/bench/shape_deviations.py"
+  --program $<TARGET_FILE:shape_records> --draws 30 --check)
+reflux_programs_of_test(shape_deviations unit shape_records)
+set_tests_properties(shape_deviations PROPERTIES ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # Through the library for the host tools, and tools/identify.
 if(TARGET libreflux)
