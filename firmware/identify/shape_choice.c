@@ -9,17 +9,17 @@
 
 #define CORRELATION_MAX REAL_C(0.9)
 /* Share of the whole that no formula meets better: equal lags are kept apart, and no plant is a formula. */
-#define SQUARES_LEAST   REAL_C(1e-7)
+#define SQUARES_LEAST REAL_C(1e-7)
 /* Deviations of the searched parameters before any record: of the dead time over dead time and lag, of the zero over the
  * lag, of the logarithms of lag and ratio. */
-#define PRIOR_DEAD      REAL_C(0.5)
-#define PRIOR_ZERO      REAL_C(0.25)
-#define PRIOR_TIME      REAL_C(1.5)
-#define PRIOR_RATIO     REAL_C(1.0)
-#define RAMP_SD_MAX     REAL_C(0.1)   /* deviation of the ramp's slope over it, to count as seen */
-#define RAMP_LAGS       REAL_C(4.0)   /* least level in slowest lags */
-#define EFFECTIVE_MIN   REAL_C(8.0) /* points that count at least */
-#define SDS             REAL_C(2.0)
+#define PRIOR_DEAD    REAL_C(0.5)
+#define PRIOR_ZERO    REAL_C(0.25)
+#define PRIOR_TIME    REAL_C(1.5)
+#define PRIOR_RATIO   REAL_C(1.0)
+#define RAMP_SD_MAX   REAL_C(0.1) /* deviation of the ramp's slope over it, to count as seen */
+#define RAMP_LAGS     REAL_C(4.0) /* least level in slowest lags */
+#define EFFECTIVE_MIN REAL_C(8.0) /* points that count at least */
+#define SDS           REAL_C(2.0)
 
 static const uint8_t parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 3};
 

@@ -26,17 +26,17 @@ struct search_run {
 };
 
 static const struct search_run runs[] = {
-    {SHAPE_FORMULA_ONE, FROM_ONE, 0},  {SHAPE_FORMULA_TWO, FROM_GRID, 0},
-    {SHAPE_FORMULA_TWO, FROM_ONE, 0},  {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
-    {SHAPE_FORMULA_ZERO, FROM_GRID, 2}, {SHAPE_FORMULA_ZERO, FROM_GRID, 3},
-    {SHAPE_FORMULA_ZERO, FROM_TWO, 0}, {SHAPE_FORMULA_TWO, FROM_ZERO, 0},
+    {SHAPE_FORMULA_ONE, FROM_ONE, 0},          {SHAPE_FORMULA_TWO, FROM_GRID, 0},
+    {SHAPE_FORMULA_TWO, FROM_ONE, 0},          {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
+    {SHAPE_FORMULA_ZERO, FROM_GRID, 2},        {SHAPE_FORMULA_ZERO, FROM_GRID, 3},
+    {SHAPE_FORMULA_ZERO, FROM_TWO, 0},         {SHAPE_FORMULA_TWO, FROM_ZERO, 0},
     {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
 };
 
 #define RUNS (sizeof runs / sizeof runs[0])
 
-_Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) +
-                       4u * SHAPE_FORMULAS + 2u <=
+_Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) + 4u * SHAPE_FORMULAS +
+                       2u <=
                    SHAPE_FIT_UNITS_MAX,
                "the search is bounded");
 
@@ -264,7 +264,7 @@ static void end_run(struct shape_fit *f)
 }
 
 /* Covariance and residuals of the next candidate. */
-static void judge_next(struct shape_fit *f)
+static void judge_candidate(struct shape_fit *f)
 {
     f->formula = (uint8_t)f->next++;
     shape_search_begin(f, &f->candidate[f->formula].place);
@@ -303,7 +303,7 @@ static void do_stage(struct shape_fit *f)
             f->phase = SLOPES;
         break;
     case JUDGE:
-        judge_next(f);
+        judge_candidate(f);
         break;
     default:
         shape_choice_prepare(f);

@@ -65,10 +65,10 @@ struct shape_fit {
     real_t right[SHAPE_COLUMNS];
     struct shape_candidate candidate[SHAPE_FORMULAS];
     /* what the choice looks at besides */
-    real_t rough_variance;         /* of a point, by second differences */
-    real_t plain_gain, plain_sd;   /* of a response within a quarter of the level */
-    bool ramp_agrees;              /* the slope of the integrator holds to the end of the level */
-    real_t y[FIT_LINE_SIZE]; /* without the line */
+    real_t rough_variance;       /* of a point, by second differences */
+    real_t plain_gain, plain_sd; /* of a response within a quarter of the level */
+    bool ramp_agrees;            /* the slope of the integrator holds to the end of the level */
+    real_t y[FIT_LINE_SIZE];     /* without the line */
     real_t column[SHAPE_COLUMNS][FIT_LINE_SIZE];
 };
 

@@ -26,9 +26,8 @@ static struct complex_pair complex_quotient(struct complex_pair a, struct comple
 
 static void real_mode(struct shape_mode *m, real_t lag, real_t step, real_t change)
 {
-    *m = (struct shape_mode){.rate = lag > ONE / FASTEST ? ONE / lag : FASTEST,
-                             .step_re = step,
-                             .change_re = change};
+    *m = (struct shape_mode){
+        .rate = lag > ONE / FASTEST ? ONE / lag : FASTEST, .step_re = step, .change_re = change};
 }
 
 void shape_modes_find(real_t lag, real_t square, struct shape_modes *m)
@@ -120,8 +119,8 @@ static void add_mode(const struct excitation *u, const struct shape_mode *m, rea
         waiting = (struct complex_pair){ZERO, ZERO};
         for (; j < u->edges && (u->edge[j].sample + whole + 1u) / block == i; j++) {
             uint32_t rest = block - (u->edge[j].sample + whole + 1u) % block;
-            struct complex_pair later, change = {u->edge[j].change * begun.re,
-                                                 u->edge[j].change * begun.im};
+            struct complex_pair later,
+                change = {u->edge[j].change * begun.re, u->edge[j].change * begun.im};
             struct complex_pair part = one_less_mode(m, (real_t)rest, &later);
             part = complex_product(change, complex_quotient(part, one));
             here.re += part.re;

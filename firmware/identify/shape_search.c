@@ -160,7 +160,7 @@ static uint32_t upper(uint32_t i, uint32_t j)
 
 /* Orthogonal factors by modified Gram and Schmidt: the columns become a basis, f->triangle what they were in it, f->right
  * what y is in it. A column of which nothing is left keeps a small length, so that its parameter is unsure, not infinite. */
-static void find_factors(struct shape_fit *f, const uint8_t *columns, uint32_t count)
+static void orthogonal_factors(struct shape_fit *f, const uint8_t *columns, uint32_t count)
 {
     uint32_t rows = f->points + FIT_LINE_ROWS;
     for (uint32_t j = 0; j < count; j++) {
@@ -195,7 +195,7 @@ void shape_search_slopes(struct shape_fit *f)
     quotient_column(f, BY_TIME);
     if (has_ratio(formula))
         quotient_column(f, BY_RATIO);
-    find_factors(f, columns, count);
+    orthogonal_factors(f, columns, count);
 }
 
 /* The step of the parameters that may move, by the last `count` rows of the triangle. */

@@ -13,11 +13,12 @@
 #define PLAUSIBLE    REAL_C(0.1)   /* weight of a formula that makes an element slow */
 #define COUNTED      REAL_C(0.002) /* least weight of a formula in the mixture */
 #define AT_BOUND     REAL_C(0.98)
-#define OPEN         REAL_C(0.1)   /* share still to come with which an unsure gain is a slow one */
-#define EXCESS       REAL_C(1.5)   /* variance of noise over its mean that is not surprising */
-#define MISFIT_SHARE REAL_C(1.2)   /* error of the gain, over the misfit */
-#define UNSEEN_DOUBT REAL_C(0.2)   /* share of what is still to come, which the formula alone predicts */
-#define MISFIT_MAX   REAL_C(0.2)   /* over the response, for a shape that means something */
+#define OPEN         REAL_C(0.1) /* share still to come with which an unsure gain is a slow one */
+#define EXCESS       REAL_C(1.5) /* variance of noise over its mean that is not surprising */
+#define MISFIT_SHARE REAL_C(1.2) /* error of the gain, over the misfit */
+#define UNSEEN_DOUBT                                                                               \
+    REAL_C(0.2) /* share of what is still to come, which the formula alone predicts */
+#define MISFIT_MAX REAL_C(0.2) /* over the response, for a shape that means something */
 
 static const uint8_t shape_parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 4};
 
@@ -66,8 +67,8 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
     real_t lag = ZERO, part[SHAPE_FORMULAS];
     enum shape_formula other = chosen;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
-        bool mixes = k == (unsigned)chosen || (k != SHAPE_FORMULA_INTEGRATING &&
-                                               chosen != SHAPE_FORMULA_INTEGRATING);
+        bool mixes = k == (unsigned)chosen ||
+                     (k != SHAPE_FORMULA_INTEGRATING && chosen != SHAPE_FORMULA_INTEGRATING);
         part[k] = mixes && weight[k] > COUNTED ? weight[k] : ZERO;
         sum += part[k];
         if (k != (unsigned)chosen && part[k] > ZERO && (other == chosen || part[k] > part[other]))
@@ -85,8 +86,7 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
         const struct shape_candidate *c = &f->candidate[k];
         real_t share = part[k] / sum;
         parameters_of(f, (enum shape_formula)k, number);
-        real_t apart =
-            number[SHAPE_LAG] - number[SHAPE_DEAD] + number[SHAPE_ZERO] - shape.lag_s;
+        real_t apart = number[SHAPE_LAG] - number[SHAPE_DEAD] + number[SHAPE_ZERO] - shape.lag_s;
         lag += share * (c->lag_variance + apart * apart);
         unsigned n = 0;
         for (unsigned i = 0; i < SHAPE_PARAMETERS; i++)
@@ -181,8 +181,8 @@ void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
     bool hopeless;
     real_t misfit = gain_misfit(f, chosen, &hopeless);
     mix(f, chosen, weight.mixture, misfit, found);
-    found->kind = hopeless ? (uint8_t)SHAPE_UNKNOWN
-                           : (uint8_t)kind_found(f, chosen, weight.choice, found);
+    found->kind =
+        hopeless ? (uint8_t)SHAPE_UNKNOWN : (uint8_t)kind_found(f, chosen, weight.choice, found);
     if (found->kind == SHAPE_SLOW)
         shrink_to_seen(&found->shape, share_to_come(f, chosen));
 }

@@ -116,8 +116,8 @@ static double apart(const struct test_shape *a, const struct test_shape *b, doub
 {
     double worst = 0.0;
     for (int i = 0; i <= 200; i++)
-        worst = fmax(worst, fabs(shape_step(a, length * i / 200.0) -
-                                 shape_step(b, length * i / 200.0)));
+        worst = fmax(worst,
+                     fabs(shape_step(a, length * i / 200.0) - shape_step(b, length * i / 200.0)));
     return worst / fabs(a->gain);
 }
 
@@ -170,9 +170,10 @@ static void every_shape_comes_back_without_noise(void)
         most = fit.evaluations > most ? fit.evaluations : most;
     }
     char text[140];
-    snprintf(text, sizeof text,
-             "worst: gain %.3f %%, residence time %.3f %%, response %.3f %%; at most %u evaluations",
-             100 * worst[0], 100 * worst[1], 100 * worst[2], (unsigned)most);
+    snprintf(
+        text, sizeof text,
+        "worst: gain %.3f %%, residence time %.3f %%, response %.3f %%; at most %u evaluations",
+        100 * worst[0], 100 * worst[1], 100 * worst[2], (unsigned)most);
     TEST_MESSAGE(text);
 }
 
@@ -188,8 +189,8 @@ static void the_work_can_be_cut_into_pieces_of_any_size(void)
         struct shape_found pieces = run_in_pieces(NULL, units[k]);
         TEST_ASSERT_EQUAL_INT(0, memcmp(&whole.shape, &pieces.shape, sizeof whole.shape));
         TEST_ASSERT_EQUAL_INT(0, memcmp(whole.sd, pieces.sd, sizeof whole.sd));
-        TEST_ASSERT_EQUAL_INT(0, memcmp(whole.correlation, pieces.correlation,
-                                        sizeof whole.correlation));
+        TEST_ASSERT_EQUAL_INT(
+            0, memcmp(whole.correlation, pieces.correlation, sizeof whole.correlation));
         TEST_ASSERT_EQUAL_INT(whole.kind, pieces.kind);
     }
 }
@@ -230,17 +231,15 @@ static void a_level_that_ends_early_shows_at_least_what_it_has_shown(void)
         const struct test_shape e = {n % 2 ? 1.0 : -1.0, 20, 600, 0, 0};
         const struct test_levels t = {5, 260, 260, 0.05, 0.0005, 1e-6, 1.0};
         take(shape_step, &e, &t, &source);
-        struct fopdt_fit_options o = {.baseline = {.noise_sd = (real_t)0.0005},
-                                      .free_offset = true,
-                                      .free_slope = true};
+        struct fopdt_fit_options o = {
+            .baseline = {.noise_sd = (real_t)0.0005}, .free_offset = true, .free_slope = true};
         struct shape_found r = run(&o);
         TEST_ASSERT_EQUAL_INT(SHAPE_SLOW, r.kind);
         TEST_ASSERT_TRUE((double)r.shape.gain * e.gain > 0.25);
         TEST_ASSERT_TRUE((double)r.shape.gain * e.gain < 0.5);
         TEST_ASSERT_TRUE(r.shape.lag_s > 100 && r.shape.lag_s < 600);
         /* The beginning stays: gain over lag. */
-        TEST_ASSERT_DOUBLE_WITHIN(0.15, 1.0,
-                                  fabs((double)(r.shape.gain / r.shape.lag_s)) * 600.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.15, 1.0, fabs((double)(r.shape.gain / r.shape.lag_s)) * 600.0);
     }
 }
 
@@ -268,9 +267,8 @@ static void a_record_without_any_change_is_unknown(void)
     struct shape_found r = run(NULL);
     TEST_ASSERT_EQUAL_INT(SHAPE_UNKNOWN, r.kind);
     /* With noise that is known it is no response, within that noise. */
-    struct fopdt_fit_options o = {.baseline = {.noise_sd = (real_t)0.003},
-                                  .free_offset = true,
-                                  .free_slope = true};
+    struct fopdt_fit_options o = {
+        .baseline = {.noise_sd = (real_t)0.003}, .free_offset = true, .free_slope = true};
     r = run(&o);
     TEST_ASSERT_EQUAL_INT(SHAPE_NO_RESPONSE, r.kind);
     TEST_ASSERT_TRUE(r.sd[SHAPE_GAIN] > 0);
@@ -361,8 +359,13 @@ static void rubbish_of_any_size_ends_and_gives_finite_numbers(void)
 {
     struct random_source source = {SEED};
     for (int i = 0; i < 200; i++) {
-        struct test_levels t = {random_below(&source, 30), 4 + random_below(&source, 300),
-                                10 + random_below(&source, 300), 0, 1, 0, 1};
+        struct test_levels t = {random_below(&source, 30),
+                                4 + random_below(&source, 300),
+                                10 + random_below(&source, 300),
+                                0,
+                                1,
+                                0,
+                                1};
         t.amplitude = spread_over(&source, 1e-5, 1e5);
         take(NULL, NULL, &t, &source);
         real_t scale = (real_t)spread_over(&source, 1e-9, 1e6);
@@ -371,15 +374,15 @@ static void rubbish_of_any_size_ends_and_gives_finite_numbers(void)
         struct shape_found r = run(NULL);
         real_t covariance[25];
         shape_found_covariance(&r, covariance);
-        const real_t all[] = {r.shape.gain, r.shape.dead_time_s, r.shape.lag_s, r.shape.square_s2,
-                              r.shape.zero_s, r.sd[SHAPE_GAIN], r.sd[SHAPE_DEAD]};
+        const real_t all[] = {r.shape.gain,      r.shape.dead_time_s, r.shape.lag_s,
+                              r.shape.square_s2, r.shape.zero_s,      r.sd[SHAPE_GAIN],
+                              r.sd[SHAPE_DEAD]};
         for (unsigned k = 0; k < sizeof all / sizeof all[0]; k++)
             TEST_ASSERT_TRUE(real_is_finite(all[k]));
         for (uint32_t n = 0; n < 5; n++) {
             struct shape member;
             shape_found_draw(&r, 1, n, &member);
-            TEST_ASSERT_TRUE(member.dead_time_s >= 0 && member.lag_s >= 0 &&
-                             member.square_s2 >= 0);
+            TEST_ASSERT_TRUE(member.dead_time_s >= 0 && member.lag_s >= 0 && member.square_s2 >= 0);
         }
     }
 }

@@ -18,8 +18,8 @@ void tearDown(void) {}
 
 /* Deviations of gain, dead time, residence time, square, zero. */
 static const double sds[5] = {0.03, 3.0, 4.0, 60.0, 5.0};
-static const struct shape damped = {.gain = 2, .dead_time_s = 40, .lag_s = 60, .square_s2 = 2500,
-                                    .zero_s = -30};
+static const struct shape damped = {
+    .gain = 2, .dead_time_s = 40, .lag_s = 60, .square_s2 = 2500, .zero_s = -30};
 
 /* All parameters correlated by r, apart from the gain. */
 static void fill_covariance(real_t *within, double r)
@@ -62,8 +62,8 @@ static void deviations_and_covariance_are_those_that_were_packed(void)
 
 static void the_other_shape_counts_with_its_weight(void)
 {
-    const struct shape other = {.gain = (real_t)2.2, .dead_time_s = 50, .lag_s = 90,
-                                .square_s2 = 2000, .zero_s = 0};
+    const struct shape other = {
+        .gain = (real_t)2.2, .dead_time_s = 50, .lag_s = 90, .square_s2 = 2000, .zero_s = 0};
     struct shape_found f = packed(&other, 0.2, 0.0);
     struct shape back;
     TEST_ASSERT_DOUBLE_WITHIN(0.003, 0.2, (double)shape_found_other(&f, &back));
@@ -77,8 +77,8 @@ static void the_other_shape_counts_with_its_weight(void)
 
 static void members_have_the_mean_and_the_deviations(void)
 {
-    const struct shape other = {.gain = (real_t)2.2, .dead_time_s = 50, .lag_s = 90,
-                                .square_s2 = 2000, .zero_s = 0};
+    const struct shape other = {
+        .gain = (real_t)2.2, .dead_time_s = 50, .lag_s = 90, .square_s2 = 2000, .zero_s = 0};
     struct shape_found f = packed(&other, 0.25, 0.4);
     double sum[3] = {0}, square[3] = {0};
     for (uint32_t n = 0; n < DRAWS; n++) {

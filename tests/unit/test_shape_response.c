@@ -52,8 +52,7 @@ static void responses_are_those_of_the_reference(void)
         for (int k = 0; k < 6; k++) {
             uint32_t i = (uint32_t)v[12 + 3 * k];
             worst = fmax(worst, fabs((double)model[i] - v[13 + 3 * k]) / top);
-            worst_slope =
-                fmax(worst_slope, fabs((double)by_dead[i] - v[14 + 3 * k]) / top_slope);
+            worst_slope = fmax(worst_slope, fabs((double)by_dead[i] - v[14 + 3 * k]) / top_slope);
         }
         n++;
     }
@@ -116,9 +115,8 @@ static void what_is_to_come_is_one_less_the_step_response(void)
         shape_modes_find(50, (real_t)squares[k], &m);
         shape_response(&u, &m, 0, 1, 128, &column, 1);
         for (uint32_t i = 1; i < 128; i += 9)
-            TEST_ASSERT_DOUBLE_WITHIN(
-                2e-5, 1.0 - (double)model[i],
-                (double)shape_response_to_come(&m, (real_t)i, 20));
+            TEST_ASSERT_DOUBLE_WITHIN(2e-5, 1.0 - (double)model[i],
+                                      (double)shape_response_to_come(&m, (real_t)i, 20));
     }
 }
 
