@@ -14,7 +14,7 @@
 #define RAMP_TIMES  6u
 #define RAMP_SIZE   (RAMP_TIMES * GRID_DEADS)
 
-enum shape_phase { GRID, RAMP, START, SLOPES, STEP, JUDGE, CHOOSE, DONE };
+enum shape_phase { GRID, RAMP, START, SLOPES, STEP, JUDGE, JUDGE_SLOPES, CHOOSE, DONE };
 
 enum { NONE_FITTED = -1 };
 
@@ -263,13 +263,19 @@ static void end_run(struct shape_fit *f)
     f->next = 0;
 }
 
-/* Covariance and residuals of the next candidate. */
+/* Residuals of the next candidate; its covariance follows. */
 static void judge_candidate(struct shape_fit *f)
 {
     f->formula = (uint8_t)f->next++;
     shape_search_begin(f, &f->candidate[f->formula].place);
     shape_choice_residuals(f);
-    shape_search_slopes(f);
+    f->phase = JUDGE_SLOPES;
+}
+
+static void judge_slopes(struct shape_fit *f)
+{
+    if (!shape_search_slopes(f))
+        return;
     shape_choice_covariance(f);
     f->phase = f->next < SHAPE_FORMULAS ? JUDGE : CHOOSE;
 }
@@ -293,8 +299,7 @@ static void do_stage(struct shape_fit *f)
         start_run(f);
         break;
     case SLOPES:
-        shape_search_slopes(f);
-        f->phase = STEP;
+        f->phase = shape_search_slopes(f) ? STEP : SLOPES;
         break;
     case STEP:
         if (shape_search_step(f, &better))
@@ -304,6 +309,9 @@ static void do_stage(struct shape_fit *f)
         break;
     case JUDGE:
         judge_candidate(f);
+        break;
+    case JUDGE_SLOPES:
+        judge_slopes(f);
         break;
     default:
         shape_choice_prepare(f);

@@ -29,8 +29,8 @@ MUST_CHECK enum err shape_fit_begin(struct shape_fit *f, const struct record *r,
                                     const struct fopdt_fit_options *options,
                                     const struct fopdt_fit_result *one);
 
-/* Goes on for units evaluations of a model over the record (a stage once begun is ended, at most 3 more); true when it is
- * finished. Finished after SHAPE_FIT_UNITS_MAX. */
+/* Goes on for units evaluations of a model over the record (the last stage takes one more); true when it is finished. An
+ * evaluation of a full record with 12 edges takes about 5e4 instructions. Finished after SHAPE_FIT_UNITS_MAX. */
 #define SHAPE_FIT_UNITS_MAX 1000
 bool shape_fit_run(struct shape_fit *f, uint32_t units);
 

@@ -53,7 +53,7 @@ struct shape_fit {
     real_t total;      /* sum of squares without a response */
     real_t time_max, dead_max;
     /* the course */
-    uint8_t phase, formula, run; /* formula and number of the search under way */
+    uint8_t phase, formula, run, part; /* formula and number of the search under way */
     uint32_t next, tries, evaluations;
     struct shape_place start[SHAPE_STARTS];
     real_t start_squares[SHAPE_STARTS];

@@ -116,7 +116,8 @@ static real_t correlation_of(const struct shape_found *f, uint32_t i, uint32_t j
     if (i == j)
         return ONE;
     uint32_t row = i > j ? i : j, column = i > j ? j : i;
-    return (real_t)f->correlation[row * (row - 1u) / 2u + column] / REAL_C(127.0);
+    uint32_t n = row * (row - 1u) / 2u + column;
+    return (real_t)f->correlation[n] / REAL_C(127.0);
 }
 
 /* Row of the lag in terms of the numbers that are kept. */

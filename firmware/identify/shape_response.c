@@ -91,44 +91,78 @@ static struct complex_pair weight_in_column(const struct shape_mode *m,
     return w;
 }
 
-/* Adds one mode to all columns: `sum` holds the exponentials of all edges so far, over the samples of one block. */
+/* First sample that an edge reaches, and the point it belongs to; beyond all points after the last edge. */
+static uint32_t first_sample(const struct excitation *u, uint32_t j, uint32_t whole)
+{
+    return u->edge[j].sample + whole + 1u;
+}
+
+static uint32_t first_point(const struct excitation *u, uint32_t j, uint32_t whole, uint32_t block)
+{
+    return j < u->edges ? first_sample(u, j, whole) / block : UINT32_MAX;
+}
+
+/* A mode under way over the points: what all edges are multiplied by, and the sums of the exponentials of all edges so far over
+ * the samples of one block. */
+struct mode_course {
+    const struct shape_mode *mode;
+    struct complex_pair begun, one, all, step; /* late begin; a sample, a block; its decay */
+    struct complex_pair sum, waiting;          /* in the block before, of edges in it */
+};
+
+static void begin_course(struct mode_course *c, const struct shape_mode *m, real_t dead,
+                         uint32_t block)
+{
+    struct complex_pair single;
+    c->mode = m;
+    (void)one_less_mode(m, ONE - (dead - (real_t)(uint32_t)dead), &c->begun);
+    c->one = one_less_mode(m, ONE, &single);
+    c->all = complex_quotient(one_less_mode(m, (real_t)block, &c->step), c->one);
+    c->sum = c->waiting = (struct complex_pair){ZERO, ZERO};
+}
+
+/* An edge of height change that reaches `rest` samples of a block: adds to the sum of this block, *here, and keeps the next. */
+static void add_edge(struct mode_course *c, real_t change, uint32_t rest, struct complex_pair *here)
+{
+    struct complex_pair later, height = {change * c->begun.re, change * c->begun.im};
+    struct complex_pair part = one_less_mode(c->mode, (real_t)rest, &later);
+    part = complex_product(height, complex_quotient(part, c->one));
+    here->re += part.re;
+    here->im += part.im;
+    later = complex_product(complex_product(height, later), c->all);
+    c->waiting.re += later.re;
+    c->waiting.im += later.im;
+}
+
+/* Adds one mode to all columns. */
 static void add_mode(const struct excitation *u, const struct shape_mode *m, real_t dead,
                      uint32_t block, uint32_t points, const struct shape_column *columns,
                      uint32_t count)
 {
-    struct complex_pair weight[SHAPE_COLUMNS_MAX], begun, single, step;
+    struct complex_pair weight[SHAPE_COLUMNS_MAX];
+    struct mode_course c;
     real_t n = (real_t)block;
-    uint32_t whole = (uint32_t)dead;
+    uint32_t whole = (uint32_t)dead, j = 0, due = first_point(u, 0, whole, block);
     for (uint32_t k = 0; k < count; k++) {
         weight[k] = weight_in_column(m, &columns[k]);
         weight[k].re /= n;
         weight[k].im /= n;
     }
-    (void)one_less_mode(m, ONE - (dead - (real_t)whole), &begun);
-    struct complex_pair one = one_less_mode(m, ONE, &single);
-    struct complex_pair all = complex_quotient(one_less_mode(m, n, &step), one);
-    struct complex_pair sum = {ZERO, ZERO}, waiting = {ZERO, ZERO};
-    uint32_t j = 0;
-    for (uint32_t i = 0; i < points; i++) {
-        sum = complex_product(sum, step);
-        if (real_abs(sum.re) + real_abs(sum.im) < REAL_C(1e-30)) /* no subnormal numbers */
-            sum = (struct complex_pair){ZERO, ZERO};
-        sum.re += waiting.re;
-        sum.im += waiting.im;
-        struct complex_pair here = sum;
-        waiting = (struct complex_pair){ZERO, ZERO};
-        for (; j < u->edges && (u->edge[j].sample + whole + 1u) / block == i; j++) {
-            uint32_t rest = block - (u->edge[j].sample + whole + 1u) % block;
-            struct complex_pair later,
-                change = {u->edge[j].change * begun.re, u->edge[j].change * begun.im};
-            struct complex_pair part = one_less_mode(m, (real_t)rest, &later);
-            part = complex_product(change, complex_quotient(part, one));
-            here.re += part.re;
-            here.im += part.im;
-            later = complex_product(complex_product(change, later), all);
-            waiting.re += later.re;
-            waiting.im += later.im;
+    begin_course(&c, m, dead, block);
+    for (uint32_t i = due; i < points; i++) {
+        if (m->turn > ZERO) {
+            c.sum = complex_product(c.sum, c.step);
+            c.sum.im += c.waiting.im;
+        } else {
+            c.sum.re *= c.step.re;
         }
+        if (real_abs(c.sum.re) + real_abs(c.sum.im) < REAL_C(1e-30)) /* no subnormal numbers */
+            c.sum = (struct complex_pair){ZERO, ZERO};
+        c.sum.re += c.waiting.re;
+        c.waiting = (struct complex_pair){ZERO, ZERO};
+        struct complex_pair here = c.sum;
+        for (; due == i; due = first_point(u, ++j, whole, block))
+            add_edge(&c, u->edge[j].change, block - first_sample(u, j, whole) % block, &here);
         for (uint32_t k = 0; k < count; k++)
             columns[k].value[i] -= weight[k].re * here.re - weight[k].im * here.im;
     }
@@ -138,16 +172,16 @@ static void add_mode(const struct excitation *u, const struct shape_mode *m, rea
 static void begin_with_level(const struct excitation *u, uint32_t whole, uint32_t block,
                              uint32_t points, const struct shape_column *c)
 {
-    real_t level = ZERO, n = (real_t)block;
-    uint32_t j = 0;
+    real_t level = ZERO, n = (real_t)block, gain = c->by_dead ? ZERO : c->gain;
+    uint32_t j = 0, due = first_point(u, 0, whole, block);
     for (uint32_t i = 0; i < points; i++) {
         real_t mean = level;
-        for (; j < u->edges && (u->edge[j].sample + whole + 1u) / block == i; j++) {
-            uint32_t rest = block - (u->edge[j].sample + whole + 1u) % block;
+        for (; due == i; due = first_point(u, ++j, whole, block)) {
+            uint32_t rest = block - first_sample(u, j, whole) % block;
             mean += u->edge[j].change * (real_t)rest / n;
             level += u->edge[j].change;
         }
-        c->value[i] = c->by_dead ? ZERO : c->gain * mean;
+        c->value[i] = gain * mean;
     }
 }
 

@@ -131,6 +131,7 @@ void shape_search_begin(struct shape_fit *f, const struct shape_place *place)
     f->gain_zero = zero ? linear[2] : ZERO;
     f->damping = DAMPING_FIRST;
     f->tries = 0;
+    f->part = 0;
 }
 
 /* A difference quotient of the model by the logarithm of its time or ratio. */
@@ -183,19 +184,24 @@ static void orthogonal_factors(struct shape_fit *f, const uint8_t *columns, uint
     }
 }
 
-void shape_search_slopes(struct shape_fit *f)
+bool shape_search_slopes(struct shape_fit *f)
 {
     uint8_t columns[SHAPE_COLUMNS];
     enum shape_formula formula = (enum shape_formula)f->formula;
-    uint32_t count = shape_search_columns(formula, columns);
     const struct shape_column want[3] = {{f->column[MODEL], ONE, ZERO, false},
                                          {f->column[CHANGE], ZERO, ONE, false},
                                          {f->column[BY_DEAD], f->gain, f->gain_zero, true}};
-    fill_columns(f, formula, &f->place, want, 3);
-    quotient_column(f, BY_TIME);
-    if (has_ratio(formula))
-        quotient_column(f, BY_RATIO);
-    orthogonal_factors(f, columns, count);
+    uint8_t part = f->part++;
+    if (part == 0) {
+        fill_columns(f, formula, &f->place, want, 3);
+        return false;
+    }
+    quotient_column(f, part == 1 ? BY_TIME : BY_RATIO);
+    if (part == 1 && has_ratio(formula))
+        return false;
+    orthogonal_factors(f, columns, shape_search_columns(formula, columns));
+    f->part = 0;
+    return true;
 }
 
 /* The step of the parameters that may move, by the last `count` rows of the triangle. */

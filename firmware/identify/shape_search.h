@@ -25,9 +25,9 @@ void shape_search_squares(struct shape_fit *f, enum shape_formula formula,
 /* Begins a search of f->formula at a place. One evaluation. */
 void shape_search_begin(struct shape_fit *f, const struct shape_place *place);
 
-/* The factors of all columns at f->place, for a step from it and for the covariance. At most
- * three evaluations. All columns are used up. */
-void shape_search_slopes(struct shape_fit *f);
+/* A part of the factors of all columns at f->place, for a step from it and for the covariance: one evaluation. True when they
+ * are found, after two or three. All columns are used up. */
+bool shape_search_slopes(struct shape_fit *f);
 
 /* A damped step. One evaluation. True when the search has ended; *better: the place has moved, new slopes are wanted. */
 bool shape_search_step(struct shape_fit *f, bool *better);
