@@ -33,7 +33,7 @@ static const struct search_run runs[] = {
     {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
 };
 
-#define RUNS (sizeof runs / sizeof runs[0])
+#define RUNS ((uint32_t)(sizeof runs / sizeof runs[0]))
 
 _Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) + 4u * SHAPE_FORMULAS +
                        2u <=
@@ -264,7 +264,7 @@ static void end_run(struct shape_fit *f)
 }
 
 /* Residuals of the next candidate; its covariance follows. */
-static void judge_candidate(struct shape_fit *f)
+static void judge_formula(struct shape_fit *f)
 {
     f->formula = (uint8_t)f->next++;
     shape_search_begin(f, &f->candidate[f->formula].place);
@@ -308,7 +308,7 @@ static void do_stage(struct shape_fit *f)
             f->phase = SLOPES;
         break;
     case JUDGE:
-        judge_candidate(f);
+        judge_formula(f);
         break;
     case JUDGE_SLOPES:
         judge_slopes(f);

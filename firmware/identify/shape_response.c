@@ -92,14 +92,15 @@ static struct complex_pair weight_in_column(const struct shape_mode *m,
 }
 
 /* First sample that an edge reaches, and the point it belongs to; beyond all points after the last edge. */
-static uint32_t first_sample(const struct excitation *u, uint32_t j, uint32_t whole)
+static uint32_t sample_reached(const struct excitation *u, uint32_t j, uint32_t whole)
 {
     return u->edge[j].sample + whole + 1u;
 }
 
-static uint32_t first_point(const struct excitation *u, uint32_t j, uint32_t whole, uint32_t block)
+static uint32_t point_reached(const struct excitation *u, uint32_t j, uint32_t whole,
+                              uint32_t block)
 {
-    return j < u->edges ? first_sample(u, j, whole) / block : UINT32_MAX;
+    return j < u->edges ? sample_reached(u, j, whole) / block : UINT32_MAX;
 }
 
 /* A mode under way over the points: what all edges are multiplied by, and the sums of the exponentials of all edges so far over
@@ -142,7 +143,7 @@ static void add_mode(const struct excitation *u, const struct shape_mode *m, rea
     struct complex_pair weight[SHAPE_COLUMNS_MAX];
     struct mode_course c;
     real_t n = (real_t)block;
-    uint32_t whole = (uint32_t)dead, j = 0, due = first_point(u, 0, whole, block);
+    uint32_t whole = (uint32_t)dead, j = 0, due = point_reached(u, 0, whole, block);
     for (uint32_t k = 0; k < count; k++) {
         weight[k] = weight_in_column(m, &columns[k]);
         weight[k].re /= n;
@@ -161,8 +162,8 @@ static void add_mode(const struct excitation *u, const struct shape_mode *m, rea
         c.sum.re += c.waiting.re;
         c.waiting = (struct complex_pair){ZERO, ZERO};
         struct complex_pair here = c.sum;
-        for (; due == i; due = first_point(u, ++j, whole, block))
-            add_edge(&c, u->edge[j].change, block - first_sample(u, j, whole) % block, &here);
+        for (; due == i; due = point_reached(u, ++j, whole, block))
+            add_edge(&c, u->edge[j].change, block - sample_reached(u, j, whole) % block, &here);
         for (uint32_t k = 0; k < count; k++)
             columns[k].value[i] -= weight[k].re * here.re - weight[k].im * here.im;
     }
@@ -173,11 +174,11 @@ static void begin_with_level(const struct excitation *u, uint32_t whole, uint32_
                              uint32_t points, const struct shape_column *c)
 {
     real_t level = ZERO, n = (real_t)block, gain = c->by_dead ? ZERO : c->gain;
-    uint32_t j = 0, due = first_point(u, 0, whole, block);
+    uint32_t j = 0, due = point_reached(u, 0, whole, block);
     for (uint32_t i = 0; i < points; i++) {
         real_t mean = level;
-        for (; due == i; due = first_point(u, ++j, whole, block)) {
-            uint32_t rest = block - first_sample(u, j, whole) % block;
+        for (; due == i; due = point_reached(u, ++j, whole, block)) {
+            uint32_t rest = block - sample_reached(u, j, whole) % block;
             mean += u->edge[j].change * (real_t)rest / n;
             level += u->edge[j].change;
         }
