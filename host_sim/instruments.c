@@ -193,6 +193,9 @@ static void set_actuator(struct actuator *a, enum instrument_option option, doub
     case OPTION_STICTION:
         a->stiction = value;
         break;
+    case OPTION_BACKLASH:
+        a->backlash = value;
+        break;
     case OPTION_READBACK:
         a->readback = (int)value;
         break;
@@ -357,17 +360,25 @@ static double move(struct actuator *a, double to, double dt)
     return a->lag_s > 0.0 ? integral - a->lag_s * (a->output - before) : integral;
 }
 
+/* Takes up the play and the stiction between the command and what the actuator is driven to. */
+static double driven_to(struct actuator *a)
+{
+    double play = 0.5 * a->backlash;
+    double to = fmin(fmax(a->target, a->command - play), a->command + play);
+    /* Stick and slip: it stays, and then goes all the way at once. */
+    if (fabs(to - a->target) > a->stiction) {
+        a->target = to;
+    }
+    return a->target;
+}
+
 static void drive(struct actuator *a, double dt_s)
 {
     if (a->stuck) {
         a->applied = a->output;
         return;
     }
-    /* Stick and slip: it stays, and then goes all the way at once. */
-    if (fabs(a->command - a->target) > a->stiction) {
-        a->target = a->command;
-    }
-    double target = a->target;
+    double target = driven_to(a);
     target = target > a->hi ? a->hi : target;
     target = target < a->lo ? a->lo : target;
     double way = target - a->position;

@@ -6,7 +6,7 @@
  * all: not a number, quality, dropout. An analyser shows, from every n-th sample to the next, what came out of
  * quantisation some samples ago; it can be stuck, frozen or dead like any other.
  *
- * Actuator: stiction, limits, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
+ * Actuator: stiction, backlash, limits, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
  * the plant gets the mean of the interval, so that the amount delivered is right, and the read-back of the next
  * sample is that same mean.
  *
@@ -48,6 +48,7 @@ enum instrument_option {
     OPTION_PHASE, /* sensor: ... in those of the run whose number leaves this when divided by n */
     OPTION_DELAY, /* sensor: ... taken so many samples before */
     OPTION_STICTION, /* actuator: a smaller change of command does not move it, units */
+    OPTION_BACKLASH, /* actuator: play between command and position, units */
     OPTION_GAIN, /* actuator: the plant feels its changes times this, from where it stands; not read back */
     OPTION_READBACK, /* actuator: 1 = true, 0 = none (its flowmeter has failed), 2 = the command */
     OPTION_COUNT
@@ -83,12 +84,12 @@ struct actuator {
     size_t channel;
     double lo, hi, slew, lag_s;
     bool stuck;
-    double stiction;
+    double stiction, backlash;
     double gain, pivot,
         pivot_felt;  /* OPTION_GAIN: what the plant feels is pivot_felt + gain (output - pivot) */
     int readback;    /* OPTION_READBACK */
     double command;  /* last one driven */
-    double target;   /* what it moves to: the command, or the one before, held by stiction */
+    double target;   /* what it moves to: the command, the one before, or the end of the play */
     double position; /* behind limits and slew */
     double output;   /* behind the lag as well: what the plant feels */
     double applied;  /* mean of output over the last interval */

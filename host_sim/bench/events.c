@@ -37,6 +37,7 @@ static const struct {
     {"phase", 0.0, 9999.0, OPTION_PHASE, true, false, false},
     {"delay", 0.0, ANALYSER_DELAY_MAX, OPTION_DELAY, true, false, false},
     {"stiction", 0.0, 1e9, OPTION_STICTION, false, true, false},
+    {"backlash", 0.0, 1e9, OPTION_BACKLASH, false, true, false},
     {"gain", 0.0, 100.0, OPTION_GAIN, false, true, false},
     {"readback", 0.0, 2.0, OPTION_READBACK, false, true, false},
 };

@@ -212,6 +212,17 @@ static void a_sticking_valve_stays_and_then_goes_all_the_way(void)
     TEST_ASSERT_EQUAL_DOUBLE(20.0, moved_to(20.0));
 }
 
+static void a_valve_with_play_follows_only_beyond_it(void)
+{
+    instruments_set(&in, U1, OPTION_BACKLASH, 2.0);
+    TEST_ASSERT_EQUAL_DOUBLE(20.0, moved_to(21.0));
+    TEST_ASSERT_EQUAL_DOUBLE(23.0, moved_to(24.0));
+    TEST_ASSERT_EQUAL_DOUBLE(23.0, moved_to(22.0));
+    TEST_ASSERT_EQUAL_DOUBLE(21.0, moved_to(20.0));
+    instruments_set(&in, U1, OPTION_BACKLASH, 0.0);
+    TEST_ASSERT_EQUAL_DOUBLE(20.5, moved_to(20.5));
+}
+
 static void a_heater_that_fails_stays_at_its_value_and_the_readback_says_so(void)
 {
     instruments_set(&in, U1, OPTION_STUCK, 0.0);
@@ -386,6 +397,7 @@ int main(void)
     RUN_TEST(an_analyser_that_stops_repeats_its_last_number);
     RUN_TEST(faults_leave_the_noise_of_every_sensor_as_it_was);
     RUN_TEST(a_sticking_valve_stays_and_then_goes_all_the_way);
+    RUN_TEST(a_valve_with_play_follows_only_beyond_it);
     RUN_TEST(
         another_trim_makes_moves_larger_from_where_it_stands_and_the_readback_does_not_show_it);
     RUN_TEST(a_heater_that_fails_stays_at_its_value_and_the_readback_says_so);
