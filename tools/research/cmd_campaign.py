@@ -30,6 +30,7 @@ from research import (
     relay_campaign,
     self_tuner_weeks,
     self_tuning_campaign,
+    startup_campaign,
     state_campaign,
     trays_campaign,
 )
@@ -72,6 +73,9 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--again", action="store_true", help="forget the finished runs")
     p.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
     p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
+    p.add_argument("--sample", type=int, metavar="N", help="startup: the first N runs of a fixed order, which takes all plants in turn")
+    p.add_argument("--only", metavar="NAME", help="startup: runs of this plant or class alone")
+    p.add_argument("--table", action="store_true", help="startup: run nothing; print the tables of the runs in the folder")
     options = p.parse_args(arguments)
     if not 0 < options.fraction <= 1:
         raise UserError("--fraction must be more than 0 and at most 1")
@@ -80,6 +84,8 @@ def main(arguments: list[str]) -> int:
     if options.keep and (options.out or options.check or options.fraction < 1):
         raise UserError("--keep keeps a whole campaign, and goes without --out, --check and --fraction")
     campaign = load(options.name)
+    if not isinstance(campaign, startup_campaign.Startup) and (options.sample is not None or options.only or options.table):
+        raise UserError("--sample, --only and --table belong to the campaign startup")
     options.results = CAMPAIGNS / "results" if options.keep else options.out or out_root() / "campaign"
     if not options.check:
         options.results.mkdir(parents=True, exist_ok=True)
@@ -95,6 +101,8 @@ def main(arguments: list[str]) -> int:
         return feedforward_alone_campaign.execute(campaign, options)
     if not options.no_build:
         launch.build_for(campaign.scenario.firmware if isinstance(campaign, Campaign) else "memory")
+    if isinstance(campaign, startup_campaign.Startup):
+        return startup_campaign.execute(campaign, options)
     if isinstance(campaign, relay_campaign.Comparison):
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", relay_campaign.fingerprint(campaign),
                       options.again)
@@ -140,7 +148,7 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
                         self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
                         kalman_campaign.Kalman | composition_campaign.Composition | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
                         state_campaign.StateDecoupling | feedforward_campaign.Feedforward | feedforward_alone_campaign.Alone |
-                        self_tuner_weeks.Weeks):
+                        self_tuner_weeks.Weeks | startup_campaign.Startup):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
@@ -149,7 +157,9 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
                                             "kalman", "composition", "pilot-kalman", "decoupling", "state-decoupling", "feedforward",
-                                            "feedforward-alone", "self-tuner-weeks"))
+                                            "feedforward-alone", "self-tuner-weeks", "startup"))
+    if kind == "startup":
+        return startup_campaign.load(top, name)
     if kind == "endurance":
         return endurance_campaign.load(top, name)
     if kind == "self-tuner-weeks":
