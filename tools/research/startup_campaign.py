@@ -20,7 +20,7 @@ from typing import Any, Callable
 
 from reflux import build
 from reflux.errors import UserError
-from reflux.paths import shown
+from reflux.paths import CAMPAIGNS, shown
 from reflux.schema import Table
 from research import startup_engineer, startup_plants, startup_runs, startup_table
 from research.startup_judge import Judge, Verdict
@@ -28,7 +28,8 @@ from research.startup_judge import Judge, Verdict
 FIELDS = ("plant", "kind", "seed", "noise", "program", "outcome", "reason", "doubts", "events", "starts", "hours_tests", "hours", "proposed",
           "settings", "extras", "stable", "ms", "gain_margin", "niederlinski", "excursion_tests", "excursion_trial", "slow", "flags",
           "deviations", "advice", "clock_s")
-ENGINEER_FIELDS = ("plant", "seed", "noise", "version", "settings", "stable", "ms", "gain_margin", "clock_s")
+ENGINEER_FIELDS = ("plant", "seed", "noise", "version", "pairs", "stable", "ms", "gain_margin")
+KEPT_ENGINEER = CAMPAIGNS / "results" / "startup-engineer.csv"
 Row = dict[str, str]
 
 
@@ -136,13 +137,11 @@ def run_one(job: Job, starts: int, longest_s: float) -> Row:
 
 
 def engineer_one(job: Job) -> Row:
-    begun = time.monotonic()
     outcome = startup_engineer.engineer(startup_plants.case(job.plant), job.noise, job.seed, judge_at(job, math.inf))
     names = startup_plants.case(job.plant).data
-    loops = " ".join(f"{names['outputs'][loop.output]['name']}/{names['inputs'][loop.input]['name']}:{loop.kc:.6g}:{loop.ti_s:.6g}"
-                     for loop in outcome.loops)
-    return {"plant": job.plant, "seed": str(job.seed), "noise": f"{job.noise:g}", "version": engineer_version(), "settings": loops,
-            **verdict_cells(outcome.verdict), "clock_s": f"{time.monotonic() - begun:.2f}"}
+    pairs = " ".join(f"{names['outputs'][loop.output]['name']}/{names['inputs'][loop.input]['name']}" for loop in outcome.loops)
+    return {"plant": job.plant, "seed": str(job.seed), "noise": f"{job.noise:g}", "version": engineer_version(), "pairs": pairs,
+            **verdict_cells(outcome.verdict)}
 
 
 def verdict_cells(v: Verdict | None) -> Row:
@@ -166,7 +165,7 @@ def program() -> str:
 @functools.cache
 def engineer_version() -> str:
     digest = hashlib.sha256()
-    for name in ("engineer", "shapes", "judge", "linear", "plants"):
+    for name in ("engineer", "shapes", "judge", "linear", "plants", "columns"):
         digest.update(Path(__file__).with_name(f"startup_{name}.py").read_bytes())
     return digest.hexdigest()[:8]
 
@@ -174,15 +173,15 @@ def engineer_version() -> str:
 # ---- rows that are kept ----
 
 class Rows:
-    """A CSV to which finished rows are added at once. mark: a column, and the value that rows must have to count."""
+    """A CSV to which finished rows are added at once. mark: a column, and the value that rows must have to count. more: rows from elsewhere."""
 
-    def __init__(self, path: Path, fields: tuple[str, ...], mark: tuple[str, str], again: bool = False):
+    def __init__(self, path: Path, fields: tuple[str, ...], mark: tuple[str, str], again: bool = False, more: Path | None = None):
         self.path, self.fields = path, fields
         self.done: dict[tuple[str, str, str], Row] = {}
         self.others = 0
         if again:
             path.unlink(missing_ok=True)
-        for row in read_rows(path):
+        for row in [*(read_rows(more) if more else []), *read_rows(path)]:
             if row.get(mark[0]) == mark[1]:
                 self.done[row["plant"], row["seed"], row["noise"]] = row
             else:
@@ -240,19 +239,22 @@ def chosen(start: Startup, options: argparse.Namespace) -> list[Job]:
 
 
 def execute(start: Startup, options: argparse.Namespace) -> int:
+    if any(n is not None and n < 1 for n in (options.sample, options.starts)):
+        raise UserError("--sample and --starts must be 1 or more")
     if options.check:
-        return check(start, options)
+        return check(start)
     folder = options.results
     files = folder / f"{start.name}.csv", folder / f"{start.name}-engineer.csv"
     if options.table:
-        print(startup_table.text(start.title, read_rows(files[0]), read_rows(files[1])))
+        engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()), more=KEPT_ENGINEER)
+        print(startup_table.text(start.title, read_rows(files[0]), list(engineers.done.values())))
         return 0
     jobs = chosen(start, options)
     rows = Rows(files[0], FIELDS, ("program", program()), options.again)
     if rows.others:
         raise UserError(f"{shown(files[0])} holds {rows.others} rows of another program: --again forgets them, --out names another folder")
-    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, run_one, start.starts, start.longest_s)
-    engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()))
+    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, run_one, options.starts or start.starts, start.longest_s)
+    engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()), more=KEPT_ENGINEER)
     run_missing(f"{start.name}: engineer", jobs, engineers, options.jobs, engineer_one)
     keys = [job.key() for job in jobs]
     page = startup_table.text(start.title, [rows.done[key] for key in keys], [engineers.done[key] for key in keys])
@@ -261,7 +263,7 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
     return 0 if not startup_table.harmful(rows.done[key] for key in keys) else 1
 
 
-def check(start: Startup, options: argparse.Namespace) -> int:
+def check(start: Startup) -> int:
     """The fixed sample: what must always hold of it."""
     rows = [run_one(job, 1, start.longest_s) for job in start.checked]
     for row in rows:

@@ -21,12 +21,13 @@ LIMIT = 0.2  # of span
 SHARE = 0.6  # of the limit
 AMPLITUDE_MOST = 0.4  # of an input's span
 SETTLED = 0.01  # of the largest response
-POINTS = 80  # windows of a level
+POINTS = 60  # windows of a level
 MS = 2.0
 PAIRINGS_MOST = 6
-FREQUENCIES = 140
+FREQUENCIES = 110
 COARSE, FINE = (1.6, 1.25), (1.1, 1.04)  # factors of the search
 ROUNDS_MOST = 60
+BATCH = 6  # settings that are looked at together
 INTEGRAL_LEAST = 0.3  # shortest integral time over dead time and lags of the element
 
 
@@ -103,7 +104,7 @@ def reference_test(case: startup_plants.PlantCase, noise: float, seed: int) -> l
             moves = np.diff(play(np.concatenate([[0.0], u]), 0.01))
             true = sum(moves[k] * np.concatenate([np.zeros((k, plant.shape[0])), response[:total - k]]) for k in np.flatnonzero(moves))
         limits = np.concatenate([level * half + windows(half)[:-1] for level in range(3)] + [[total]])
-        # Samples before the step: their mean is the offset's.
+        # The first point is the mean of as many samples before the step.
         for i in range(plant.shape[0]):
             measured = true[:, i] + slopes[i] * h * np.arange(total) + random.normal(0.0, noise, total)
             count = np.diff(limits)
@@ -220,15 +221,16 @@ def improve(model: Model, of: Design, factors: tuple[float, ...]) -> Design:
             present = cost(kc[None], ti[None], effective)[0] - 1e-6
             better = np.flatnonzero(value < present)
             better = better[np.argsort(value[better])]
-            sound = [row for row in _sound(model, pairs, kcs[better], tis[better])]
-            if not sound:
+            found = next((row for k in range(0, len(better), BATCH) for row in _sound(model, pairs, kcs, tis, better[k:k + BATCH])), None)
+            if found is None:
                 break
-            kc, ti = kcs[better[sound[0]]], tis[better[sound[0]]]
+            kc, ti = kcs[found], tis[found]
     return _design(model, pairs, kc, ti)
 
 
-def _sound(model: Model, pairs: list[tuple[int, int]], kc: np.ndarray, ti: np.ndarray) -> np.ndarray:
-    return np.flatnonzero(model.largest(pairs, kc, ti) <= MS) if len(kc) else np.zeros(0, int)
+def _sound(model: Model, pairs: list[tuple[int, int]], kc: np.ndarray, ti: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Those of the rows that keep the bound."""
+    return rows[model.largest(pairs, kc[rows], ti[rows]) <= MS]
 
 
 def _design(model: Model, pairs: list[tuple[int, int]], kc: np.ndarray, ti: np.ndarray) -> Design:

@@ -1,7 +1,7 @@
 """Plants on which automatic start-up is judged and which it was not made for: named ones of every class, and random ones by their seed.
 
 All are the simulator's JSON (docs/linear-plants.md). Channels are 0 to 100 % about 50 %, so that gains are those in spans. What the format does
-not have, an instrument does (docs/faults.md): backlash, stiction, drift, and a valve whose gain doubles.
+not have, an instrument does (docs/faults.md): backlash, stiction, drift, and a valve whose gain doubles. One is a column (startup_columns.py).
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ import zlib
 from dataclasses import dataclass, field
 from typing import Any, Callable
 
+import numpy as np
+
+from research import startup_columns
 from research.startup_linear import Linear
 
 NOISES = (0.001, 0.003, 0.005)  # shares of a span
@@ -20,6 +23,7 @@ DRIFT = 0.01  # of a span, per slowest time constant
 DRIFT_BAND = 0.25  # of a span, to where the drift goes before it turns
 DRIFT_TURNS = 300
 RANDOM_CLASSES = ("first-order", "two-lags", "damped", "inverse", "overshoot", "dead-time", "two-scales", "slow-cross", "one-way")
+RENEWED_SAMPLES = 15
 RANDOM_LARGEST_GAIN = 30.0  # largest relative gain of a random plant's best pairs
 
 Element = dict[str, Any]
@@ -28,8 +32,9 @@ Events = Callable[[int], list[tuple[float, str]]]
 
 @dataclass(frozen=True)
 class PlantCase:
-    """A plant of the campaign. events: by the seed, what its instruments do besides noise. gain_change: input, factor, and by the seed the
-    time in s at which it does so many times as much."""
+    """A plant of the campaign. data: its channels, with nominal values. file: what the simulator gets, where that is another; twin: what it
+    is judged on, likewise. events: by the seed, what its instruments do besides noise. gain_change: input, factor, and by the seed the time
+    in s at which it does so many times as much."""
 
     name: str
     kind: str
@@ -37,12 +42,14 @@ class PlantCase:
     fault: bool = False  # an instrument or actuator that is not linear, or not the same to the end
     events: Events = field(default=lambda seed: [])
     gain_change: tuple[str, float, Callable[[int], float]] | None = None
+    file: dict[str, Any] | None = None
+    twin: dict[str, Any] | None = None
 
     def linear(self, seed: int = 0, until_s: float = 0.0) -> Linear:
         """The true plant, as it is after until_s."""
         if self.gain_change and until_s > self.gain_change[2](seed):
             return Linear(self.data, {self.gain_change[0]: self.gain_change[1]})
-        return Linear(self.data)
+        return Linear(self.twin or self.data)
 
     def all_events(self, noise: float, seed: int) -> list[str]:
         """Of the simulator: noise in shares of a span, and what else happens."""
@@ -143,6 +150,17 @@ for _times in (10, 40, 160):
                                                        [lag(0.45, 60 * _times, dead=20), lag(1.1, 60, dead=10)]])
 
 
+def scaled(elements: list[list[Element | None]], times: float = 1.0, gain: float = 1.0) -> list[list[Element | None]]:
+    """First-order elements, all times and gains as many times as large."""
+    return [[e and lag(e["gain"] * gain, e["lags"] * times, dead=e["dead_time"] * times) for e in row] for row in elements]
+
+
+# More samples in a response than `test.longest` has by default; and outputs that hardly move in their spans.
+NAMED["slow"] = ("slow", 2, scaled(PLAIN, times=8))
+NAMED["very-slow"] = ("slow", 5, scaled(PLAIN, times=50))
+NAMED["huge-span"] = ("huge-span", 10, scaled(PLAIN, gain=0.05))
+
+
 def _faulty(name: str) -> PlantCase:
     data = transfer(name, 10, PLAIN)
     inputs, outputs = [u["name"] for u in data["inputs"]], [y["name"] for y in data["outputs"]]
@@ -152,6 +170,11 @@ def _faulty(name: str) -> PlantCase:
         size = 1.0 if name == "backlash" else 0.3
         happens = [(0.0, f"{u}.{name}={size}") for u in inputs] + [(0.0, f"{u}.readback=2") for u in inputs]
         return PlantCase(name, name, data, True, lambda seed: happens)
+    if name in ("coarse", "renewed"):
+        what = "resolution=1" if name == "coarse" else f"every={RENEWED_SAMPLES}"
+        # On average a reading that is renewed every n-th sample is (n - 1) / 2 samples old.
+        late = transfer(name, 10, [[lag(e["gain"], e["lags"], dead=e["dead_time"] + 5.0 * (RENEWED_SAMPLES - 1)) for e in row] for row in PLAIN])
+        return PlantCase(name, name, data, True, lambda seed: [(0.0, f"{y}.{what}") for y in outputs], twin=late if name == "renewed" else None)
     if name == "drift":
         return PlantCase(name, name, data, True, lambda seed: drifts(outputs, slowest, seed))
     at = functools.partial(_change_s, slowest)
@@ -185,12 +208,12 @@ def _of_states(name: str) -> PlantCase:
                                         [[0.5 / 100, 0.1 / 100], [0, -0.5 / 120], [0, 0]], [[1, 0, 0], [0, 0, 1]]))
 
 
-FAULTY = ("backlash", "stiction", "drift", "gain-doubles")
+FAULTY = ("backlash", "stiction", "drift", "gain-doubles", "coarse", "renewed")
 OF_STATES = ("unstable", "recycle")
 
 
 def names() -> list[str]:
-    return [*NAMED, *OF_STATES, *FAULTY]
+    return [*NAMED, *OF_STATES, *FAULTY, "column"]
 
 
 # ---- random ----
@@ -212,7 +235,6 @@ def randomly(seed: int) -> PlantCase:
 
 
 def _bounded(gains: Any, order: list[int]) -> bool:
-    import numpy as np
     if abs(np.linalg.det(gains)) < 1e-9:
         return False
     relative = gains * np.linalg.inv(gains).T
@@ -258,6 +280,9 @@ def _span_s(e: Element) -> float:
 def case(name: str) -> PlantCase:
     if name.startswith("random-"):
         return randomly(int(name.removeprefix("random-")))
+    if name == "column":
+        return PlantCase(name, name, startup_columns.with_nominal(name), True, file=startup_columns.file_of(name),
+                         twin=startup_columns.twin(name))
     if name in OF_STATES:
         return _of_states(name)
     if name in FAULTY:
@@ -267,7 +292,7 @@ def case(name: str) -> PlantCase:
 
 
 def text(of: PlantCase) -> str:
-    return json.dumps(of.data)
+    return json.dumps(of.file or of.data)
 
 
 def stream(*what: Any) -> int:

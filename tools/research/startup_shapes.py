@@ -67,22 +67,39 @@ def basis(kind: str, t: np.ndarray, lag: np.ndarray, damping: np.ndarray, dead: 
         return (on * (1.0 - np.exp(-x / lag)))[:, None, :]
     if kind == "integrator":
         return (on * (x - lag * (1.0 - np.exp(-x / lag))))[:, None, :]
-    root = np.sqrt(damping**2 - 1.0 + 1e-7 + 0j)
-    p1, p2 = (-damping + root) / lag, (-damping - root) / lag
-    e1, e2 = np.exp(p1 * x), np.exp(p2 * x)
-    step = on * (1.0 + ((p2 * e1 - p1 * e2) / (p1 - p2)).real)
-    if kind == "second":
-        return step[:, None, :]
-    slope = on * (p1 * p2 * (e1 - e2) / (p1 - p2)).real
-    return np.stack([step, slope * lag], axis=1)
+    step, slope = np.empty_like(x), np.empty_like(x)
+    damped = damping[:, 0] < 1.0
+    if damped.any():
+        step[damped], slope[damped] = oscillation(x[damped], lag[damped], damping[damped])
+    if not damped.all():
+        step[~damped], slope[~damped] = two_lags(x[~damped], lag[~damped], damping[~damped])
+    step *= on
+    return step[:, None, :] if kind == "second" else np.stack([step, slope * on * lag], axis=1)
+
+
+def oscillation(x: np.ndarray, lag: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Step response and its slope, damping below 1."""
+    a, b = damping / lag, np.sqrt(np.maximum(1.0 - damping**2, 1e-8)) / lag
+    decay, sine = np.exp(-a * x), np.sin(b * x)
+    return 1.0 - decay * (np.cos(b * x) + a / b * sine), decay * sine * ((a * a + b * b) / b)
+
+
+def two_lags(x: np.ndarray, lag: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Likewise, damping 1 or more."""
+    root = np.sqrt(np.maximum(damping**2 - 1.0, 1e-8))
+    slow, fast = (damping - root) / lag, (damping + root) / lag
+    e1, e2 = np.exp(-slow * x), np.exp(-fast * x)
+    return 1.0 - (fast * e1 - slow * e2) / (fast - slow), slow * fast * (e1 - e2) / (fast - slow)
 
 
 def double_step(kind: str, r: Record, lag: np.ndarray, damping: np.ndarray, dead: np.ndarray) -> np.ndarray:
     """Columns of the regression: the shape's, offset, drift; each divided by the deviation of its mean."""
-    total = sum(weight * basis(kind, r.t - begin, lag, damping, dead) for weight, begin in ((1.0, 0.0), (-2.0, r.half_s), (1.0, 2.0 * r.half_s)))
-    n, m, k = total.shape
-    out = np.empty((n, m + 2, k))
-    out[:, :m], out[:, m], out[:, m + 1] = r.amplitude * total, 1.0, r.t / r.t[-1]
+    n, m, k = len(lag), 2 if kind == "zero" else 1, len(r.t)
+    out = np.zeros((n, m + 2, k))
+    for weight, begin in ((1.0, 0.0), (-2.0, r.half_s), (1.0, 2.0 * r.half_s)):
+        first = int(np.searchsorted(r.t, begin))
+        out[:, :m, first:] += (weight * r.amplitude) * basis(kind, r.t[first:] - begin, lag, damping, dead)
+    out[:, m], out[:, m + 1] = 1.0, r.t / r.t[-1]
     return out / r.sd
 
 
@@ -107,7 +124,7 @@ def fit(kind: str, r: Record, shortest_s: float) -> tuple[Shape, float]:
     dead = dead * np.minimum(4.0 * lag, 0.6 * r.half_s)
     _, squares, _ = solve(double_step(kind, r, lag, damping, dead), y)
     best: tuple[float, np.ndarray] | None = None
-    for start in np.argsort(squares)[:STARTS]:
+    for start in np.argsort(squares)[:STARTS if second else 1]:
         p = np.array([np.log(lag[start]), np.log(damping[start]), dead[start] / r.half_s])
         found = search(kind, r, y, p, second, shortest_s)
         if best is None or found[0] < best[0]:
@@ -141,8 +158,8 @@ def search(kind: str, r: Record, y: np.ndarray, p: np.ndarray, second: bool, sho
             around[k, at] += widths[at]
         slopes = (look(around)[1] - left) / widths[free][:, None]
         normal, right = slopes @ slopes.T, -slopes @ left
-        steps = np.stack([np.linalg.solve(normal + d * np.diag(np.diag(normal) + 1e-9), right) for d in (damp, 10 * damp, 1e3 * damp)])
-        tries = np.repeat(p[None, :], 3, axis=0)
+        steps = np.stack([np.linalg.solve(normal + d * np.diag(np.diag(normal) + 1e-9), right) for d in (damp, 30.0 * damp)])
+        tries = np.repeat(p[None, :], 2, axis=0)
         tries[:, free] += np.clip(steps, -0.7, 0.7)
         tries = np.clip(tries, low, high)
         found, lefts = look(tries)
@@ -154,7 +171,7 @@ def search(kind: str, r: Record, y: np.ndarray, p: np.ndarray, second: bool, sho
             continue
         gained = squares - found[best]
         p, squares, left = tries[best], found[best], lefts[best]
-        damp = max(1e-6, damp * (0.1, 1.0, 100.0)[best])
+        damp = max(1e-6, damp * (0.1, 10.0)[best])
         if gained < 1e-3:
             break
     return float(squares), p
