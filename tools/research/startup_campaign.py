@@ -20,7 +20,7 @@ from typing import Any, Callable
 
 from reflux import build
 from reflux.errors import UserError
-from reflux.paths import CAMPAIGNS, shown
+from reflux.paths import CAMPAIGNS, out_root, shown
 from reflux.schema import Table
 from research import startup_engineer, startup_plants, startup_runs, startup_table
 from research.startup_judge import Judge, Verdict
@@ -188,11 +188,16 @@ class Rows:
                 self.others += 1
 
     def add(self, row: Row) -> None:
-        new = not self.path.exists() or self.path.stat().st_size == 0
+        with self.path.open("a+b") as file:
+            size = file.tell()
+            file.seek(max(size - 1, 0))
+            torn = size > 0 and file.read() != b"\n"
         with self.path.open("a", encoding="utf-8", newline="") as out:
             writer = csv.DictWriter(out, self.fields, lineterminator="\n")
-            if new:
+            if size == 0:
                 writer.writeheader()
+            elif torn:
+                out.write("\n")
             writer.writerow(row)
         self.done[row["plant"], row["seed"], row["noise"]] = row
 
@@ -202,7 +207,7 @@ def read_rows(path: Path) -> list[Row]:
     if not path.exists():
         return []
     with path.open(encoding="utf-8", newline="") as lines:
-        return [row for row in csv.DictReader(lines) if all(value is not None for value in row.values())]
+        return [row for row in csv.DictReader(lines) if None not in row and None not in row.values()]
 
 
 def run_missing(what: str, jobs: list[Job], rows: Rows, workers: int, call: Callable[..., Row], *arguments: Any) -> None:
@@ -243,7 +248,8 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
         raise UserError("--sample and --starts must be 1 or more")
     if options.check:
         return check(start)
-    folder = options.results
+    folder = out_root() / "campaign" if options.keep else options.results
+    folder.mkdir(parents=True, exist_ok=True)
     files = folder / f"{start.name}.csv", folder / f"{start.name}-engineer.csv"
     if options.table:
         engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()), more=KEPT_ENGINEER)
@@ -258,9 +264,19 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
     run_missing(f"{start.name}: engineer", jobs, engineers, options.jobs, engineer_one)
     keys = [job.key() for job in jobs]
     page = startup_table.text(start.title, [rows.done[key] for key in keys], [engineers.done[key] for key in keys])
-    (folder / f"{start.name}.md").write_text(page, encoding="utf-8")
+    (options.results / f"{start.name}.md").write_text(page, encoding="utf-8")
+    if options.keep:
+        keep_engineers([engineers.done[key] for key in sorted(keys)])
     print("\n" + page)
     return 0 if not startup_table.harmful(rows.done[key] for key in keys) else 1
+
+
+def keep_engineers(rows: list[Row]) -> None:
+    """They depend on no firmware: a campaign that has them need not find them again."""
+    with KEPT_ENGINEER.open("w", encoding="utf-8", newline="") as out:
+        writer = csv.DictWriter(out, ENGINEER_FIELDS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def check(start: Startup) -> int:

@@ -21,6 +21,7 @@ LIMIT = 0.2  # of span
 SHARE = 0.6  # of the limit
 AMPLITUDE_MOST = 0.4  # of an input's span
 SETTLED = 0.01  # of the largest response
+CLIMB_TIMES, CLIMB_LEAST = 4, 40  # length of a level of what integrates: times the response so far, and samples
 POINTS = 60  # windows of a level
 MS = 2.0
 PAIRINGS_MOST = 6
@@ -28,6 +29,7 @@ FREQUENCIES = 110
 COARSE, FINE = (1.6, 1.25), (1.1, 1.04)  # factors of the search
 ROUNDS_MOST = 60
 BATCH = 6  # settings that are looked at together
+NOISE_MOVES = 0.05  # of an input's span: standard deviation of its moves by the noise alone, at most
 INTEGRAL_LEAST = 0.3  # shortest integral time over dead time and lags of the element
 
 
@@ -57,8 +59,8 @@ def half_samples(plant: Linear, steps: np.ndarray, source: int) -> int:
         line = y[-1] - slope * (len(y) - 1 - np.arange(len(y)))
         late = np.flatnonzero(np.abs(y - line) > SETTLED * max(np.abs(y - line).max(), 1e-12))
         longest = max(longest, int(late[-1]) + 2 if len(late) else 1)
-        if abs(slope) > 1e-3 * np.abs(y).max() / len(y):
-            longest = max(longest, 2 * (int(late[-1]) if len(late) else 1))
+        if abs(slope) > 0.1 * np.abs(y).max() / len(y):
+            longest = max(longest, CLIMB_TIMES * (int(late[-1]) if len(late) else 1), CLIMB_LEAST)
     return longest
 
 
@@ -121,9 +123,9 @@ def reference_test(case: startup_plants.PlantCase, noise: float, seed: int) -> l
 class Model:
     """The fitted elements along the frequency, sampled and held."""
 
-    def __init__(self, shapes: list[list[startup_shapes.Shape]], h: float):
+    def __init__(self, shapes: list[list[startup_shapes.Shape]], h: float, noise: float):
         times = [e.time_s() for row in shapes for e in row if e.kind != "none"]
-        self.h, self.shapes = h, shapes
+        self.h, self.shapes, self.gain_most = h, shapes, NOISE_MOVES / max(noise, 1e-6)
         known = np.array([[abs(e.gain) for e in row] for row in shapes])
         singular = np.linalg.svd(known * np.sign([[e.gain for e in row] for row in shapes]), compute_uv=False)
         # Loops of large relative gains have a mode that is slower by as much.
@@ -217,7 +219,8 @@ def improve(model: Model, of: Design, factors: tuple[float, ...]) -> Design:
             for row, (k, gain, time) in enumerate(moves):
                 kcs[row, k] *= factor**gain
                 tis[row, k] *= factor**time
-            value = np.where((tis >= least).all(axis=1), cost(kcs, tis, effective), np.inf)
+            allowed = (tis >= least).all(axis=1) & (np.abs(kcs) <= model.gain_most).all(axis=1)
+            value = np.where(allowed, cost(kcs, tis, effective), np.inf)
             present = cost(kc[None], ti[None], effective)[0] - 1e-6
             better = np.flatnonzero(value < present)
             better = better[np.argsort(value[better])]
@@ -251,7 +254,7 @@ def engineer(case: startup_plants.PlantCase, noise: float, seed: int, judge: Jud
     plant = case.linear(seed, np.inf)
     shortest = 1.5 * plant.h
     shapes = [[startup_shapes.choose(r, shortest) for r in row] for row in records]
-    model = Model(shapes, plant.h)
+    model = Model(shapes, plant.h, noise)
     designs = [improve(model, d, COARSE) for pairs in admissible(model) if (d := begin(model, pairs))]
     if not designs:
         return Outcome((), None, shapes)

@@ -112,7 +112,8 @@ def gain_margin(loop: np.ndarray) -> float:
         at = np.flatnonzero(np.signbit(im[1:]) != np.signbit(im[:-1]))
         share = im[at] / (im[at] - im[at + 1])
         crossing = re[at] + share * (re[at + 1] - re[at])
-        crossing = np.concatenate([crossing, re[-1:]])  # at half the sampling frequency the loop is real
+        # At half the sampling frequency the loop is real, and so is one without integral action at the lowest.
+        crossing = np.concatenate([crossing, re[-1:], re[:1] if abs(im[0]) < 0.01 * abs(re[0]) else []])
         crossing = -crossing[crossing < 0.0]
         if len(crossing):
             worst = min(worst, float(np.exp(np.abs(np.log(np.maximum(crossing, 1e-12))).min())))
