@@ -180,7 +180,7 @@ class Rows(FolderTest):
         self.assertEqual(sorted(again.done), [("plain", "1", "0.001"), ("plain", "2", "0.001")])
         ran = []
         jobs = [startup_campaign.Job("plain", seed, 0.001) for seed in (1, 2, 3)]
-        with mock.patch.object(startup_campaign, "ProcessPoolExecutor", Here):
+        with mock.patch.object(startup_campaign, "single_threaded", Here):
             startup_campaign.run_missing("test", jobs, again, 1, lambda job: ran.append(job) or row(program="abc", seed=str(job.seed)))
         self.assertEqual([job.seed for job in ran], [3])
         self.assertEqual(len(startup_campaign.Rows(path, startup_campaign.FIELDS, mark).done), 3)

@@ -11,6 +11,8 @@ import csv
 import functools
 import hashlib
 import math
+import multiprocessing
+import os
 import random
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -18,11 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable
 
-from reflux import build
+from reflux import build, table
 from reflux.errors import UserError
 from reflux.paths import CAMPAIGNS, out_root, shown
 from reflux.schema import Table
-from research import startup_engineer, startup_plants, startup_runs, startup_table
+from research import startup_engineer, startup_iae, startup_plants, startup_runs, startup_table
 from research.startup_judge import Judge, Verdict
 
 FIELDS = ("plant", "kind", "seed", "noise", "program", "outcome", "reason", "doubts", "events", "starts", "hours_tests", "hours", "proposed",
@@ -101,11 +103,11 @@ def judge_at(job: Job, until_s: float) -> Judge:
     return judge_of(job.plant, job.seed, math.inf if until_s > case.gain_change[2](job.seed) else 0.0)
 
 
-def run_one(job: Job, starts: int, longest_s: float) -> Row:
-    """In a process of its own. Whatever comes of it is a row."""
+def run_one(job: Job, starts: int, longest_s: float, given: tuple[str, ...] = ()) -> Row:
+    """In a process of its own. Whatever comes of it is a row. given: "NAME VALUE", set from the first start-up on."""
     begun = time.monotonic()
     case = startup_plants.case(job.plant)
-    settings: list[str] = []
+    settings: list[str] = list(given)
     tests_s = whole_s = 0.0
     excursions: list[float] = []
     for count in range(1, starts + 1):
@@ -210,6 +212,12 @@ def read_rows(path: Path) -> list[Row]:
         return [row for row in csv.DictReader(lines) if None not in row and None not in row.values()]
 
 
+def single_threaded(workers: int) -> ProcessPoolExecutor:
+    """Processes of their own in which numpy's library has one thread: with small matrices several only wait for each other."""
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+
+
 def run_missing(what: str, jobs: list[Job], rows: Rows, workers: int, call: Callable[..., Row], *arguments: Any) -> None:
     missing = [job for job in jobs if job.key() not in rows.done]
     if len(missing) < len(jobs):
@@ -217,7 +225,7 @@ def run_missing(what: str, jobs: list[Job], rows: Rows, workers: int, call: Call
     if not missing:
         return
     progress, begun = build.Progress(what), time.monotonic()
-    with ProcessPoolExecutor(workers) as pool:
+    with single_threaded(workers) as pool:
         waiting = [pool.submit(call, job, *arguments) for job in missing]
         try:
             for count, future in enumerate(as_completed(waiting), 1):
@@ -248,6 +256,8 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
         raise UserError("--sample and --starts must be 1 or more")
     if options.check:
         return check(start)
+    if options.iae:
+        return compare(start, options.jobs)
     folder = out_root() / "campaign" if options.keep else options.results
     folder.mkdir(parents=True, exist_ok=True)
     files = folder / f"{start.name}.csv", folder / f"{start.name}-engineer.csv"
@@ -259,7 +269,8 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
     rows = Rows(files[0], FIELDS, ("program", program()), options.again)
     if rows.others:
         raise UserError(f"{shown(files[0])} holds {rows.others} rows of another program: --again forgets them, --out names another folder")
-    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, run_one, options.starts or start.starts, start.longest_s)
+    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, run_one, options.starts or start.starts, start.longest_s,
+                tuple(options.set))
     engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()), more=KEPT_ENGINEER)
     run_missing(f"{start.name}: engineer", jobs, engineers, options.jobs, engineer_one)
     keys = [job.key() for job in jobs]
@@ -269,6 +280,17 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
         keep_engineers([engineers.done[key] for key in sorted(keys)])
     print("\n" + page)
     return 0 if not startup_table.harmful(rows.done[key] for key in keys) else 1
+
+
+def compare(start: Startup, workers: int) -> int:
+    """Settings beside the best of equal sensitivity."""
+    jobs = [(name, seed) for name in startup_iae.PLANTS for seed in startup_iae.SEEDS]
+    with single_threaded(workers) as pool:
+        waiting = [pool.submit(startup_iae.compare, name, seed, start.longest_s) for name, seed in jobs]
+        rows = [future.result() for future in waiting]
+    print("Integral of the absolute error over the least at equal Ms, after steps of setpoints and loads:\n")
+    print(table.markdown(startup_iae.HEADER, rows))
+    return 0 if startup_iae.worst(rows) <= startup_iae.ASKED else 1
 
 
 def keep_engineers(rows: list[Row]) -> None:
