@@ -184,6 +184,8 @@ def text(title: str, rows: list[Row], engineers: list[Row]) -> str:
         return f"# {title}\n\nThere are no runs yet.\n"
     parts = [f"# {title}", f"{len(rows)} runs of {len({r['plant'] for r in rows})} plants.", table.markdown(*demands(rows, engineers)),
              "## By class", table.markdown(CLASS_HEADER, by_class(rows, engineers)),
+             "## By plant", table.markdown(["plant", *CLASS_HEADER[1:]],
+                                            by_class([r for r in rows if not r["plant"].startswith("random-")], engineers, "plant")),
              "## Stated deviations, stable linear plants", "The error of gain and average residence time over the stated deviation; "
              "that of T + L is taken as the root of the sum of both squares, where the board does not state one.",
              table.markdown(HONEST_HEADER, honesty(rows)),
