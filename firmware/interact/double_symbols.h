@@ -22,10 +22,12 @@
 #define gains_null_input          gains_null_input_double
 #define gains_null_output         gains_null_output_double
 #define assignment_solve          assignment_solve_double
+#define ranked_begin              ranked_begin_double
+#define ranked_branch             ranked_branch_double
+#define ranked_next               ranked_next_double
 #define pairing_config_default    pairing_config_default_double
 #define pairing_begin             pairing_begin_double
 #define pairing_step              pairing_step_double
-#define pairing_choose            pairing_choose_double
 #define structure_config_default  structure_config_default_double
 #define structure_cross_way       structure_cross_way_double
 #define structure_detect          structure_detect_double

@@ -139,16 +139,16 @@ static enum err choose_square(struct pairing *p)
 static void set_costs(struct pairing *p)
 {
     size_t n = p->kept.n;
-    p->assignment.rows = p->assignment.cols = p->kept.n;
+    p->ranked.costs.rows = p->ranked.costs.cols = p->kept.n;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             real_t lambda = p->lambda_all.value[i][j];
-            p->assignment.cost[i][j] = ASSIGNMENT_FORBIDDEN;
+            p->ranked.costs.cost[i][j] = ASSIGNMENT_FORBIDDEN;
             unsigned apart = (unsigned)p->config.apart[p->kept.output[i]] >> p->kept.input[j];
             if ((apart & 1u) != 0u || lambda < p->config.smallest_lambda)
                 continue;
             real_t cost = real_abs(real_log(lambda)) * COST_UNIT + REAL_C(0.5);
-            p->assignment.cost[i][j] =
+            p->ranked.costs.cost[i][j] =
                 cost < (real_t)ASSIGNMENT_COST_MAX ? (int32_t)cost : ASSIGNMENT_COST_MAX;
         }
 }
@@ -166,77 +166,13 @@ static enum err relative_gains_of_square(struct pairing *p)
     return err;
 }
 
-/* Solves with the first `fixed` rows as in the parent and some columns of the next forbidden, and keeps the result as an
- * open node. The dearest open node goes where there is no room. */
-static void solve_node(struct pairing *p, uint8_t fixed, uint16_t forbidden)
-{
-    REFLUX_ASSERT(fixed < p->kept.n && p->kept.n <= INTERACT_MAX && p->nodes <= PAIRING_NODES);
-    const struct assignment *a = &p->assignment;
-    struct assignment *rest = &p->rest;
-    struct pairing_node node = {.forbidden = forbidden, .fixed = fixed};
-    uint8_t column[INTERACT_MAX], partner[INTERACT_MAX], left = 0;
-    uint16_t taken = 0;
-    for (uint8_t i = 0; i < fixed; i++)
-        taken = (uint16_t)(taken | (1u << p->parent.partner[i]));
-    for (uint8_t j = 0; j < a->cols; j++)
-        if ((taken & (1u << j)) == 0u)
-            column[left++] = j;
-    rest->rows = rest->cols = left;
-    for (uint8_t i = 0; i < left; i++)
-        for (uint8_t j = 0; j < left; j++) {
-            bool out = i == 0 && (forbidden & (1u << column[j])) != 0u;
-            rest->cost[i][j] = out ? ASSIGNMENT_FORBIDDEN : a->cost[fixed + i][column[j]];
-        }
-
-    int32_t total;
-    if (assignment_solve(rest, partner, &total))
-        return;
-    for (uint8_t i = 0; i < fixed; i++) {
-        node.partner[i] = p->parent.partner[i];
-        total += a->cost[i][node.partner[i]];
-    }
-    for (uint8_t i = 0; i < left; i++)
-        node.partner[fixed + i] = column[partner[i]];
-    node.total = total;
-
-    uint8_t at = p->nodes;
-    if (p->nodes == PAIRING_NODES) {
-        at = 0;
-        for (uint8_t k = 1; k < PAIRING_NODES; k++)
-            if (p->node[k].total > p->node[at].total)
-                at = k;
-        if (p->node[at].total <= total)
-            return;
-    } else {
-        p->nodes++;
-    }
-    p->node[at] = node;
-}
-
-/* Takes the cheapest open node (of equals the oldest) as the next pairs to look at; false when there is none. */
-static bool next_node(struct pairing *p)
-{
-    if (p->nodes == 0 || p->tries >= PAIRING_TRIES)
-        return false;
-    uint8_t best = 0;
-    for (uint8_t k = 1; k < p->nodes; k++)
-        if (p->node[k].total < p->node[best].total)
-            best = k;
-    p->parent = p->node[best];
-    p->nodes--;
-    for (uint8_t k = best; k < p->nodes; k++)
-        p->node[k] = p->node[k + 1];
-    p->tries++;
-    return true;
-}
-
 /* The node's pairs, by rows and columns of p->square. */
 static void pairs_of_node(const struct pairing *p, struct pairs *pairs)
 {
     pairs->n = p->kept.n;
     for (uint8_t i = 0; i < pairs->n; i++) {
         pairs->output[i] = i;
-        pairs->input[i] = p->parent.partner[i];
+        pairs->input[i] = p->ranked.best.partner[i];
     }
 }
 
@@ -263,7 +199,7 @@ static bool is_as_estimated(const struct pairing *p)
     bool same = p->pairs.n == p->kept.n;
     for (uint8_t k = 0; same && k < p->pairs.n; k++)
         same = p->kept.output[k] == p->pairs.output[k] &&
-               p->kept.input[p->parent.partner[k]] == p->pairs.input[k];
+               p->kept.input[p->ranked.best.partner[k]] == p->pairs.input[k];
     return same;
 }
 
@@ -273,7 +209,7 @@ static void count_draw(struct pairing *p, bool found)
     for (size_t i = 0; i < p->gains.rows; i++)
         input_of[i] = INTERACT_MAX; /* none */
     for (uint8_t k = 0; found && k < p->kept.n; k++)
-        input_of[p->kept.output[k]] = p->kept.input[p->parent.partner[k]];
+        input_of[p->kept.output[k]] = p->kept.input[p->ranked.best.partner[k]];
     p->drawn++;
     if (!found)
         p->drawn_no_pair++;
@@ -288,11 +224,11 @@ static void keep_pairs(struct pairing *p)
 {
     p->pairs.n = p->kept.n;
     p->niederlinski = p->index;
-    p->cost = (real_t)p->parent.total / COST_UNIT;
+    p->cost = (real_t)p->ranked.best.total / COST_UNIT;
     for (uint8_t k = 0; k < p->kept.n; k++) {
         p->pairs.output[k] = p->kept.output[k];
-        p->pairs.input[k] = p->kept.input[p->parent.partner[k]];
-        p->lambda[k] = p->lambda_all.value[k][p->parent.partner[k]];
+        p->pairs.input[k] = p->kept.input[p->ranked.best.partner[k]];
+        p->lambda[k] = p->lambda_all.value[k][p->ranked.best.partner[k]];
     }
 }
 
@@ -373,13 +309,6 @@ static void finish_matrix(struct pairing *p, bool found, bool singular)
     next_matrix(p);
 }
 
-/* The parent is not admissible; what differs from it is looked at next. */
-static void branch(struct pairing *p)
-{
-    p->row = p->parent.fixed;
-    p->stage = STAGE_BRANCH;
-}
-
 /* Refuses pairs that would be the best of the estimates, but for a subset of their loops. */
 static void refuse_subset(struct pairing *p)
 {
@@ -404,7 +333,7 @@ static void look_at_subsets(struct pairing *p)
     }
     if (!p->drawing && negative) {
         refuse_subset(p);
-        branch(p);
+        p->stage = STAGE_BRANCH;
         return;
     }
     if (negative)
@@ -418,7 +347,7 @@ static void take_node(struct pairing *p)
     if (p->drawing && !is_as_estimated(p))
         finish_matrix(p, true, false);
     else if (!begin_subsets(p))
-        branch(p);
+        p->stage = STAGE_BRANCH;
 }
 
 enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
@@ -450,8 +379,7 @@ enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
 
 enum err pairing_step(struct pairing *p)
 {
-    REFLUX_ASSERT(p->gains.rows <= INTERACT_MAX && p->kept.n <= INTERACT_MAX &&
-                  p->nodes <= PAIRING_NODES);
+    REFLUX_ASSERT(p->gains.rows <= INTERACT_MAX && p->kept.n <= INTERACT_MAX);
     switch (p->stage) {
     case STAGE_CHOOSE:
         p->stage = STAGE_SQUARE;
@@ -459,21 +387,24 @@ enum err pairing_step(struct pairing *p)
             finish_matrix(p, false, true);
         break;
     case STAGE_SQUARE:
-        p->nodes = p->tries = 0;
+        p->tries = 0;
         if (relative_gains_of_square(p)) {
             finish_matrix(p, false, true);
             break;
         }
-        solve_node(p, 0, 0);
+        ranked_begin(&p->ranked);
         p->stage = STAGE_RESULT;
         break;
     case STAGE_RESULT:
-        if (!next_node(p))
+        if (p->tries >= PAIRING_TRIES || !ranked_next(&p->ranked)) {
             finish_matrix(p, false, false);
-        else if (index_is_positive(p))
+            break;
+        }
+        p->tries++;
+        if (index_is_positive(p))
             take_node(p);
         else
-            branch(p);
+            p->stage = STAGE_BRANCH;
         break;
     case STAGE_SUBSETS:
         look_at_subsets(p);
@@ -482,15 +413,9 @@ enum err pairing_step(struct pairing *p)
         judge_determinant(p);
         next_matrix(p);
         break;
-    case STAGE_BRANCH: /* the parent is out: everything else there is differs from it first in some row */
-        if (p->row + 1u < p->kept.n) {
-            uint16_t own = (uint16_t)(1u << p->parent.partner[p->row]);
-            solve_node(p, p->row,
-                       p->row == p->parent.fixed ? (uint16_t)(p->parent.forbidden | own) : own);
-            p->row++;
-        } else {
+    case STAGE_BRANCH: /* the latest pairs are out, and what differs from them is looked at next */
+        if (!ranked_branch(&p->ranked))
             p->stage = STAGE_RESULT;
-        }
         break;
     default:
         return ERR_STATE;

@@ -21,13 +21,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "interact/assignment.h"
 #include "interact/integrity.h"
+#include "interact/ranked_assignment.h"
 #include "interact/rga.h"
 #include "num/random.h"
 
 #define PAIRING_TRIES   16
-#define PAIRING_NODES   40
 #define PAIRING_SUBSETS 8
 
 struct pairing_config {
@@ -51,13 +50,6 @@ enum pairing_verdict {
     /* No pairs with positive relative gains and positive Niederlinski indices of all subsets. Where only a part of the loops
      * is in the way, `negative` says which, and pairs are those that would be the best otherwise. */
     PAIRING_IMPOSSIBLE
-};
-
-struct pairing_node {
-    int32_t total;
-    uint16_t forbidden; /* columns, in row `fixed` */
-    uint8_t fixed;      /* rows before it are as in partner */
-    uint8_t partner[INTERACT_MAX];
 };
 
 /* 14 KiB (float). */
@@ -91,13 +83,12 @@ struct pairing {
         struct integrity integrity;
     } work;
     real_t index;
-    struct assignment assignment, rest;
-    struct pairing_node node[PAIRING_NODES], parent;
+    struct ranked_assignment ranked;
     uint16_t agreed, fragile, count[INTERACT_MAX][INTERACT_MAX + 1];
     struct pairs kept; /* channels of the square plant, ascending; not paired */
     real_t floor;
     bool drawing;
-    uint8_t stage, nodes, tries, row;
+    uint8_t stage, tries;
 };
 
 /* smallest_lambda 0.02, floor 0.005, confidence 0.95, determinant_sds 2, integrity 0.9, 400 draws, seed 1, every channel. 400 draws settle a probability of
