@@ -1,6 +1,8 @@
 #include "commission/analysis.h"
 
 #include "base/assertion.h"
+#include "commission/analysis_choice.h"
+#include "commission/analysis_settings.h"
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
 #include "exchange/plan.h"
@@ -13,9 +15,8 @@
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
 #define PAYS       REAL_C(0.81)
 #define EXTENSIONS 2u
-#define LONGER     REAL_C(4.0)  /* times the duration in which a step did not settle */
-#define RESOLUTION REAL_C(1e-4) /* of a span: resolution of a 12-bit converter */
-#define LONGEST_S  REAL_C(1e7)  /* longest trial */
+#define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
+#define LONGEST_S  REAL_C(1e7) /* longest trial */
 
 _Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
 
@@ -51,10 +52,11 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
     return gains_begin(&a->work.gains, &a->plant, config->floor);
 }
 
-/* Keeps given pairs apart from all others. Where as many are given as there can be, the other channels get none. */
+/* Where as many pairs are given as there can be, the other channels get none. */
 static void take_given(const struct analysis *a, struct pairing_config *c)
 {
     uint16_t inputs = 0, outputs = 0;
+    choice_keep_apart(a, c->apart);
     uint8_t n = 0, most = a->plant.inputs < a->plant.outputs ? a->plant.inputs : a->plant.outputs;
     for (uint8_t j = 0; j < a->plant.outputs; j++) {
         if (a->given[j] == 0)
@@ -62,10 +64,6 @@ static void take_given(const struct analysis *a, struct pairing_config *c)
         outputs = (uint16_t)(outputs | 1u << j);
         inputs = (uint16_t)(inputs | 1u << (a->given[j] - 1u));
         n++;
-    }
-    for (uint8_t j = 0; j < a->plant.outputs; j++) {
-        unsigned own = a->given[j] ? 1u << (a->given[j] - 1u) : 0u;
-        c->apart[j] = (uint16_t)(a->given[j] ? 0xffffu ^ own : inputs);
     }
     if (n == most) {
         c->outputs_out = (uint16_t)(c->outputs_out | (0xffffu ^ outputs));
@@ -105,7 +103,7 @@ static enum err end_gains(struct analysis *a)
     return ERR_OK;
 }
 
-/* Takes the pairs in the order of the outputs, and the properties of single loops on them. */
+/* Takes the pairs in the order of the outputs, and what the draws say of them. */
 static enum err end_pairing(struct analysis *a)
 {
     const struct pairing *p = &a->work.pairing;
@@ -117,19 +115,27 @@ static enum err end_pairing(struct analysis *a)
     memcpy(a->share, p->share, sizeof a->share);
     memcpy(a->rival, p->rival, sizeof a->rival);
     a->determinant = p->determinant;
-    a->integrity = p->integrity;
     a->negative = p->negative;
     a->negative_index = p->negative_index;
+    a->certainty.ambiguous_outputs = p->ambiguous_outputs;
+    a->stage = ANALYSIS_DONE;
+    if (a->pairs.n == 0)
+        return ERR_OK;
+    a->stage = ANALYSIS_CANDIDATES;
+    return choice_begin(a);
+}
+
+static enum err end_choice(struct analysis *a)
+{
+    a->verdict = PAIRING_DETERMINED;
     certainty_of_gains(a, &a->verdict);
-    bool asks = a->verdict == PAIRING_DETERMINED || a->verdict == PAIRING_UNDETERMINED;
-    a->stage = asks ? ANALYSIS_SECOND : ANALYSIS_DONE;
-    return asks ? ERR_BUSY : ERR_OK;
+    a->stage = ANALYSIS_SECOND;
+    return ERR_BUSY;
 }
 
 static enum err end_second(struct analysis *a)
 {
     analysis_ask_second(a);
-    certainty_of_second(a, &a->verdict);
     bool determined = a->verdict == PAIRING_DETERMINED;
     a->stage = determined ? ANALYSIS_STRUCTURE : ANALYSIS_DONE;
     return determined ? ERR_BUSY : ERR_OK;
@@ -195,29 +201,10 @@ static void without_decoupler(struct analysis *a, enum analysis_decoupler reason
     identity(&a->d, a->pairs.n);
 }
 
-/* Exchanges the elements for their beginnings: the settings are made for those, all else for the whole elements. */
-static void exchange_beginnings(struct analysis *a, bool begins)
-{
-    if (a->begins == begins)
-        return;
-    a->begins = begins;
-    for (uint8_t j = 0; j < a->plant.outputs; j++)
-        for (uint8_t i = 0; i < a->plant.inputs; i++) {
-            struct beginning *b = &a->beginning[j][i];
-            struct fopdt *e = &a->plant.element[j][i];
-            if (!(b->time_constant_s > REAL_C(0.0)))
-                continue;
-            struct beginning other = {e->time_constant_s, e->dead_time_s};
-            e->time_constant_s = b->time_constant_s;
-            e->dead_time_s = b->dead_time_s;
-            *b = other;
-        }
-}
-
 /* There are no settings with the present decoupler. */
 static enum err no_design(struct analysis *a, enum err reason)
 {
-    exchange_beginnings(a, false);
+    settings_exchange_beginnings(a, false);
     a->design_error = reason;
     a->stage = ANALYSIS_ALTERNATIVE;
     return ERR_OK;
@@ -225,22 +212,9 @@ static enum err no_design(struct analysis *a, enum err reason)
 
 static enum err begin_settings(struct analysis *a)
 {
-    struct detune_config c;
-    detune_config_default(&c);
-    c.noise_sd = a->config.noise_sd;
-    c.noise_least = RESOLUTION;
     a->stage = ANALYSIS_SETTINGS;
-    exchange_beginnings(a, true);
-    const struct structure *s = layout_structure(&a->layout);
-    for (uint8_t k = 0; s && k < a->pairs.n; k++)
-        c.part[k] = s->block[s->pair_block[k]].part;
-    bool decoupled = a->decoupler == DECOUPLER_USED;
-    for (uint8_t k = 0; k < a->pairs.n && !decoupled; k++)
-        if (a->beginning[a->pairs.output[k]][a->pairs.input[k]].time_constant_s > REAL_C(0.0))
-            c.begins = (uint16_t)(c.begins | 1u << k);
-    enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
-                                a->decoupler == DECOUPLER_USED ? &a->d : NULL, &c, NULL);
-    return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK; /* gains or times no rule is for */
+    enum err err = settings_begin(a, a->decoupler == DECOUPLER_USED);
+    return err ? no_design(a, err) : ERR_OK;
 }
 
 static enum err do_decoupler(struct analysis *a)
@@ -278,7 +252,7 @@ static enum err begin_prediction(struct analysis *a, real_t duration_s)
                              .mark_s = a->horizon_s,
                              .setpoint_weight = REAL_C(1.0)};
     a->stage = ANALYSIS_PREDICTION;
-    exchange_beginnings(a, false);
+    settings_exchange_beginnings(a, false);
     enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
 }
@@ -430,7 +404,16 @@ enum err analysis_step(struct analysis *a)
         return more(a, begin_pairing(a));
     case ANALYSIS_PAIRING:
         err = pairing_step(&a->work.pairing);
-        return err ? err : end_pairing(a);
+        return err ? err : more(a, end_pairing(a));
+    case ANALYSIS_CANDIDATES:
+        err = choice_find(a);
+        if (err)
+            return err;
+        a->stage = ANALYSIS_CHOICE;
+        return ERR_BUSY;
+    case ANALYSIS_CHOICE:
+        err = choice_step(a);
+        return err ? err : end_choice(a);
     case ANALYSIS_SECOND:
         return end_second(a);
     case ANALYSIS_STRUCTURE:

@@ -3,6 +3,7 @@
 #ifndef REFLUX_COMMISSION_ANALYSIS_STATE_H
 #define REFLUX_COMMISSION_ANALYSIS_STATE_H
 
+#include "commission/analysis_choice_state.h"
 #include "commission/analysis_structure_state.h"
 #include "commission/certainty_state.h"
 #include "design/detune.h"
@@ -19,6 +20,8 @@ enum analysis_stage {
     ANALYSIS_GAINS,
     ANALYSIS_CASCADES,
     ANALYSIS_PAIRING,
+    ANALYSIS_CANDIDATES,
+    ANALYSIS_CHOICE,
     ANALYSIS_SECOND,
     ANALYSIS_STRUCTURE,
     ANALYSIS_DECOUPLER,
@@ -91,9 +94,9 @@ struct analysis {
     real_t share[INTERACT_MAX];
     uint8_t rival[INTERACT_MAX];
     real_t determinant; /* in its own standard deviations */
-    real_t integrity;   /* share of draws in which every subset of the loops is stable */
-    uint16_t negative;  /* pairs that are unstable without the others: struct pairing */
+    uint16_t negative;  /* pairs that are unstable without the others: struct candidate */
     real_t negative_index;
+    struct pairing_choice choice;
     struct certainty certainty;
     struct plant_layout layout;
 
@@ -121,9 +124,10 @@ struct analysis {
         struct gains gains;
         struct {
             struct rga_work work;
-            struct matrix gains;
+            struct matrix gains, lambda;
         } rga;
         struct pairing pairing;
+        struct candidates candidates;
         struct structure_work structure;
         struct {
             real_t gain[INTERACT_MAX]

@@ -3,7 +3,8 @@
 #include "base/assertion.h"
 #include "commission/analysis_structure.h"
 
-#define SEEN_SDS REAL_C(3.0) /* a gain nearer to 0 may not be there, or have the other sign */
+#define DETERMINANT_SDS REAL_C(2.0) /* nearer to 0 its sign is not known */
+#define SEEN_SDS        REAL_C(3.0) /* a gain nearer to 0 may not be there, or have the other sign */
 
 static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
 {
@@ -76,36 +77,16 @@ static void conclude(const struct analysis *a, enum pairing_verdict *verdict)
 
 void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict)
 {
-    const struct pairing *p = &a->work.pairing;
-    a->certainty.ambiguous_outputs = p->ambiguous_outputs;
     find_used(a);
-    if (a->verdict != PAIRING_DETERMINED && a->verdict != PAIRING_UNDETERMINED)
-        return;
-    if (p->probability < p->config.confidence)
+    if (a->probability < a->config.confidence)
         a->certainty.doubts |= DOUBT_DRAWS;
-    if (p->determinant < p->config.determinant_sds)
+    else
+        a->certainty.ambiguous_outputs = 0;
+    if (a->determinant < DETERMINANT_SDS)
         a->certainty.doubts |= DOUBT_DETERMINANT;
-    if (p->integrity < p->config.integrity)
-        a->certainty.doubts |= DOUBT_INTEGRITY;
     if (a->rank < a->pairs.n)
         a->certainty.doubts |= DOUBT_RANK;
     doubt_elements(a);
-    conclude(a, verdict);
-}
-
-/* The second opinion does not know the given pairs. */
-static bool pairs_are_given(const struct analysis *a)
-{
-    for (uint8_t j = 0; j < a->plant.outputs; j++)
-        if (a->given[j])
-            return true;
-    return false;
-}
-
-void certainty_of_second(struct analysis *a, enum pairing_verdict *verdict)
-{
-    if (layout_second(&a->layout) != SECOND_AGREES && !pairs_are_given(a))
-        a->certainty.doubts |= DOUBT_SECOND;
     conclude(a, verdict);
 }
 

@@ -25,10 +25,8 @@ enum left_over {
     LEFT_OVER    /* surplus: the pairs are better without it */
 };
 
-/* Notes doubts about rank, determinant, signs and flags, once the draws are done, and lowers *verdict. */
+/* Notes doubts about draws, rank, determinant, signs and flags, once the pairs are chosen, and lowers *verdict. */
 void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict);
-/* Notes a doubt by the second opinion, once it is there. Likewise. */
-void certainty_of_second(struct analysis *a, enum pairing_verdict *verdict);
 
 /* Returns the flags of the element from input i to output j that cause a doubt: all of CERTAINTY_FLAGS where a pair uses the
  * element, else CERTAINTY_OPEN_FLAGS. */

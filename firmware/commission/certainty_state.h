@@ -9,15 +9,13 @@
 
 /* Doubts about a pairing: certainty.h. */
 enum analysis_doubt {
-    DOUBT_DRAWS = 1 << 0,       /* gains drawn about the estimates give other pairs too often */
+    DOUBT_DRAWS = 1 << 0, /* no pairs would do with enough of the gains drawn about the estimates */
     DOUBT_DETERMINANT = 1 << 1, /* its sign is uncertain */
     DOUBT_RANK = 1 << 2,        /* within error, there are fewer directions than pairs */
     DOUBT_SIGN = 1 << 3,        /* the sign of the gain of a pair is uncertain */
     DOUBT_SHAPE = 1 << 4,       /* a test did not show the end of a response */
     DOUBT_SHAPE_FINAL =
-        1 << 5,            /* the response of a pair is not that of a lag: more tests do not help */
-    DOUBT_SECOND = 1 << 6, /* gains over residence times give other pairs */
-    DOUBT_INTEGRITY = 1 << 7 /* with some loops in manual the others may become unstable */
+        1 << 5 /* the response of a pair is not that of a lag: more tests do not help */
 };
 
 struct certainty {

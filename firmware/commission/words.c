@@ -20,8 +20,6 @@ const char *words_of_verdict(const struct analysis *a)
         return "not determined: a response was not seen to its end";
     if ((doubts & ~shape) == 0)
         return "not determined: a response has a shape that loops are not made for";
-    if ((doubts & ~(shape | DOUBT_SECOND)) == 0)
-        return "not determined: gains over residence times give other pairs";
     return words[PAIRING_UNDETERMINED];
 }
 
@@ -76,10 +74,8 @@ bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *do
 {
     const struct words_doubt all[WORDS_DOUBTS] = {
         {"rank", "within error, inputs act alike", (real_t)a->rank},
-        {"determinant", "standard deviations from zero; 2 needed", a->determinant},
-        {"integrity", "share of draws in which any loop may be in manual; 0.9 needed",
-         a->integrity}};
-    static const uint8_t bits[WORDS_DOUBTS] = {DOUBT_RANK, DOUBT_DETERMINANT, DOUBT_INTEGRITY};
+        {"determinant", "standard deviations from zero; 2 needed", a->determinant}};
+    static const uint8_t bits[WORDS_DOUBTS] = {DOUBT_RANK, DOUBT_DETERMINANT};
     if (n >= WORDS_DOUBTS || (certainty_doubts(&a->certainty) & bits[n]) == 0u)
         return false;
     *doubt = all[n];

@@ -20,7 +20,7 @@ struct words_doubt {
     const char *name, *text;
     real_t value;
 };
-#define WORDS_DOUBTS 3u
+#define WORDS_DOUBTS 2u
 /* Gives the n-th of WORDS_DOUBTS doubts. False: the pairing has no such doubt. */
 bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *doubt);
 

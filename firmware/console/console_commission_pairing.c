@@ -88,6 +88,27 @@ static bool left_over_line(const struct client *c, unsigned n, struct text *line
     return true;
 }
 
+/* A pairing that would do: the inputs of the paired measurements in their order, up to as many as all of them are looked at for. */
+static void choice_line(const struct client *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work->analysis;
+    if (n >= a->choice.n || a->choice.n < 2)
+        return;
+    const struct choice_candidate *one = &a->choice.list[n];
+    text_str(line, n == a->choice.chosen ? "choice taken" : "choice");
+    text_named_float(line, "sound", (float)one->sound);
+    text_named_float(line, "niederlinski", (float)one->niederlinski);
+    if (one->has_settings)
+        text_named_float(line, "speed", (float)one->speed);
+    if (one->negative)
+        text_str(line, " subset_negative");
+    text_str(line, " inputs");
+    for (unsigned k = 0; k < a->pairs.n && a->pairs.n <= CANDIDATES_LOOPS; k++)
+        put_word(line,
+                 commission_output(c, analysis_job_input(&m->analysis_job, one->input[k]))->name);
+}
+
 /* The lines behind the pairs: doubts, and channels left without a loop. */
 static bool remarks_line(const struct client *c, unsigned n, struct text *line)
 {
@@ -103,6 +124,11 @@ static bool remarks_line(const struct client *c, unsigned n, struct text *line)
         return true;
     }
     n -= elements;
+    if (n < CANDIDATES_MAX) {
+        choice_line(c, n, line);
+        return true;
+    }
+    n -= CANDIDATES_MAX;
     if (n == 0) {
         subset_line(c, line);
         return true;
@@ -122,7 +148,6 @@ bool commission_pairing_line(struct client *c, unsigned n, struct text *line)
         text_named_float(line, "probability", (float)a->probability);
         text_named_float(line, "niederlinski", (float)a->niederlinski);
         text_named_float(line, "determinant", (float)a->determinant);
-        text_named_float(line, "integrity", (float)a->integrity);
         return true;
     }
     n--;

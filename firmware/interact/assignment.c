@@ -136,3 +136,22 @@ enum err assignment_solve(const struct assignment *a, uint8_t *partner, int32_t 
     *total = sum;
     return ERR_OK;
 }
+
+void assignment_by_relative_gains(const struct matrix *lambda, const struct pairs *channels,
+                                  const uint16_t *apart, real_t smallest_lambda,
+                                  struct assignment *a)
+{
+    REFLUX_ASSERT(channels->n <= INTERACT_MAX);
+    a->rows = a->cols = channels->n;
+    for (size_t i = 0; i < channels->n; i++)
+        for (size_t j = 0; j < channels->n; j++) {
+            real_t l = lambda->value[i][j];
+            a->cost[i][j] = ASSIGNMENT_FORBIDDEN;
+            if (((unsigned)apart[channels->output[i]] >> channels->input[j] & 1u) != 0u ||
+                l < smallest_lambda)
+                continue;
+            real_t cost = real_abs(real_log(l)) * ASSIGNMENT_COST_UNIT + REAL_C(0.5);
+            a->cost[i][j] =
+                cost < (real_t)ASSIGNMENT_COST_MAX ? (int32_t)cost : ASSIGNMENT_COST_MAX;
+        }
+}

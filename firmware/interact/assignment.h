@@ -10,6 +10,7 @@
 
 #define ASSIGNMENT_COST_MAX  1000000 /* of one element */
 #define ASSIGNMENT_FORBIDDEN 100000000
+#define ASSIGNMENT_COST_UNIT REAL_C(1e4) /* of |ln lambda| */
 
 /* Whole numbers, so that equal is equal and the result the same on every machine. */
 struct assignment {
@@ -23,5 +24,11 @@ struct assignment {
  * Among equals the one whose column of row 0 is first, then of row 1, and so on; a row without a column counts last.
  * partner[row] = column or INTERACT_NONE. ERR_EMPTY: every assignment needs a forbidden element. */
 MUST_CHECK enum err assignment_solve(const struct assignment *a, uint8_t *partner, int32_t *total);
+
+/* Costs of pairs by their relative gains: |ln lambda|, for 0.5 is as far from 1 as 2; forbidden below smallest_lambda, and where
+ * bit i of apart[j] is set for output j and input i. Row k is channels->output[k], column l channels->input[l], of as many each. */
+void assignment_by_relative_gains(const struct matrix *lambda, const struct pairs *channels,
+                                  const uint16_t *apart, real_t smallest_lambda,
+                                  struct assignment *a);
 
 #endif

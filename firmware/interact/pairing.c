@@ -5,7 +5,6 @@
 
 #include "base/assertion.h"
 
-#define COST_UNIT REAL_C(1e4) /* of |ln lambda| */
 /* Relative errors drawn where the gains themselves give no relative gains. */
 #define TO_REVEAL REAL_C(1e-3)
 
@@ -136,23 +135,6 @@ static enum err choose_square(struct pairing *p)
     return ERR_OK;
 }
 
-static void set_costs(struct pairing *p)
-{
-    size_t n = p->kept.n;
-    p->ranked.costs.rows = p->ranked.costs.cols = p->kept.n;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
-            real_t lambda = p->lambda_all.value[i][j];
-            p->ranked.costs.cost[i][j] = ASSIGNMENT_FORBIDDEN;
-            unsigned apart = (unsigned)p->config.apart[p->kept.output[i]] >> p->kept.input[j];
-            if ((apart & 1u) != 0u || lambda < p->config.smallest_lambda)
-                continue;
-            real_t cost = real_abs(real_log(lambda)) * COST_UNIT + REAL_C(0.5);
-            p->ranked.costs.cost[i][j] =
-                cost < (real_t)ASSIGNMENT_COST_MAX ? (int32_t)cost : ASSIGNMENT_COST_MAX;
-        }
-}
-
 static enum err relative_gains_of_square(struct pairing *p)
 {
     size_t n = p->kept.n;
@@ -162,7 +144,8 @@ static enum err relative_gains_of_square(struct pairing *p)
             p->square.value[i][j] = p->gains.value[p->kept.output[i]][p->kept.input[j]];
     enum err err = rga_compute(&p->square, &p->work.rga, &p->lambda_all);
     if (!err)
-        set_costs(p);
+        assignment_by_relative_gains(&p->lambda_all, &p->kept, p->config.apart,
+                                     p->config.smallest_lambda, &p->ranked.costs);
     return err;
 }
 
@@ -224,7 +207,7 @@ static void keep_pairs(struct pairing *p)
 {
     p->pairs.n = p->kept.n;
     p->niederlinski = p->index;
-    p->cost = (real_t)p->ranked.best.total / COST_UNIT;
+    p->cost = (real_t)p->ranked.best.total / ASSIGNMENT_COST_UNIT;
     for (uint8_t k = 0; k < p->kept.n; k++) {
         p->pairs.output[k] = p->kept.output[k];
         p->pairs.input[k] = p->kept.input[p->ranked.best.partner[k]];
@@ -303,6 +286,10 @@ static void finish_matrix(struct pairing *p, bool found, bool singular)
             return;
         }
         p->verdict = singular ? PAIRING_SINGULAR : PAIRING_IMPOSSIBLE;
+        if (p->negative) {
+            p->stage = STAGE_DETERMINANT;
+            return;
+        }
         if (singular && p->floor < TO_REVEAL)
             p->floor = TO_REVEAL;
     }

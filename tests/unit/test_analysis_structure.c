@@ -302,19 +302,42 @@ static void gains_over_residence_times_agree_on_the_books_plants(void)
     TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
 }
 
-/* Gains alone favour the diagonal a little, speeds the other pairs by far. */
-static void they_differ_where_the_other_pairs_are_much_faster(void)
+/* Gains alone favour the diagonal a little, speeds the other pairs by far: both pairings get settings, and the faster is taken. */
+static void of_two_pairings_that_would_do_the_faster_is_taken(void)
 {
-    plant_of(2, 2);
-    element(0, 0, 1.0, 400, 40);
-    element(0, 1, 0.9, 20, 2);
-    element(1, 0, -0.9, 20, 2);
-    element(1, 1, 1.0, 400, 40);
+    for (unsigned fast = 0; fast < 2; fast++) {
+        plant_of(2, 2);
+        element(0, 0, 1.0, 400, 40);
+        element(0, 1, 0.9, fast ? 20 : 400, fast ? 2 : 40);
+        element(1, 0, -0.9, fast ? 20 : 400, fast ? 2 : 40);
+        element(1, 1, 1.0, 400, 40);
+        run();
+        TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+        TEST_ASSERT_EQUAL_UINT8(2, a.choice.n);
+        TEST_ASSERT_EQUAL_UINT8(fast ? 1 : 0, a.choice.chosen);
+        TEST_ASSERT_EQUAL_UINT8(fast ? 1 : 0, a.pairs.input[0]);
+        TEST_ASSERT_EQUAL_UINT8(fast ? 0 : 1, a.pairs.input[1]);
+        TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
+        CLOSE(fast ? 0.81 / 1.81 : 1 / 1.81, a.pair_lambda[0]);
+        TEST_ASSERT_EQUAL_INT(fast, a.choice.list[1].speed > a.choice.list[0].speed);
+    }
+}
+
+/* Only with all four loops does the diagonal hold; of its loops 1 and 2 alone the index is -0.2. No other pairing has positive
+ * relative gains and index. */
+static void loops_that_run_away_without_the_others_are_a_warning(void)
+{
+    static const double k[4][4] = {
+        {1, 1.5, -0.4, 0.6}, {0.8, 1, 1.2, -1.3}, {1, -1.1, 1, -1.5}, {-1.4, 0.8, -0.1, 1}};
+    plant_of(4, 4);
+    for (unsigned i = 0; i < 4; i++)
+        for (unsigned j = 0; j < 4; j++)
+            element(i, j, k[i][j], 100, 10);
     run();
-    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
-    TEST_ASSERT_EQUAL_HEX8(DOUBT_SECOND, a.certainty.doubts);
-    TEST_ASSERT_EQUAL_UINT8(0, a.pairs.input[0]);
-    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.layout.second);
+    TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+    TEST_ASSERT_EQUAL_HEX16(3, a.negative);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, -0.2, (double)a.negative_index);
 }
 
 static void a_gain_within_its_error_counts_for_none_whatever_its_times(void)
@@ -352,7 +375,8 @@ int main(void)
     RUN_TEST(of_more_ways_than_places_the_strongest_are_used);
     RUN_TEST(without_a_design_there_is_no_feedforward);
     RUN_TEST(gains_over_residence_times_agree_on_the_books_plants);
-    RUN_TEST(they_differ_where_the_other_pairs_are_much_faster);
+    RUN_TEST(of_two_pairings_that_would_do_the_faster_is_taken);
+    RUN_TEST(loops_that_run_away_without_the_others_are_a_warning);
     RUN_TEST(a_gain_within_its_error_counts_for_none_whatever_its_times);
     RUN_TEST(without_a_pairing_there_is_none);
     return UNITY_END();
