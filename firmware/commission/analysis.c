@@ -115,6 +115,7 @@ static enum err end_pairing(struct analysis *a)
     memcpy(a->share, p->share, sizeof a->share);
     memcpy(a->rival, p->rival, sizeof a->rival);
     a->determinant = p->determinant;
+    a->channels = p->channels;
     a->negative = p->negative;
     a->negative_index = p->negative_index;
     a->certainty.ambiguous_outputs = p->ambiguous_outputs;

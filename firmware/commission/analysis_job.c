@@ -65,12 +65,14 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
         c->analysis_job.column[n++] = k;
     }
     a->plant.inputs = n;
-    c->analysis_job.config = (struct analysis_config){.h_s = h_s,
-                                                      .confidence = config->test.confidence,
-                                                      .floor = GAIN_FLOOR,
-                                                      .step = STEP,
-                                                      .loops_max = CONFIG_LOOPS,
-                                                      .noise_sd = outputs_noise(&c->outputs)};
+    c->analysis_job.config =
+        (struct analysis_config){.h_s = h_s,
+                                 .confidence = config->test.confidence,
+                                 .floor = GAIN_FLOOR,
+                                 .step = STEP,
+                                 .loops_max = CONFIG_LOOPS,
+                                 .last = inputs_round(&c->inputs) >= config->test.rounds,
+                                 .noise_sd = outputs_noise(&c->outputs)};
     c->analysis_job.begun = false;
     c->analysis_job.error = n == 0 ? ERR_EMPTY : ERR_OK;
 }

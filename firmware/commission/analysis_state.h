@@ -37,6 +37,7 @@ struct analysis_config {
     real_t floor;      /* least relative standard deviation of a gain */
     real_t step;       /* setpoint step of the prediction, fraction of span */
     uint8_t loops_max; /* number of loops that the board can run */
+    bool last; /* there are no more rounds: doubts that only more tests could mend do not count */
     /* Noise of every output, fraction of span; NULL: none. It must live as long as the analysis. */
     const real_t *noise_sd;
 };
@@ -94,6 +95,7 @@ struct analysis {
     real_t share[INTERACT_MAX];
     uint8_t rival[INTERACT_MAX];
     real_t determinant; /* in its own standard deviations */
+    real_t channels;    /* share of draws that keep the same channels */
     uint16_t negative;  /* pairs that are unstable without the others: struct candidate */
     real_t negative_index;
     struct pairing_choice choice;

@@ -78,9 +78,12 @@ static void conclude(const struct analysis *a, enum pairing_verdict *verdict)
 void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict)
 {
     find_used(a);
+    bool others = a->channels < a->config.confidence && !a->config.last;
     if (a->probability < a->config.confidence)
         a->certainty.doubts |= DOUBT_DRAWS;
-    else
+    if (others)
+        a->certainty.doubts |= DOUBT_CHANNELS;
+    if (!others && !(a->certainty.doubts & DOUBT_DRAWS))
         a->certainty.ambiguous_outputs = 0;
     if (a->determinant < DETERMINANT_SDS)
         a->certainty.doubts |= DOUBT_DETERMINANT;

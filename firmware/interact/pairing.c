@@ -186,6 +186,19 @@ static bool is_as_estimated(const struct pairing *p)
     return same;
 }
 
+/* The draw keeps the channels that the estimates keep. */
+static bool keeps_the_same(const struct pairing *p)
+{
+    bool same = p->pairs.n == p->kept.n;
+    uint16_t inputs = 0, own = 0;
+    for (uint8_t k = 0; same && k < p->pairs.n; k++) {
+        same = p->kept.output[k] == p->pairs.output[k];
+        inputs = (uint16_t)(inputs | 1u << p->kept.input[k]);
+        own = (uint16_t)(own | 1u << p->pairs.input[k]);
+    }
+    return same && inputs == own;
+}
+
 static void count_draw(struct pairing *p, bool found)
 {
     uint8_t input_of[INTERACT_MAX];
@@ -200,6 +213,8 @@ static void count_draw(struct pairing *p, bool found)
         p->count[i][input_of[i]]++;
     if (found && is_as_estimated(p))
         p->agreed++;
+    if (keeps_the_same(p))
+        p->same_channels++;
 }
 
 /* The estimates' own pairs; what the draws are compared with. */
@@ -222,6 +237,7 @@ static void conclude_pairing(struct pairing *p)
     for (uint8_t k = 0; k < p->pairs.n; k++)
         partner[p->pairs.output[k]] = p->pairs.input[k];
     p->probability = (real_t)p->agreed / (real_t)p->drawn;
+    p->channels = (real_t)p->same_channels / (real_t)p->drawn;
     if (p->agreed > 0)
         p->integrity = (real_t)(p->agreed - p->fragile) / (real_t)p->agreed;
     for (uint8_t i = 0; i < p->gains.rows; i++) {

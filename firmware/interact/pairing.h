@@ -65,6 +65,7 @@ struct pairing {
     real_t negative_index; /* its Niederlinski index */
     real_t probability;    /* share of draws that gave exactly these pairs */
     real_t integrity;      /* of those the share without a negative subset */
+    real_t channels; /* share of draws that keep the same outputs and inputs, however paired */
     /* By output: share of draws that gave it its input (or left it out, where the pairs do), and the input it got most
      * often otherwise; INTERACT_MAX: left out, INTERACT_NONE: it always got the same. */
     real_t share[INTERACT_MAX];
@@ -84,7 +85,7 @@ struct pairing {
     } work;
     real_t index;
     struct ranked_assignment ranked;
-    uint16_t agreed, fragile, count[INTERACT_MAX][INTERACT_MAX + 1];
+    uint16_t agreed, fragile, same_channels, count[INTERACT_MAX][INTERACT_MAX + 1];
     struct pairs kept; /* channels of the square plant, ascending; not paired */
     real_t floor;
     bool drawing;
