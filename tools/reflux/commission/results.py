@@ -80,8 +80,9 @@ class Pairing:
     open: list[tuple[str, float, str]] = field(default_factory=list)  # measurement, share, rival
     second_opinion: str = ""  # of gains over residence times
     determinant: float = float("nan")  # in its own standard deviations
-    integrity: float = float("nan")  # share of draws in which any of the loops can be in manual
     doubts: list[str] = field(default_factory=list)  # what speaks against it, in words
+    warnings: list[str] = field(default_factory=list)  # what the operator has to know of the pairs
+    choices: list[list[str]] = field(default_factory=list)  # pairings that would do: inputs in the order of the pairs; of many loops none
     short: list[tuple[str, str, float]] = field(default_factory=list)  # measurement, input, half in s that it needs
     left: list[tuple[str, str, str]] = field(default_factory=list)  # measurement or input, name, why it has no loop
 
@@ -213,7 +214,7 @@ def pairing_of(lines: list[str]) -> Pairing:
             p.verdict = head.removeprefix("pairing ")
             v = pairs_of(["probability", *rest.split()])
             p.probability, p.niederlinski = number(v["probability"]), number(v.get("niederlinski", "nan"))
-            p.determinant, p.integrity = number(v.get("determinant", "nan")), number(v.get("integrity", "nan"))
+            p.determinant = number(v.get("determinant", "nan"))
         elif words[0] == "pair":
             v = pairs_of(words[3:])
             p.pairs.append((words[1], words[2], number(v["lambda"]), number(v["share"])))
@@ -229,8 +230,10 @@ def pairing_of(lines: list[str]) -> Pairing:
         elif words[0] == "doubt":
             p.doubts.append(line.removeprefix("doubt "))
         elif words[0] == "subset":
-            p.doubts.append(f"the loops on {', '.join(words[4:])} run away while the others are in manual: their Niederlinski "
-                            f"index is {table.figure(number(words[2]))}")
+            p.warnings.append(f"the loops on {', '.join(words[4:])} run away while the others are in manual: their Niederlinski "
+                              f"index is {table.figure(number(words[2]))}")
+        elif words[0] == "choice":
+            p.choices.append(words[words.index("inputs") + 1:])
         elif words[0] == "left":
             p.left.append((words[1], words[2].rstrip(":"), line.partition(": ")[2]))
     return p
@@ -387,9 +390,11 @@ def gains_words(g: Gains) -> list[str]:
 
 def pairing_words(p: Pairing) -> list[str]:
     out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}; the "
-           f"determinant is {table.figure(p.determinant)} standard deviations from zero; any of the loops can be "
-           f"in manual in {100 * p.integrity:.0f} % of draws"]
+           f"determinant is {table.figure(p.determinant)} standard deviations from zero"]
     out += [f"against it: {words}" for words in p.doubts]
+    out += [f"warning: {words}" for words in p.warnings]
+    if p.choices:
+        out.append(f"the fastest of {len(p.choices)} pairings that would do")
     out += [f"open: {name} keeps its input in {100 * share:.0f} % of draws{f', else {rival}' if rival != '-' else ''}"
             for name, share, rival in p.open]
     out += [f"second opinion {p.second_opinion}"] if p.second_opinion else []
