@@ -141,7 +141,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
         .most = room, /* half of the span at most, since it is to the nearer limit */
         .wanted = WANTED_NOISE * settings(s)->noise_multiple * at[0].noise_sd,
         .patience = PATIENCE * window(s),
-        .half_most = longest_s > 0.0f ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST,
+        .half_most = longest_s > 0.0f ? commission_samples(s, longest_s) : COMMISSION_HALF_PLENTY,
     };
     if (x.amplitude > x.most)
         x.amplitude = x.most;
@@ -294,7 +294,7 @@ void commission_relay(struct commission *c, struct supervisor *s)
         err = begin_cycle(c, s, at);
         if (!err)
             cycle(c, s, y);
-    } else if (!err && t->waited > REST_PATIENCE * window(s) + COMMISSION_HALF_MOST) {
+    } else if (!err && t->waited > REST_PATIENCE * window(s) + COMMISSION_HALF_PLENTY) {
         commission_end_by_output(c, s, REASON_RESTLESS, culprit, REAL_C(0.0));
         return;
     }

@@ -6,8 +6,10 @@
 #include "num/real.h"
 #include "supervise/supervisor.h"
 
-#define COMMISSION_HALF_MOST 1000u       /* samples of a half, unless test.longest says otherwise */
-#define TEST_LIMIT_DEFAULT   REAL_C(0.2) /* of span, where test_limit is 0 */
+#define COMMISSION_HALF_MOST 20000u /* samples of a half, unless test.longest says otherwise */
+/* Samples after which a half goes on only for a response that the fit knows to go on; also of a relay's half, and of a plan. */
+#define COMMISSION_HALF_PLENTY 1000u
+#define TEST_LIMIT_DEFAULT     REAL_C(0.2) /* of span, where test_limit is 0 */
 
 /* Number of base ticks. */
 uint32_t commission_samples(const struct supervisor *s, real_t seconds);

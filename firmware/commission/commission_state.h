@@ -14,6 +14,7 @@
 #include "commission/model_state.h"
 #include "commission/origin_state.h"
 #include "commission/requests_state.h"
+#include "commission/sensor_watch.h"
 #include "commission/status_state.h"
 #include "commission/test_inputs_state.h"
 #include "commission/test_outputs_state.h"
@@ -21,6 +22,7 @@
 /* In the workspace (lease.h). After the trial its figures are still in struct commission. */
 struct commission_work {
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [output][input] */
+    struct sensor_watch sensor[CHANNEL_MAX];          /* by output */
     union {
         struct experiment experiment;
         struct relay_test relay;

@@ -33,6 +33,17 @@ static real_t least_half_s(const struct config *config, uint8_t j, real_t window
     return half_s;
 }
 
+/* First amplitude where the test finds it, fraction of span. */
+static real_t first_found(const struct supervisor *s)
+{
+    real_t first = AMPLITUDE_FIRST;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (commission_measurement_is_tested(s, i))
+            first =
+                least_of(first, FIRST_OF_LIMIT * commission_limit(&s->plan->config.measurement[i]));
+    return first;
+}
+
 struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
@@ -44,10 +55,12 @@ struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
     e.test_base = commission_test_base(s, j);
     real_t room = commission_room(s, j, e.test_base), given = o->start_up.step / (o->hi - o->lo);
     bool found = !(given > REAL_C(0.0));
-    e.first = least_of(room, found ? AMPLITUDE_FIRST : given);
+    e.first = least_of(room, found ? first_found(s) : given);
     e.most = least_of(room, found ? AMPLITUDE_MOST : given);
     real_t window_s = (real_t)config->test.window * s->plan->tick_s;
-    real_t longest_s = (real_t)commission_longest(s) * s->plan->tick_s;
+    uint32_t longest =
+        config->test.longest_s > 0.0f ? commission_longest(s) : COMMISSION_HALF_PLENTY;
+    real_t longest_s = (real_t)longest * s->plan->tick_s;
     real_t least_s = least_of(least_half_s(config, j, window_s), longest_s);
     if (o->start_up.time_s > 0.0f)
         least_s = longest_s = o->start_up.time_s;

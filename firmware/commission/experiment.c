@@ -1,16 +1,18 @@
 #include "commission/experiment.h"
 
 #include "base/assertion.h"
+#include "commission/experiment_check.h"
 #include "commission/experiment_state.h"
 #include "commission/limits.h"
 #include "commission/origin.h"
 #include "commission/progress.h"
+#include "commission/sensor_watch.h"
 
 #include <string.h>
 
 #define MOTION_LIMIT   REAL_C(3.0) /* noise standard deviations over the window */
 #define VARIANCE_LIMIT REAL_C(4.0)
-#define FIRST_MOST     REAL_C(0.05) /* of span: largest amplitude to begin with */
+#define STEP_SD        REAL_C(0.2887) /* standard deviation of a value within a step of 1 */
 /* Standard deviations of a slope before the step from which it is a drift. */
 #define DRIFT_SDS     REAL_C(2.0)
 #define TAIL_WAITS    2u /* factor for the wait for rest where nothing drifted before the step */
@@ -18,10 +20,9 @@
 #define FIRST_SAMPLES REAL_C(1000.0) /* samples of a test, for the next bound */
 /* Share of a limit that the error of the slope may carry in them. */
 #define FIRST_SHARE REAL_C(0.01)
-#define PATIENCE    20u        /* windows before the test gives up waiting for rest */
-#define WINDOW_MOST (1u << 20) /* samples; no sum of counts gets near the end of 32 bits */
-#define HALF_MOST   (1u << 28)
-#define BLANK_MOST  REAL_C(1e6) /* s, as the guard takes it */
+#define BACK_SHARE  REAL_C(0.25) /* of a limit, distance from rest after a pause */
+#define PATIENCE    20u          /* windows before the test gives up waiting for rest */
+#define REST_HALF   1000u        /* samples beyond them, or the longest half where that is less */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {
@@ -34,38 +35,18 @@ static enum err watch_rest(struct experiment *e, uint32_t window)
     return steady_init(&e->steady, &c);
 }
 
-static bool positive(real_t x)
-{
-    return x > REAL_C(0.0) && real_is_finite(x);
-}
-
-static bool not_negative(real_t x, real_t most)
-{
-    return x >= REAL_C(0.0) && x <= most;
-}
-
 enum err experiment_begin(struct experiment *e, const struct experiment_config *c)
 {
     memset(e, 0, sizeof *e);
-    if (c->outputs == 0 || c->outputs > CHANNEL_MAX || c->window < STEADY_BLOCKS ||
-        c->window > WINDOW_MOST || c->half_most > HALF_MOST || c->half_most <= c->window ||
-        c->half > c->half_most || c->half_least > c->half_most)
-        return ERR_RANGE;
-    if (!positive(c->amplitude_max) || !(c->amplitude >= REAL_C(0.0)) ||
-        c->amplitude > c->amplitude_max || !positive(c->noise_multiple) ||
-        (c->amplitude <= REAL_C(0.0) && !positive(c->amplitude_first)))
-        return ERR_RANGE;
-    if (!not_negative(c->blank_s, BLANK_MOST))
-        return ERR_RANGE;
-    for (unsigned j = 0; j < c->outputs; j++)
-        if (!positive(c->limit[j]) || !not_negative(c->dead_time_s[j], BLANK_MOST))
-            return ERR_RANGE;
+    enum err err = double_step_check(c);
+    if (err)
+        return err;
     e->config = *c;
     e->phase = EXPERIMENT_REST;
     struct moments_config m = {
         .outputs = c->outputs, .h_s = c->h_s, .fastest = MOMENTS_FASTEST, .ratio = MOMENTS_RATIO};
     m.alphas = moments_alphas_for(c->h_s, c->h_s * (real_t)c->half_most);
-    enum err err = moments_init(&e->moments, &m);
+    err = moments_init(&e->moments, &m);
     if (!err)
         err = record_init(&e->record, c->outputs, c->h_s);
     return err ? err : watch_rest(e, c->window);
@@ -91,6 +72,15 @@ static enum err move(struct experiment *e, real_t level)
     return record_move(&e->record, level);
 }
 
+void experiment_know_sensor(struct experiment *e, uint8_t j, real_t step, unsigned renewal)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    e->coarse_sd[j] = step * STEP_SD;
+    e->renewal[j] = (uint8_t)renewal;
+    if (e->before[j].noise_sd > REAL_C(0.0) && e->before[j].noise_sd < e->coarse_sd[j])
+        e->before[j].noise_sd = e->coarse_sd[j];
+}
+
 /* Every output is at rest. One that climbs steadily for longer than the patience drifts: the drift is then known and taken
  * off, unless it would use a good part of the limit. */
 static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t patience,
@@ -100,6 +90,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
     for (uint8_t j = 0; j < e->config.outputs; j++) {
         if (steady_look(&e->steady, j, &at[j]) != ERR_OK)
             return false;
+        sensor_allow(&at[j], e->renewal[j], e->coarse_sd[j], VARIANCE_LIMIT);
         if (at[j].state == STEADY_SETTLED)
             continue;
         real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
@@ -117,20 +108,6 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         rest = false;
     }
     return rest;
-}
-
-/* First amplitude by noise: half of that for which an output with gain 1 would exceed it. */
-static real_t first_amplitude(const struct experiment *e)
-{
-    real_t a = e->config.amplitude_first;
-    for (unsigned j = 0; j < e->config.outputs; j++) {
-        real_t wanted = REAL_C(0.5) * e->config.noise_multiple * e->before[j].noise_sd;
-        if (wanted > FIRST_MOST)
-            wanted = FIRST_MOST;
-        if (wanted > a)
-            a = wanted;
-    }
-    return a;
 }
 
 static real_t sure_drift(const struct steady_result *at)
@@ -175,7 +152,7 @@ static enum err begin_step(struct experiment *e, const real_t *y)
         err = limits_see(e, y);
     if (err)
         return err;
-    e->amplitude = c->amplitude > REAL_C(0.0) ? c->amplitude : first_amplitude(e);
+    e->amplitude = c->amplitude > REAL_C(0.0) ? c->amplitude : limits_first_step(e);
     if (e->amplitude > c->amplitude_max)
         e->amplitude = c->amplitude_max;
     enter_phase(e, EXPERIMENT_UP, REAL_C(0.0));
@@ -217,7 +194,8 @@ static enum err outputs_at_rest(struct experiment *e, const real_t *y)
             origin_look(e->config.origin, j, &e->before[j]);
         return watch_rest(e, FIRST_WATCH * e->config.window);
     }
-    if (e->waited > PATIENCE * e->config.window + e->config.half_most)
+    uint32_t half = e->config.half_most < REST_HALF ? e->config.half_most : REST_HALF;
+    if (e->waited > PATIENCE * e->config.window + half)
         fail_test(e, EXPERIMENT_RESTLESS, culprit);
     return ERR_OK;
 }
@@ -238,11 +216,29 @@ static enum err go_back(struct experiment *e)
     return err ? err : move(e, REAL_C(0.0));
 }
 
-/* Ends the test without a negative half, which would take an output past its limit. */
-static enum err give_test_up(struct experiment *e)
+/* Goes back to 0 before the negative half, because nobody knows yet how far a reversal takes the outputs. */
+static enum err pause_step(struct experiment *e)
 {
-    e->one_sided = true;
+    e->pausing = true;
     return go_back(e);
+}
+
+/* After the pause: the negative half is the mirror image of the positive one. It is left out where a smaller step follows and
+ * the outputs have come back. */
+static enum err end_pause(struct experiment *e, const real_t *y)
+{
+    bool back = e->config.repeats;
+    for (uint8_t j = 0; j < e->config.outputs; j++) {
+        e->at_turn[j] = REAL_C(0.0);
+        if (real_abs(limits_away(e, j, y)) > BACK_SHARE * e->config.limit[j])
+            back = false;
+    }
+    e->pausing = false;
+    e->one_sided = back;
+    if (back)
+        return ERR_OK;
+    enter_phase(e, EXPERIMENT_DOWN, e->level);
+    return move(e, -e->amplitude);
 }
 
 void experiment_baseline_before(const struct experiment *e, uint8_t j, struct baseline *b)
@@ -290,6 +286,7 @@ void experiment_take_interim_fit(struct experiment *e)
 
 static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
 {
+    limits_step_grows(e, y, amplitude);
     e->amplitude = amplitude;
     e->half = 0;
     enum err err = limits_arm(e, y);
@@ -313,7 +310,8 @@ static enum err going_up(struct experiment *e, const real_t *y)
         e->culprit = peak.output;
         e->predicted = peak.predicted;
         e->cut = true;
-        return verdict == LIMITS_BACK ? give_test_up(e) : turn_down(e, y);
+        bool turns = verdict == LIMITS_TURN && limits_response_is_seen(e);
+        return turns ? turn_down(e, y) : pause_step(e);
     }
     if (c->half > 0 && e->half >= c->half)
         return turn_down(e, y);
@@ -354,7 +352,14 @@ static enum err coming_back(struct experiment *e, const real_t *y)
                             e->half + (progress_is_noisy(e) ? 0 : e->half / 2u) + e->config.window,
                             &culprit);
     /* Not before the negative half has lasted as long: during dead time everything seems at rest. */
-    if (rest && e->waited >= e->half) {
+    rest = rest && e->waited >= e->half;
+    bool late = e->waited > 4u * e->half + 8u * e->config.window;
+    if (e->pausing && (rest || late)) {
+        err = end_pause(e, y);
+        if (e->phase != EXPERIMENT_BACK)
+            return err;
+    }
+    if (rest) {
         real_t level[CHANNEL_MAX] = {REAL_C(0.0)};
         for (unsigned j = 0; j < e->config.outputs; j++) {
             real_t drift = sure_drift(&e->after[j]);
@@ -363,7 +368,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
         take_origin(e, e->after, level);
         e->returned = true;
         enter_phase(e, EXPERIMENT_DONE, REAL_C(0.0));
-    } else if (e->waited > 4u * e->half + 8u * e->config.window) {
+    } else if (late) {
         /* The output is far from its rest and does not return. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
             if (real_abs(limits_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])

@@ -30,6 +30,9 @@ void experiment_take_interim_fit(struct experiment *e);
  * first sample, and once DONE or FAILED. */
 MUST_CHECK enum err experiment_missed(struct experiment *e);
 
+/* The sensor of output j reads in steps of that share of its span (0: fine ones) and is renewed every so many samples. */
+void experiment_know_sensor(struct experiment *e, uint8_t j, real_t step, unsigned renewal);
+
 /* Gives level, drift and noise of output j without its response, once DONE; times count from the first edge. */
 MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);
 

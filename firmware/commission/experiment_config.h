@@ -5,6 +5,9 @@
 #include "exchange/config.h"
 #include "num/real.h"
 
+/* First amplitude over a limit where no gain is known: a gain of 100 spans per span ends at the limit. */
+#define FIRST_OF_LIMIT REAL_C(0.01)
+
 struct origin;
 
 enum experiment_phase {
@@ -31,12 +34,16 @@ struct experiment_config {
     real_t noise_floor;     /* least noise of an output, fraction of span, above 0 */
     real_t amplitude;       /* fraction of span; 0: the test finds it */
     real_t amplitude_first; /* first amplitude where the test finds it */
+    bool gains_unknown;     /* the first amplitude must be safe for large gains, too */
     real_t amplitude_max;   /* room in both directions, fraction of span, above 0 */
     real_t noise_multiple;  /* a response this many times the noise is enough */
     uint32_t half;          /* samples of the positive half; 0: until rest */
     uint32_t half_least;    /* shortest half that ends by itself, samples */
     uint32_t half_most;     /* longest half, samples; above window */
-    real_t blank_s;         /* time for which the guard is blind after an edge */
+    uint32_t
+        half_plenty; /* samples after which a half goes on only for a response that does; 0: half_most */
+    real_t blank_s;  /* time for which the guard is blind after an edge */
+    bool repeats;    /* a step that the guard cuts is made again with a smaller one */
     bool line_guard; /* the guard trusts the straight line, not only above half of the limit */
     real_t limit[CHANNEL_MAX]; /* farthest from the operating point, fraction of span, above 0 */
     real_t dead_time_s[CHANNEL_MAX]; /* 0: not known */

@@ -23,7 +23,8 @@ struct experiment {
     bool begun;       /* there has been a sample */
     bool watched;     /* the rest before the first test has been watched for longer */
     bool cut;         /* the guard ended the positive half */
-    bool one_sided;   /* there is no negative half, because it would have exceeded a limit */
+    bool one_sided;   /* there is no negative half, because a smaller step follows */
+    bool pausing;     /* at 0 between the halves: what the reversal would do was not known */
     bool at_longest;  /* half_most ended the positive half before it came to rest */
     bool small;       /* the largest amplitude was not enough for noise_multiple */
     real_t predicted; /* peak that the guard predicted, fraction of span */
@@ -37,7 +38,10 @@ struct experiment {
     real_t rest[CHANNEL_MAX];        /* level before the step */
     real_t drift_per_s[CHANNEL_MAX]; /* slope before the step, where that exceeds the noise */
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
-    bool returned; /* `after` is from outputs at rest */
+    uint8_t
+        renewal[CHANNEL_MAX]; /* samples after which a sensor gives a new value; 0 and 1: each */
+    real_t coarse_sd[CHANNEL_MAX]; /* of a coarse sensor's steps, fraction of span */
+    bool returned;                 /* `after` is from outputs at rest */
 
     /* The interim fit: experiment_step() begins it, the main loop runs it, experiment_take_interim_fit() takes it. */
     bool interim_fitting;
@@ -63,6 +67,12 @@ static inline const struct experiment_config *experiment_settings(const struct e
 static inline enum experiment_phase experiment_phase(const struct experiment *e)
 {
     return e->phase;
+}
+
+/* The lines of rest after the step are from outputs at rest. */
+static inline bool experiment_has_returned(const struct experiment *e)
+{
+    return e->returned;
 }
 
 static inline enum experiment_failure experiment_failure(const struct experiment *e)
@@ -96,6 +106,12 @@ static inline bool experiment_is_cut(const struct experiment *e)
 static inline bool experiment_is_one_sided(const struct experiment *e)
 {
     return e->one_sided;
+}
+
+/* It is at 0 between the halves. */
+static inline bool experiment_is_pausing(const struct experiment *e)
+{
+    return e->pausing;
 }
 
 static inline bool experiment_is_small(const struct experiment *e)
@@ -165,6 +181,15 @@ static inline real_t experiment_slope(const struct experiment *e, unsigned j)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
     return e->drift_per_s[j];
+}
+
+/* An output drifted before the step, beyond its noise. */
+static inline bool experiment_drifts(const struct experiment *e)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (real_abs(e->drift_per_s[j]) > REAL_C(0.0))
+            return true;
+    return false;
 }
 
 static inline real_t experiment_at_turn(const struct experiment *e, unsigned j)

@@ -25,6 +25,8 @@ void interim_fit_begin(struct interim_fit *l, const struct record *record,
 /* Does a piece of the fits. True while there is more. An output whose fit is refused counts as one without a gain. Main loop. */
 bool interim_fit_run(struct interim_fit *l);
 
+/* The time until the response of a model is over is known within a half. Under a drift the time constant itself must be. */
+bool interim_fit_is_timed(const struct identified *f, bool drifts);
 /* The gain of a model is known within a third. */
 bool interim_fit_is_known(const struct identified *f);
 

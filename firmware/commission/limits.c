@@ -9,11 +9,15 @@
 #define DRIFT_SHARE REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
 /* Standard deviations of the noise that two samples in a row rarely exceed. */
 #define TWO_SAMPLES REAL_C(2.0)
+#define WATCH_SDS   REAL_C(3.0) /* the same in whole tests, of extremes that count twice */
 #define HARD_NOISE  REAL_C(4.0) /* standard deviations of the noise past a limit */
 #define NOISE_SHARE REAL_C(0.1) /* share of the limit that is subtracted from them */
 #define AHEAD       REAL_C(2.0) /* samples until a passed limit is detected */
-#define ENDS_SHARE  REAL_C(0.9) /* of the room, where nothing can restore the output */
-#define RUNS_SHARE  REAL_C(0.5) /* of the room */
+#define LINE_SDS    REAL_C(3.0) /* standard deviations of a slope that are noise */
+/* Time constants after which a response has shown its wrong-way reach and its end but for a tenth. */
+#define SEEN_LAGS  REAL_C(2.3)
+#define ENDS_SHARE REAL_C(0.9) /* of the room, where nothing can restore the output */
+#define RUNS_SHARE REAL_C(0.5) /* of the room */
 
 static real_t left_by_tests(const struct experiment *e, uint8_t j)
 {
@@ -80,14 +84,43 @@ enum err limits_arm(struct experiment *e, const real_t *y)
 
 void limits_watch(struct experiment *e, const real_t *y)
 {
+    struct limits *l = experiment_guards(e);
+    real_t step = experiment_amplitude(e) - l->step_from;
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
-        real_t now = limits_away(e, j, y), was = limits_away(e, j, experiment_last(e));
-        real_t noise = TWO_SAMPLES * experiment_before(e, j)->noise_sd;
+        real_t now = limits_away(e, j, y) - l->from[j],
+               was = limits_away(e, j, experiment_last(e)) - l->from[j];
+        real_t noise = WATCH_SDS * experiment_before(e, j)->noise_sd;
         real_t high = (now < was ? now : was) - noise, low = (now > was ? now : was) + noise;
-        if (high > experiment_guards(e)->high[j] * experiment_amplitude(e))
-            experiment_guards(e)->high[j] = high / experiment_amplitude(e);
-        if (low < experiment_guards(e)->low[j] * experiment_amplitude(e))
-            experiment_guards(e)->low[j] = low / experiment_amplitude(e);
+        if (high > l->high[j] * step)
+            l->high[j] = high / step;
+        if (low < l->low[j] * step)
+            l->low[j] = low / step;
+    }
+}
+
+real_t limits_first_step(const struct experiment *e)
+{
+    real_t a = experiment_settings(e)->amplitude_first;
+    for (uint8_t j = 0;
+         experiment_settings(e)->gains_unknown && j < experiment_settings(e)->outputs; j++)
+        if (a > FIRST_OF_LIMIT * limits_room(e, j))
+            a = FIRST_OF_LIMIT * limits_room(e, j);
+    return a > experiment_settings(e)->noise_floor ? a : experiment_settings(e)->noise_floor;
+}
+
+void limits_step_grows(struct experiment *e, const real_t *y, real_t larger)
+{
+    struct limits *l = experiment_guards(e);
+    if (!experiment_drifts(e)) {
+        l->step_from = experiment_amplitude(e);
+        for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++)
+            l->from[j] = limits_away(e, j, y);
+        return;
+    }
+    real_t share = experiment_amplitude(e) / larger;
+    for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
+        l->high[j] *= share;
+        l->low[j] *= share;
     }
 }
 
@@ -139,6 +172,43 @@ static real_t peak_by_model(const struct experiment *e, uint8_t j, real_t away)
     return away + (ends - away) * (REAL_C(1.0) - real_exp(-waits / f->time_constant_s));
 }
 
+/* The latest interim fit knows gain and time constant of output j. */
+static bool is_modelled(const struct experiment *e, uint8_t j)
+{
+    const struct identified *f = experiment_found(e, j);
+    return experiment_has_model(e) && interim_fit_is_known(f) &&
+           interim_fit_is_timed(f, experiment_drifts(e));
+}
+
+/* The guard where no model is known: the output goes on as fast as now for as long as the step has lasted, because dead time
+ * and lags of higher order hide that much. For a first-order lag that is 1.14 times its end at most. */
+static real_t peak_by_slope(const struct experiment *e, uint8_t j, real_t away)
+{
+    struct guard_prediction p;
+    if (experiment_half_s(e) < experiment_settings(e)->blank_s ||
+        guard_predict(&experiment_limits(e)->guard, j, &p) != ERR_OK)
+        return away;
+    real_t sure = real_abs(p.source) - LINE_SDS * p.sd;
+    if (sure <= REAL_C(0.0))
+        return away;
+    return away + (p.source > REAL_C(0.0) ? sure : -sure);
+}
+
+bool limits_response_is_seen(const struct experiment *e)
+{
+    if (!experiment_has_model(e))
+        return false;
+    for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
+        const struct identified *f = experiment_found(e, j);
+        if (f->flags & IDENTIFIED_NO_GAIN)
+            continue;
+        if (!is_modelled(e, j) ||
+            experiment_half_s(e) < f->dead_time_s + SEEN_LAGS * f->time_constant_s)
+            return false;
+    }
+    return true;
+}
+
 enum err limits_see(struct experiment *e, const real_t *y)
 {
     int trip;
@@ -156,7 +226,8 @@ enum err limits_judge(struct experiment *e, const real_t *y, enum limits_verdict
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         real_t away = limits_away(e, j, y), room = limits_room(e, j),
                noise = experiment_before(e, j)->noise_sd;
-        real_t ahead = peak_by_model(e, j, away), back = reversed(e, j, away);
+        real_t ahead = is_modelled(e, j) ? peak_by_model(e, j, away) : peak_by_slope(e, j, away);
+        real_t back = reversed(e, j, away);
         if (real_abs(back) > room + noise) {
             *peak = (struct limits_peak){.output = j, .predicted = back};
             *verdict = LIMITS_BACK;
@@ -202,8 +273,10 @@ static bool runs(const struct experiment *e, uint8_t j, real_t away, real_t room
 {
     bool same_side =
         experiment_phase(e) == EXPERIMENT_DOWN && away * experiment_at_turn(e, j) > REAL_C(0.0);
-    return (same_side || experiment_phase(e) == EXPERIMENT_BACK) &&
-           experiment_waited(e) >= experiment_half(e) / 2u && real_abs(away) > RUNS_SHARE * room;
+    /* In a pause the peak of the positive half may still be to come. */
+    uint32_t waits = experiment_is_pausing(e) ? 2u * experiment_half(e) : experiment_half(e) / 2u;
+    return (same_side || experiment_phase(e) == EXPERIMENT_BACK) && experiment_waited(e) >= waits &&
+           real_abs(away) > RUNS_SHARE * room;
 }
 
 /* Speed of output j away from its rest per sample, by the two latest points of the record; 0 where it comes nearer. */

@@ -22,6 +22,11 @@ int limits_spent(const struct experiment *e);
 MUST_CHECK enum err limits_arm(struct experiment *e, const real_t *y);
 /* Keeps the extremes of the response in the positive half; two samples have to agree. */
 void limits_watch(struct experiment *e, const real_t *y);
+/* First amplitude. Where no gain is known it is small beside the limits; where noise hides the response it grows. */
+real_t limits_first_step(const struct experiment *e);
+/* The amplitude grows. What the outputs do from now on is the response to the difference. Under a drift it stays the response to
+ * the whole step, and the extremes of the smaller one, which are mostly drift, stay what they are in fractions of span. */
+void limits_step_grows(struct experiment *e, const real_t *y, real_t larger);
 /* Largest deviation of output j in both halves of a double step of amplitude 1, by its response so far and an end at `gain`, span
  * per span, magnitude. An inverse response or an overshoot is twice as large at the reversal. */
 real_t limits_reach(const struct experiment *e, uint8_t j, real_t gain);
@@ -40,6 +45,8 @@ struct limits_peak {
 
 /* Lets the line guard see a sample without a judgement. */
 MUST_CHECK enum err limits_see(struct experiment *e, const real_t *y);
+/* Every output that responds has shown its response but for a tenth, by the latest models: what a reversal does is known. */
+bool limits_response_is_seen(const struct experiment *e);
 /* Judges the positive half; sets *peak unless it is fine. */
 MUST_CHECK enum err limits_judge(struct experiment *e, const real_t *y,
                                  enum limits_verdict *verdict, struct limits_peak *peak);

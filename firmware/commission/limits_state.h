@@ -11,6 +11,8 @@ struct limits {
     real_t worst; /* largest share of its limit that worst_output has used, drift apart */
     /* Extremes of the positive half below and above rest for an amplitude of 1, fraction of span. */
     real_t low[CHANNEL_MAX], high[CHANNEL_MAX];
+    /* Amplitude before it grew, and deviation of each output then, fractions of span. */
+    real_t step_from, from[CHANNEL_MAX];
     struct guard guard;
 };
 

@@ -16,6 +16,7 @@
 #define LONGEST_SHARE    3u           /* longest first half over the slowest known response */
 #define SHARE_LEAST      REAL_C(0.5)  /* shortest half over the slowest known response */
 #define UNSETTLED_LONGER REAL_C(2.0) /* factor for a half that did not show the end of a response */
+#define UNSETTLED_FREE   REAL_C(4.0) /* likewise where no longest half is set */
 #define OVER             REAL_C(3.0) /* time constants after which a twentieth is left */
 #define TIME_KNOWN       REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
 
@@ -60,6 +61,12 @@ static bool shape_decides(const struct commission *c, uint8_t k)
     return false;
 }
 
+/* No longest half is set, and no drift would spoil one that is much longer. */
+static bool may_be_long(const struct commission *c, const struct config *config)
+{
+    return !(config->test.longest_s > 0.0f) && !origin_drifts(&c->origin);
+}
+
 /* Shortest half by what the operator and earlier rounds know of the times of this input, samples. */
 static uint32_t least_half(const struct commission *c, const struct supervisor *s, uint8_t k,
                            struct experiment_config *x)
@@ -81,8 +88,10 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
         real_t gain = real_abs(pair->gain) * (o->hi - o->lo) / (m->hi - m->lo);
         /* A first amplitude that brings the output a quarter of the way to its limit. */
         for (uint8_t j = 0; gain > REAL_C(0.0) && j < outputs; j++)
-            if (outputs_measurement(&c->outputs, j) == i)
+            if (outputs_measurement(&c->outputs, j) == i) {
                 x->amplitude_first = x->limit[j] * REAL_C(0.25) / gain;
+                x->gains_unknown = false;
+            }
     }
     real_t found_s = in->rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
     if (found_s > longest_s)
@@ -95,8 +104,9 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
         if (took_s > longest_s)
             longest_s = took_s;
     }
-    if (in->rounds > 0 && in->unsettled && longest_s < UNSETTLED_LONGER * in->half_s)
-        longest_s = UNSETTLED_LONGER * in->half_s;
+    real_t longer = may_be_long(c, config) ? UNSETTLED_FREE : UNSETTLED_LONGER;
+    if (in->rounds > 0 && in->unsettled && longest_s < longer * in->half_s)
+        longest_s = longer * in->half_s;
     uint32_t known = commission_samples(s, longest_s);
     /* Times of the round before count: a longer half would only gather drift. */
     if (in->rounds > 0 && known > x->window) {
@@ -175,6 +185,7 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
         .amplitude = o->start_up.step / (o->hi - o->lo),
         .amplitude_first = AMPLITUDE_FIRST,
         .amplitude_max = ways,
+        .repeats = !(o->start_up.step > 0.0f) && in->cut_retries < RETRIES_MAX,
         .noise_multiple = config->test.noise_multiple,
         .half = commission_samples(s, o->start_up.time_s),
         .blank_s = config->test.blank_s,
@@ -194,18 +205,25 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
     if (x->amplitude > x->amplitude_max)
         x->amplitude = x->amplitude_max;
     if (x->amplitude <= REAL_C(0.0)) {
+        real_t small = inputs_small_step(&c->inputs);
+        x->gains_unknown = in->rounds == 0 && !(in->amplitude_wanted > REAL_C(0.0));
         if (in->rounds > 0)
             x->amplitude_first = amplitude_by_model(c, k, x);
-        else if (inputs_small_step(&c->inputs) > REAL_C(0.0))
-            x->amplitude_first = inputs_small_step(&c->inputs);
+        else if (in->amplitude_wanted > REAL_C(0.0))
+            x->amplitude_first = in->amplitude_wanted;
+        else if (small > REAL_C(0.0) && small < AMPLITUDE_FIRST)
+            x->amplitude_first = small;
         if (x->amplitude_max > AMPLITUDE_MOST)
             x->amplitude_max = AMPLITUDE_MOST;
     }
     x->half_most = commission_longest(s);
+    if (!(config->test.longest_s > 0.0f))
+        x->half_plenty = COMMISSION_HALF_PLENTY;
     /* No response that is known was so slow; if this one is, the next try takes longer. */
     uint32_t all = x->half_most;
     uint32_t most = LONGEST_SHARE * half_least;
-    if (most > x->window && most < x->half_most)
+    bool longer = in->unsettled && may_be_long(c, config);
+    if (most > x->window && most < x->half_most && !longer)
         x->half_most = most;
     if (x->half_most < in->half_wanted)
         x->half_most = in->half_wanted < all ? in->half_wanted : all;

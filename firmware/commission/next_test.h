@@ -6,9 +6,9 @@
 #include "commission/experiment.h"
 #include "supervise/supervisor.h"
 
-#define NOISE_FLOOR     REAL_C(7e-5) /* of span: resolution of a 12-bit converter */
-#define AMPLITUDE_FIRST REAL_C(0.02) /* of span: first step where the test finds it */
-#define AMPLITUDE_MOST  REAL_C(0.25) /* of span: largest step where the test finds it */
+#define NOISE_FLOOR     REAL_C(7e-5)  /* of span: resolution of a 12-bit converter */
+#define AMPLITUDE_FIRST REAL_C(0.005) /* of span: first step where the test finds it */
+#define AMPLITUDE_MOST  REAL_C(0.25)  /* of span: largest step where the test finds it */
 
 /* Limits for repeated tests of an input, over all rounds. */
 #define LONGER_RETRIES_MAX 3u /* with longer halves, where an output did not come to rest */

@@ -57,6 +57,8 @@ void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest,
         c->left = c->moved = REAL_C(0.0);
     }
     bool drifts = real_abs(rest->slope_per_s) > SURE_SDS * rest->slope_sd_per_s;
+    if (drifts && !o->fixed)
+        o->drifted = true;
     c->slope_per_s = drifts ? origin_drift(o, j, rest->slope_per_s) : REAL_C(0.0);
     c->level = level;
 }
@@ -107,4 +109,9 @@ real_t origin_moved(const struct origin *o, uint32_t j)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
     return o->channel[j].moved;
+}
+
+bool origin_drifts(const struct origin *o)
+{
+    return o->drifted;
 }

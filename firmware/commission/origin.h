@@ -34,4 +34,7 @@ real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s);
 /* Distance of y from the latest rest, or from the line of its drift, whichever is nearer, fraction of span. */
 real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit);
 
+/* An output drifted before the first test, beyond its noise; later slopes may be the ends of slow responses. */
+bool origin_drifts(const struct origin *o);
+
 #endif

@@ -16,6 +16,7 @@ struct origin_channel {
 
 struct origin {
     bool fixed;     /* the first rest has been taken: the operating point */
+    bool drifted;   /* an output drifted then */
     real_t since_s; /* time from the latest rest */
     struct origin_channel channel[CHANNEL_MAX];
 };

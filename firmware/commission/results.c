@@ -17,6 +17,8 @@
 
 #define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define CLIMBS_TOO REAL_C(0.5) /* the same where the fit agrees */
+#define OVER       REAL_C(3.0) /* time constants after which a twentieth is left */
+#define TOO_LONG   REAL_C(1.5) /* for the error of a time constant that is read from two changes */
 #define LONGER     3u          /* factor for the half where an output did not come to rest */
 /* Gain up less gain down over their mean from which the step was too large. */
 #define ASYMMETRY_MUCH   REAL_C(0.5)
@@ -63,12 +65,25 @@ static void next_round(struct commission *c, struct supervisor *s)
         commission_next_input(c, s);
 }
 
-/* Repeats the test with three times the half, because an output that looks like an integrator may only be slow. Only where
- * that half is allowed and no output was near its limit. */
-static bool retry_longer_halves(struct commission *c, struct supervisor *s)
+/* Output j would take longer than any half that the board chooses itself: of a lag T, the second half of a level brings
+ * exp(-half/2T) of what the first one has brought. */
+static bool takes_too_long(const struct commission *c, uint8_t j)
 {
     const struct experiment *x = &c->work->experiment;
-    if (experiment_is_cut(x) || experiment_settings(x)->half > 0 ||
+    real_t climbs = model_climbs(&c->model, j);
+    real_t half = (real_t)experiment_half(x);
+    if (experiment_settings(x)->half_plenty == 0 || experiment_half(x) < COMMISSION_HALF_PLENTY)
+        return false;
+    real_t most = TOO_LONG * (real_t)COMMISSION_HALF_MOST / OVER; /* of T, samples */
+    return climbs >= real_exp(-half / (REAL_C(2.0) * most));
+}
+
+/* Repeats the test with three times the half, because an output that looks like an integrator may only be slow. Only where
+ * that half is allowed and no output was near its limit. */
+static bool retry_longer_halves(struct commission *c, struct supervisor *s, uint8_t j)
+{
+    const struct experiment *x = &c->work->experiment;
+    if (experiment_is_cut(x) || experiment_settings(x)->half > 0 || takes_too_long(c, j) ||
         experiment_half(x) >= commission_longest(s) ||
         inputs_under_test(&c->inputs)->longer_retries == LONGER_RETRIES_MAX)
         return false;
@@ -119,8 +134,7 @@ static bool retry_linear_step(struct commission *c, struct supervisor *s)
 static bool retry_smaller_step(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work->experiment;
-    uint8_t k = inputs_current(&c->inputs), outputs = outputs_count(&c->outputs);
-    const struct tested_input *in = inputs_get(&c->inputs, k);
+    uint8_t outputs = outputs_count(&c->outputs);
     real_t a = SMALLER_MOST * experiment_amplitude(x);
     bool missing = experiment_is_one_sided(x);
     for (uint8_t j = 0; j < outputs; j++) {
@@ -133,11 +147,13 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
         if (!(most * a < SMALLER_SHARE * room))
             a = SMALLER_SHARE * room / most;
     }
-    if (!experiment_is_cut(x) || !missing || experiment_settings(x)->amplitude > REAL_C(0.0) ||
-        in->cut_retries == RETRIES_MAX)
+    if (!experiment_is_cut(x) || !missing || !experiment_settings(x)->repeats)
         return false;
     if (a < SMALLER_LEAST * experiment_amplitude(x))
         a = SMALLER_LEAST * experiment_amplitude(x);
+    /* It takes at least as long again; under a drift it may have been the drift that took so long. */
+    if (!experiment_drifts(x))
+        inputs_want_half(&c->inputs, experiment_half(x));
     uint8_t retries = inputs_want_uncut(&c->inputs, a);
     commission_say_of_input(c, s, EVENT_TEST_SMALLER, a, retries);
     commission_start_input(c, s);
@@ -163,7 +179,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         if (!looks_integrating(c, j))
             continue;
-        if (retry_longer_halves(c, s))
+        if (retry_longer_halves(c, s, j))
             return;
         /* A cut step says less: the fit must agree. */
         if (c->work->experiment.cut &&

@@ -21,6 +21,7 @@ void commission_forget(struct commission *c, const struct supervisor *s)
     outputs_begin(&c->outputs, s);
     inputs_begin(&c->inputs);
     memset(c->work->element, 0, sizeof c->work->element);
+    memset(c->work->sensor, 0, sizeof c->work->sensor);
 }
 
 void commission_release(struct commission *c, struct supervisor *s)

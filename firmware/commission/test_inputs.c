@@ -120,6 +120,13 @@ uint8_t inputs_want_longer(struct test_inputs *t, uint32_t half)
     return ++in->longer_retries;
 }
 
+void inputs_want_half(struct test_inputs *t, uint32_t half)
+{
+    struct tested_input *in = present(t);
+    if (half > in->half_wanted)
+        in->half_wanted = half;
+}
+
 uint8_t inputs_want_linear(struct test_inputs *t, real_t amplitude)
 {
     struct tested_input *in = present(t);

@@ -57,6 +57,12 @@ static bool long_enough(const struct level *l)
     return l->to >= l->from + 4u * PART_POINTS;
 }
 
+/* Returns 1 where the input paused at 0 between the halves, else 0. */
+static uint32_t test_verdict_paused(const struct excitation *u)
+{
+    return u->edges > 3u && u->edge[u->edges - 3u].change < REAL_C(0.0);
+}
+
 void test_verdict_of(const struct record *r, uint8_t j, const struct baseline *b, real_t amplitude,
                      real_t drift, struct test_verdict *result)
 {
@@ -64,9 +70,11 @@ void test_verdict_of(const struct record *r, uint8_t j, const struct baseline *b
     uint32_t edges = r->input.edges;
     if (edges < 3u)
         return;
-    uint32_t up_s = r->input.edge[edges - 3u].sample, down_s = r->input.edge[edges - 2u].sample;
-    uint32_t back_s = r->input.edge[edges - 1u].sample;
-    struct level up = level_between(r, up_s, down_s), down = level_between(r, down_s, back_s);
+    uint32_t paused = test_verdict_paused(&r->input);
+    uint32_t up_s = r->input.edge[edges - 3u - paused].sample;
+    uint32_t turn_s = r->input.edge[edges - 2u - paused].sample;
+    uint32_t down_s = r->input.edge[edges - 2u].sample, back_s = r->input.edge[edges - 1u].sample;
+    struct level up = level_between(r, up_s, turn_s), down = level_between(r, down_s, back_s);
     struct level back = level_between(r, back_s, r->samples);
     real_t up1, up2, down1, down2;
     if (level_halves(r, j, b, &up, &up1, &up2) && level_halves(r, j, b, &down, &down1, &down2)) {
@@ -116,7 +124,8 @@ real_t test_verdict_level_of(const struct record *r, real_t dead_time_s, real_t 
     const struct excitation *u = &r->input;
     if (u->edges < 3u || !(time_constant_s > REAL_C(0.0)))
         return REAL_C(1.0);
-    real_t up = (real_t)(u->edge[u->edges - 2u].sample - u->edge[u->edges - 3u].sample) * r->h_s;
+    uint32_t paused = test_verdict_paused(u), turn = u->edges - 2u - paused;
+    real_t up = (real_t)(u->edge[turn].sample - u->edge[turn - 1u].sample) * r->h_s;
     real_t down = (real_t)(u->edge[u->edges - 1u].sample - u->edge[u->edges - 2u].sample) * r->h_s;
     real_t end = REAL_C(0.875); /* the middle of the last quarter */
     real_t left_up = end * up - dead_time_s, left_down = end * down - dead_time_s;
@@ -124,7 +133,7 @@ real_t test_verdict_level_of(const struct record *r, real_t dead_time_s, real_t 
     if (left_up <= REAL_C(0.0) || left_down <= REAL_C(0.0))
         return REAL_C(0.0);
     real_t high = REAL_C(1.0) - real_exp(-left_up / time_constant_s);
-    real_t from = REAL_C(1.0) - real_exp(-turned / time_constant_s);
+    real_t from = paused ? REAL_C(0.0) : REAL_C(1.0) - real_exp(-turned / time_constant_s);
     real_t low = -REAL_C(1.0) + (REAL_C(1.0) + from) * real_exp(-left_down / time_constant_s);
     return (high - low) * REAL_C(0.5);
 }

@@ -10,7 +10,11 @@ void commission_relay_command(struct client *c, unsigned n, char **word);
 void relay_progress_line(struct client *c, struct text *line);
 bool commission_relay_line(struct client *c, unsigned n, struct text *line);
 
-/* `commission plan|plant|structure|trial|model|gains|pairing|proposal` */
+struct advice;
+/* Prints a piece of advice: the setting and why. */
+void commission_advice_text(const struct config *config, const struct advice *a, struct text *line);
+/* `commission plan|plant|structure|trial|model|gains|pairing|proposal|advice` */
+bool commission_advice_line(struct client *c, unsigned n, struct text *line);
 bool commission_plan_line(struct client *c, unsigned n, struct text *line);
 bool commission_plant_line(struct client *c, unsigned n, struct text *line);
 bool commission_structure_line(struct client *c, unsigned n, struct text *line);

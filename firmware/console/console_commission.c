@@ -146,6 +146,7 @@ static const struct {
     {"model", commission_model_line},       {"gains", commission_gains_line},
     {"pairing", commission_pairing_line},   {"structure", commission_structure_line},
     {"proposal", commission_proposal_line}, {"trial", commission_trial_line},
+    {"advice", commission_advice_line},
 };
 
 static reply_listing listing_of(const char *word)

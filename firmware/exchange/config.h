@@ -219,7 +219,7 @@ enum test_pairs { TEST_PAIRS_FOUND, TEST_PAIRS_GIVEN };
 struct test_config {
     float noise_multiple; /* a response is large enough at this many times the noise */
     float blank_s;   /* time after a step during which the guard is off, s: for inverse responses */
-    float longest_s; /* longest half of a double step, s; 0 = 1000 base ticks */
+    float longest_s; /* longest half of a double step, s; 0 = as responses ask */
     float confidence; /* least probability of a pairing that counts as determined */
     uint16_t rounds;  /* most tests of each input, with repeats */
     uint16_t window;  /* base ticks over which rest is judged */

@@ -301,7 +301,7 @@ OPTIONAL_FIELDS test_fields[] = {START_UP_ROWS(
     F(config, test.blank_s, 2, "blank", "s", 0, 1e5f, 0,
       "the guard waits this long after a step, for inverse responses"),
     F(config, test.longest_s, 3, "longest", "s", 0, 1e6f, 0,
-      "longest half of a double step; 0 = 1000 base ticks"),
+      "longest half of a double step; 0 = as long as responses ask, to 20000 ticks"),
     F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.975f,
       "a pairing less probable than this is not determined"),
     ROW(5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4,

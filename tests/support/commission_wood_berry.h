@@ -11,20 +11,13 @@
 
 #define CASE(what) from_here(#what, what)
 
-/* Two loops from before, in manual. */
-static const char *const old_loops[] = {"set loop1.name old_R",
-                                        "set loop1.pv xD",
-                                        "set loop1.out R",
-                                        "set loop1.ti 1500",
-                                        "set loop2.name old_S",
-                                        "set loop2.pv xB",
-                                        "set loop2.out S",
-                                        "set loop2.ti 1500",
-                                        "set loop2.action direct",
-                                        "set meas1.hold 60",
-                                        "set mv1.follow 60",
-                                        "set mv2.follow 60",
-                                        NULL};
+/* Two loops from before, in manual, and steps that are given. */
+static const char *const old_loops[] = {
+    "set loop1.name old_R",   "set loop1.pv xD",        "set loop1.out R",
+    "set loop1.ti 1500",      "set loop2.name old_S",   "set loop2.pv xB",
+    "set loop2.out S",        "set loop2.ti 1500",      "set loop2.action direct",
+    "set meas1.hold 60",      "set mv1.follow 60",      "set mv2.follow 60",
+    "set mv1.test_step 0.08", "set mv2.test_step 0.08", NULL};
 
 static inline void wood_berry(const char *const *more)
 {

@@ -253,10 +253,46 @@ static void the_guard_cuts_a_step_before_the_limit_and_says_why(void)
     TEST_ASSERT_TRUE(experiment.cut);
     TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
     TEST_ASSERT_TRUE(real_abs(experiment.predicted) >= REAL_C(0.16));
-    TEST_ASSERT_TRUE(experiment.limits.worst > REAL_C(0.7) &&
+    TEST_ASSERT_TRUE(experiment.limits.worst > REAL_C(0.3) &&
                      experiment.limits.worst <= REAL_C(1.0));
     struct identified e = fitted(1);
     TEST_ASSERT_TRUE(error_of(&e, &bench.element[1]) < 0.05);
+}
+
+static void after_a_cut_it_comes_to_rest_before_it_turns_or_is_made_again(void)
+{
+    for (int repeats = 0; repeats < 2; repeats++) {
+        bench_begin(SEED);
+        config.amplitude = REAL_C(0.005);
+        config.repeats = repeats != 0;
+        bench.element[0] = (struct test_element){100.0, 50.0, 0.0};
+        bench_run();
+        TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+        TEST_ASSERT_TRUE(experiment.cut);
+        TEST_ASSERT_EQUAL(repeats != 0, experiment.one_sided);
+        TEST_ASSERT_EQUAL_UINT(repeats ? 2 : 4, bench.edges); /* up, back; down, back */
+        if (!repeats)
+            TEST_ASSERT_EQUAL_UINT32(bench.edge[1] - bench.edge[0], bench.edge[3] - bench.edge[2]);
+        TEST_ASSERT_TRUE(experiment.limits.worst <= REAL_C(1.0));
+    }
+}
+
+static void a_first_step_is_a_hundredth_of_the_smallest_limit(void)
+{
+    config.outputs = 2;
+    config.gains_unknown = true;
+    config.limit[1] = REAL_C(0.1);
+    bench.element[0] = (struct test_element){1.0, 20.0, 0.0};
+    bench.element[1] = (struct test_element){1.0, 20.0, 0.0};
+    bench_run();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.001, bench.change[0]);
+    bench_begin(SEED);
+    bench.element[0] = (struct test_element){1.0, 20.0, 0.0};
+    config.gains_unknown = true;
+    config.limit[0] = REAL_C(0.5);
+    config.amplitude_first = REAL_C(0.004);
+    bench_run();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.004, bench.change[0]);
 }
 
 static void the_guard_looks_away_while_it_is_told_to(void)
@@ -768,6 +804,8 @@ int main(void)
     RUN_TEST(a_half_is_at_least_as_long_as_wished);
     RUN_TEST(without_noise_no_limit_is_passed_whatever_the_element);
     RUN_TEST(the_guard_cuts_a_step_before_the_limit_and_says_why);
+    RUN_TEST(after_a_cut_it_comes_to_rest_before_it_turns_or_is_made_again);
+    RUN_TEST(a_first_step_is_a_hundredth_of_the_smallest_limit);
     RUN_TEST(the_guard_looks_away_while_it_is_told_to);
     RUN_TEST(a_limit_that_is_passed_all_the_same_ends_it);
     RUN_TEST(what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_has_no_room);

@@ -145,21 +145,21 @@ static void watch(double before, double now)
     limits_watch(&e, y);
 }
 
-static void two_samples_agree_on_how_far_a_response_has_been_less_two_deviations_of_noise(void)
+static void two_samples_agree_on_how_far_a_response_has_been_less_three_deviations_of_noise(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
         const real_t *is_kept = sign < 0 ? &e.limits.low[1] : &e.limits.high[1];
         const real_t *other = sign < 0 ? &e.limits.high[1] : &e.limits.low[1];
         watch(sign / 16.0, sign / 32.0);
-        NEAR(sign * 0.1875, *is_kept); /* (1/32 - 2/256) / 0.125 */
+        NEAR(sign * 0.15625, *is_kept); /* (1/32 - 3/256) / 0.125 */
         NEAR(0.0, *other);
         watch(sign / 32.0, sign / 16.0);
-        NEAR(sign * 0.1875, *is_kept);
+        NEAR(sign * 0.15625, *is_kept);
         watch(sign / 64.0, sign / 16.0); /* it has been farther */
-        NEAR(sign * 0.1875, *is_kept);
+        NEAR(sign * 0.15625, *is_kept);
         watch(sign * 0.0625, sign * 0.0625);
-        NEAR(sign * 0.4375, *is_kept);
+        NEAR(sign * 0.40625, *is_kept);
         NEAR(0.0, *other);
     }
     NEAR(0.0, e.limits.high[0]);
@@ -168,7 +168,7 @@ static void two_samples_agree_on_how_far_a_response_has_been_less_two_deviations
     NEAR(0.0, e.limits.low[2]);
     e.last[0] = y[0] = REAL_C(0.625); /* of every output */
     limits_watch(&e, y);
-    NEAR(0.9375, e.limits.high[0]);
+    NEAR(0.90625, e.limits.high[0]);
 }
 
 static void the_reversal_takes_what_goes_the_wrong_way_twice_as_far(void)
@@ -290,6 +290,40 @@ static void the_model_says_where_it_goes_while_what_is_under_way_arrives(void)
     }
 }
 
+static void the_extremes_of_a_step_that_grows_count_for_the_difference(void)
+{
+    e.limits.low[1] = REAL_C(-0.5);
+    watch(0.0625, 0.0625);
+    limits_step_grows(&e, y, REAL_C(0.25));
+    e.amplitude = REAL_C(0.25);
+    NEAR(-0.5, e.limits.low[1]); /* of an amplitude of 1, however large the step is */
+    watch(-0.0625, -0.0625);     /* 1/8 down, by a step of 1/8 more */
+    NEAR(-0.90625, e.limits.low[1]);
+    e.drift_per_s[0] = REAL_C(1e-6); /* then it may be the drift */
+    limits_step_grows(&e, y, REAL_C(0.5));
+    NEAR(-0.453125, e.limits.low[1]);
+    NEAR(0.125, e.limits.step_from);
+}
+
+static void a_response_is_seen_after_dead_time_and_23_time_constants(void)
+{
+    struct identified *f = &e.interim_fit.found[1];
+    *f = (struct identified){
+        .gain = 1, .gain_sd = REAL_C(0.1), .time_constant_s = 10, .dead_time_s = 5};
+    e.interim_fit.found[0].flags = IDENTIFIED_NO_GAIN;
+    e.half = 14; /* 28 s */
+    TEST_ASSERT_FALSE(limits_response_is_seen(&e));
+    e.interim_fitted = true;
+    TEST_ASSERT_TRUE(limits_response_is_seen(&e));
+    f->time_constant_s = REAL_C(10.1);
+    TEST_ASSERT_FALSE(limits_response_is_seen(&e));
+    f->time_constant_s = 10;
+    f->gain_sd = REAL_C(0.4);
+    TEST_ASSERT_FALSE(limits_response_is_seen(&e));
+    f->flags = IDENTIFIED_NO_GAIN;
+    TEST_ASSERT_TRUE(limits_response_is_seen(&e));
+}
+
 static void a_line_that_trips_is_counted_from_rest(void)
 {
     for (unsigned believed = 0; believed < 2; believed++) {
@@ -309,9 +343,14 @@ static void a_line_that_trips_is_counted_from_rest(void)
             struct guard_prediction p;
             TEST_ASSERT_EQUAL_INT(ERR_OK, guard_predict(&e.limits.guard, 1, &p));
             TEST_ASSERT_TRUE(real_abs(peak.predicted) > real_abs(y[1] - e.rest[1]) + REAL_C(0.01));
-            NEAR((double)p.predicted + 0.03125, peak.predicted);
+            NEAR(fmax((double)p.predicted + 0.03125,
+                      (double)(y[1] - e.rest[1] + p.source - 3 * p.sd)),
+                 peak.predicted);
         } else {
-            NEAR((double)(y[1] - e.rest[1]), peak.predicted);
+            /* It goes on as fast as now for as long as it has. */
+            struct guard_prediction p;
+            TEST_ASSERT_EQUAL_INT(ERR_OK, guard_predict(&e.limits.guard, 1, &p));
+            NEAR((double)(y[1] - e.rest[1] + p.source - 3 * p.sd), peak.predicted);
         }
     }
     y[1] = (real_t)NAN;
@@ -525,11 +564,13 @@ int main(void)
     RUN_TEST(a_drift_counts_where_it_explains_what_is_seen_and_no_farther_than_the_limit);
     RUN_TEST(half_of_a_limit_may_be_left_before_another_test);
     RUN_TEST(the_line_guard_begins_at_rest_and_goes_on_from_where_the_output_is);
-    RUN_TEST(two_samples_agree_on_how_far_a_response_has_been_less_two_deviations_of_noise);
+    RUN_TEST(two_samples_agree_on_how_far_a_response_has_been_less_three_deviations_of_noise);
     RUN_TEST(the_reversal_takes_what_goes_the_wrong_way_twice_as_far);
     RUN_TEST(four_fifths_of_the_room_and_the_noise_end_a_half);
     RUN_TEST(what_the_reversal_would_do_counts_as_well);
     RUN_TEST(the_model_says_where_it_goes_while_what_is_under_way_arrives);
+    RUN_TEST(the_extremes_of_a_step_that_grows_count_for_the_difference);
+    RUN_TEST(a_response_is_seen_after_dead_time_and_23_time_constants);
     RUN_TEST(a_line_that_trips_is_counted_from_rest);
     RUN_TEST(on_the_way_down_what_comes_in_a_dead_time_counts);
     RUN_TEST(for_half_a_level_it_may_still_be_on_its_way_from_the_other_side);

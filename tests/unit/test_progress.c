@@ -1,5 +1,6 @@
 /* commission/progress.[ch]: when a step has gone on for long enough and whether it is large enough, on either side of each
  * bound, from models and samples that are made up. */
+#include <math.h>
 #include <string.h>
 
 #include "commission/experiment_state.h"
@@ -18,6 +19,7 @@ void setUp(void)
     e.config.h_s = 2;
     e.config.window = 60;
     e.config.half_least = 40;
+    e.config.half_most = 1000;
     e.config.noise_multiple = 20;
     e.config.amplitude_max = REAL_C(0.25);
     e.phase = EXPERIMENT_UP;
@@ -135,12 +137,16 @@ static void what_is_not_known_gets_half_as_long_again(void)
     f->gain_sd = REAL_C(0.331);
     unknown(true);
     f->gain_sd = REAL_C(0.01);
+    f->time_constant_sd_s = REAL_C(16.6); /* three of them are half of 100 s */
+    unknown(false);
+    f->time_constant_sd_s = REAL_C(16.7);
+    unknown(true);
+    e.drift_per_s[0] = REAL_C(1e-6); /* half of the time constant itself */
     f->time_constant_sd_s = REAL_C(14.9);
     unknown(false);
-    f->time_constant_sd_s = 15;
-    unknown(true);
     f->time_constant_sd_s = REAL_C(15.1);
     unknown(true);
+    e.drift_per_s[0] = 0;
     f->time_constant_sd_s = 1;
     f->gain = REAL_C(-0.501); /* five deviations of noise: 0.01 */
     unknown(false);
@@ -187,6 +193,8 @@ static void it_grows_to_a_fifth_more_than_the_noise_asks_for(void)
     e.before[1].noise_sd = REAL_C(0.02) / REAL_C(19.9);
     GROWS(0.02 * 24.0 / 19.9);
     e.before[1].noise_sd = REAL_C(0.02) / REAL_C(20.1);
+    GROWS(0.024); /* a tenth of the limit at least, and a fifth more */
+    e.config.limit[1] = REAL_C(0.19);
     WAITS(false); /* it stands out: go on until it is over */
     e.half = 50;
     TURNS(false);
@@ -250,29 +258,91 @@ static void no_output_is_taken_past_07_of_its_room(void)
     GROWS(0.02 * 0.7 * 0.05 / most);
 }
 
+/* The means of the two halves of the present level, 30 samples each. */
+static void moves(unsigned j, double first, double second)
+{
+    e.record.block = 1;
+    e.record.h_s = 2;
+    e.record.points = 61;
+    e.record.input.edges = 1;
+    for (unsigned i = 1; i < 61; i++)
+        e.record.y[j][i] = (real_t)(i < 31 ? first : second);
+}
+
 static void without_a_model_it_grows_by_what_was_seen_to_move(void)
 {
+    const double sd = 4.5 * 0.002 / sqrt(30.0);
     e.interim_fit.found[1].gain_sd = REAL_C(0.5);
-    e.half = 59; /* a window at least */
+    moves(1, 0.0, 0.0);
+    e.half = 29; /* half a window at least */
+    WAITS(false);
+    e.half = 30;
+    GROWS(0.08);
+    e.record.input.edges = 2; /* once it has grown a whole one */
+    e.record.input.edge[1].sample = 0;
     WAITS(false);
     e.half = 60;
-    y[1] = REAL_C(0.504); /* and three deviations of noise: 0.01 of 0.048 */
     GROWS(0.08);
-    y[1] = REAL_C(0.49); /* 0.016 */
+    moves(1, 0.001, 0.002); /* 0.005 ahead, and three deviations of that */
     GROWS(0.06);
-    y[1] = REAL_C(0.5);
-    y[0] = REAL_C(0.51); /* any output */
-    GROWS(0.06);
-    y[0] = REAL_C(0.5);
-    y[1] = REAL_C(0.49);
-    e.config.limit[1] = REAL_C(0.06); /* half of it */
-    GROWS(0.02 * 0.03 / 0.016);
-    e.config.amplitude_max = REAL_C(0.03);
-    GROWS(0.03);
-    e.config.amplitude_max = REAL_C(0.0221);
-    GROWS(0.0221);
-    e.config.amplitude_max = REAL_C(0.0219);
+    moves(1, -0.005, -0.01); /* 0.025 of 0.048 */
+    GROWS(0.02 * 0.048 / (0.025 + sd));
+    moves(1, 0.0, 0.0);
+    moves(0, 0.005, 0.01); /* any output */
+    GROWS(0.02 * 0.048 / (0.025 + sd));
+    e.config.limit[0] = REAL_C(0.08); /* half of it */
+    GROWS(0.02 * 0.04 / (0.025 + sd));
+    e.config.limit[0] = REAL_C(0.079); /* less than half as much again is not worth it */
     WAITS(true);
+    moves(0, 0.0, 0.0);
+    e.config.amplitude_max = REAL_C(0.031);
+    GROWS(0.031);
+    e.config.amplitude_max = REAL_C(0.0299);
+    WAITS(true);
+}
+
+static void a_drift_is_no_motion_and_makes_it_grow_sooner(void)
+{
+    e.interim_fit.found[1].gain_sd = REAL_C(0.5);
+    moves(1, 0.0, 0.0);
+    for (unsigned i = 1; i < 61; i++)
+        e.record.y[1][i] = REAL_C(1e-3) * (real_t)i;
+    e.half = 60;
+    says(PROGRESS_WAIT, 0.02, true);
+    e.drift_per_s[1] = REAL_C(5e-4);
+    GROWS(0.12); /* six times */
+    e.record.input.edges = 2;
+    e.half = 30;
+    GROWS(0.12);
+    e.half = 29;
+    WAITS(false);
+}
+
+static void a_half_that_is_long_enough_goes_on_for_a_known_response_only(void)
+{
+    e.config.amplitude = REAL_C(0.02);
+    e.config.half_plenty = 100;
+    e.interim_fit.found[1].gain_sd = REAL_C(0.5);
+    e.half = 99;
+    WAITS(false);
+    e.half = 100;
+    TURNS(false);
+    e.config.half_least = 101;
+    WAITS(false);
+    e.config.half_least = 40;
+    e.interim_fit.found[1].time_constant_s = 100; /* 0.003 is still to come */
+    TURNS(false);
+    e.before[1].noise_sd = REAL_C(0.001);
+    WAITS(false);
+    e.config.half_plenty = 0;
+    e.half = 5000;
+    WAITS(false);
+    e.interim_fit.found[1].flags = IDENTIFIED_NO_GAIN;
+    e.before[1].noise_sd = REAL_C(0.002);
+    y[1] = REAL_C(0.6); /* moved, by whatever it was */
+    WAITS(true);
+    e.config.half_plenty = 100;
+    TURNS(true);
 }
 
 /* ---- nothing to be seen ---- */
@@ -280,17 +350,27 @@ static void without_a_model_it_grows_by_what_was_seen_to_move(void)
 static void where_nothing_is_seen_it_waits_for_a_dead_time_and_grows(void)
 {
     e.interim_fit.found[1].flags = IDENTIFIED_NO_GAIN;
-    e.half = 219; /* the least, and three windows */
+    moves(1, 0.0, 0.0);
+    e.half = 119; /* two windows */
     WAITS(false);
-    e.half = 220;
+    e.config.half_most = 120; /* or three quarters of the longest half */
+    e.half = 89;
+    WAITS(false);
+    e.half = 90;
+    GROWS(0.08);
+    e.config.half_most = 1000;
+    e.half = 120;
     GROWS(0.08);
     e.before[0].noise_sd = REAL_C(0.003); /* where there is noise nothing is no dead time */
-    e.half = 39;
+    e.half = 29;
     WAITS(false);
-    e.half = 40;
+    e.half = 30;
     GROWS(0.08);
     /* As large as it is to be: six windows more, and longer where it has moved. */
     e.config.amplitude = REAL_C(0.02);
+    e.half = 39; /* the least */
+    WAITS(false);
+    e.half = 40;
     WAITS(true);
     e.half = 399;
     WAITS(true);
@@ -328,6 +408,8 @@ int main(void)
     RUN_TEST(it_grows_no_farther_than_there_is_room);
     RUN_TEST(no_output_is_taken_past_07_of_its_room);
     RUN_TEST(without_a_model_it_grows_by_what_was_seen_to_move);
+    RUN_TEST(a_drift_is_no_motion_and_makes_it_grow_sooner);
+    RUN_TEST(a_half_that_is_long_enough_goes_on_for_a_known_response_only);
     RUN_TEST(where_nothing_is_seen_it_waits_for_a_dead_time_and_grows);
     RUN_TEST(what_was_small_before_is_said_while_it_waits);
     return UNITY_END();

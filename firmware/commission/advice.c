@@ -1,0 +1,297 @@
+#include "commission/advice.h"
+
+#include <string.h>
+
+#include "base/assertion.h"
+#include "commission/analysis_job.h"
+#include "commission/certainty.h"
+#include "commission/channels.h"
+#include "commission/commission_state.h"
+#include "commission/lease.h"
+#include "commission/next_test.h"
+#include "commission/sensor_watch.h"
+#include "commission/status.h"
+#include "commission/test_inputs.h"
+#include "commission/test_outputs.h"
+
+#define OVER         REAL_C(3.0)  /* time constants after which a twentieth is left */
+#define TIME_MORE    REAL_C(1.25) /* for the error of the time constant */
+#define TIME_KNOWN   REAL_C(0.5)  /* largest standard deviation of a known time constant, over it */
+#define STEP_SMALLER REAL_C(0.5) /* of the step that went past a limit, over the share it reached */
+#define ROOM_USED    REAL_C(0.7) /* share of a limit that larger steps may use */
+#define NOISE_LEAST  REAL_C(1.3) /* smallest change of test.noise that is worth a start-up */
+#define NOISE_MORE   REAL_C(4.0)
+#define NOISE_MOST   REAL_C(1000.0)
+#define ROUNDS_MOST  16u
+#define WINDOW_MOST  1000u
+#define LARGER       REAL_C(2.0) /* of the least step that a coarse sensor shows */
+#define STEPS_WANTED REAL_C(6.0) /* steps of a coarse sensor that a response must have */
+/* A response below so many times the noise floor is lost in a span that is too wide; a span of that share would show it. */
+#define LOST_FLOORS REAL_C(20.0)
+#define SHOWN_SHARE REAL_C(0.1)
+
+static bool results_are_there(const struct commission *c)
+{
+    return lease_holds(&c->lease);
+}
+
+/* Index of the output with that name; -1: none. */
+static int output_named(const struct commission *c, const struct supervisor *s, const char *name)
+{
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
+        if (strcmp(outputs_name(&c->outputs, s, j), name) == 0)
+            return j;
+    return -1;
+}
+
+/* A half of `needed_s` for an input, by the setting that binds. False: none does. */
+static bool longer_half(const struct supervisor *s, uint8_t mv, uint8_t measurement,
+                        real_t needed_s, struct advice *a)
+{
+    REFLUX_ASSERT(mv < CHANNEL_MAX);
+    const struct config *config = &s->plan->config;
+    real_t given_s = config->mv[mv].start_up.time_s, longest_s = config->test.longest_s;
+    bool timed = given_s > REAL_C(0.0);
+    real_t most_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
+    *a = (struct advice){.kind = timed ? ADVICE_TIME : ADVICE_LONGEST,
+                         .input = mv,
+                         .measurement = measurement,
+                         .value = needed_s < most_s ? needed_s : REAL_C(0.0),
+                         .present = timed ? given_s : longest_s};
+    return a->present > REAL_C(0.0) && needed_s > a->present;
+}
+
+/* Output j was still climbing when the longest half of the present input ended. */
+static unsigned after_slow(const struct commission *c, const struct supervisor *s, uint8_t j,
+                           struct advice *a)
+{
+    const struct tested_input *in = inputs_under_test(&c->inputs);
+    const struct identified *f = model_fitted(&c->model, j);
+    uint8_t measurement = outputs_measurement(&c->outputs, j);
+    bool timed = !(f->flags & IDENTIFIED_INTEGRATING) &&
+                 f->time_constant_sd_s < TIME_KNOWN * f->time_constant_s;
+    /* Beyond all lengths where the time is not known: the board then finds it. */
+    real_t needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
+    if (timed)
+        needed_s = TIME_MORE * (f->dead_time_s + OVER * f->time_constant_s);
+    if (longer_half(s, in->output, measurement, needed_s, a))
+        return 1;
+    *a = (struct advice){.kind = ADVICE_LEAVE, .input = in->output, .measurement = measurement};
+    return 1;
+}
+
+static unsigned after_end(const struct commission *c, const struct supervisor *s, struct advice *a)
+{
+    const struct config *config = &s->plan->config;
+    enum commission_reason reason = status_reason(&c->status);
+    int j = output_named(c, s, status_subject(&c->status));
+    if (j < 0 || inputs_turn(&c->inputs) >= inputs_count(&c->inputs))
+        return 0;
+    const struct tested_input *in = inputs_under_test(&c->inputs);
+    const struct mv_config *o = &config->mv[in->output];
+    uint8_t measurement = outputs_measurement(&c->outputs, (uint8_t)j);
+    real_t step = experiment_amplitude(&c->work->experiment) * (o->hi - o->lo);
+    switch (reason) {
+    case REASON_TOO_SLOW:
+    case REASON_INTEGRATES:
+        return after_slow(c, s, (uint8_t)j, a);
+    case REASON_LIMIT:
+    case REASON_REVERSAL:
+        *a = (struct advice){.kind = ADVICE_STEP,
+                             .input = in->output,
+                             .measurement = measurement,
+                             .value = STEP_SMALLER * step /
+                                      (in->worst > REAL_C(1.0) ? in->worst : REAL_C(1.0)),
+                             .present = step};
+        return step > REAL_C(0.0);
+    case REASON_RESTLESS:
+        *a = (struct advice){.kind = ADVICE_WINDOW,
+                             .measurement = measurement,
+                             .value = (real_t)(4u * config->test.window < WINDOW_MOST
+                                                   ? 4u * config->test.window
+                                                   : WINDOW_MOST),
+                             .present = (real_t)config->test.window};
+        return a->value > a->present;
+    default:
+        return 0;
+    }
+}
+
+/* The longest half that an open response asks for, where a setting forbids it. */
+static unsigned after_short(const struct commission *c, const struct supervisor *s,
+                            struct advice *a)
+{
+    const struct analysis *analysis = &c->work->analysis;
+    real_t longest_s = REAL_C(0.0);
+    for (uint8_t j = 0; j < analysis->plant.outputs; j++)
+        for (uint8_t i = 0; i < analysis->plant.inputs; i++) {
+            struct advice one;
+            uint8_t k = analysis_job_input(&c->analysis_job, i);
+            real_t needed_s = TIME_MORE * commission_half_needed(c, j, k);
+            if (!(certainty_flags(analysis, j, i) & CERTAINTY_OPEN_FLAGS) ||
+                !longer_half(s, inputs_get(&c->inputs, k)->output,
+                             outputs_measurement(&c->outputs, j), needed_s, &one) ||
+                !(needed_s > longest_s))
+                continue;
+            longest_s = needed_s;
+            *a = one;
+        }
+    return longest_s > REAL_C(0.0);
+}
+
+/* A set length binds, and nothing is known that says how long it should be: the board finds it. open: a response is not seen to
+ * its end, else a half must have been as long as that. */
+static unsigned after_longest(const struct commission *c, const struct supervisor *s, bool open,
+                              struct advice *a)
+{
+    real_t longest_s = s->plan->config.test.longest_s;
+    *a = (struct advice){.kind = ADVICE_LONGEST, .measurement = CHANNEL_MAX, .present = longest_s};
+    if (!(longest_s > REAL_C(0.0)))
+        return 0;
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++)
+        if (open || inputs_get(&c->inputs, k)->half_s > longest_s - s->plan->tick_s)
+            return 1;
+    return 0;
+}
+
+/* Larger steps of all inputs, as far as their limits leave room. */
+static unsigned larger_steps(const struct commission *c, const struct supervisor *s,
+                             struct advice *a)
+{
+    real_t now = s->plan->config.test.noise_multiple, more = NOISE_MORE;
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        const struct tested_input *in = inputs_get(&c->inputs, k);
+        if (in->rounds > 0 && in->worst * more > ROOM_USED)
+            more = ROOM_USED / in->worst;
+    }
+    *a = (struct advice){.kind = ADVICE_NOISE,
+                         .measurement = CHANNEL_MAX,
+                         .value = now * more < NOISE_MOST ? now * more : NOISE_MOST,
+                         .present = now};
+    return a->value > NOISE_LEAST * now;
+}
+
+static unsigned more_rounds(const struct supervisor *s, struct advice *a)
+{
+    unsigned now = s->plan->config.test.rounds, more = 2u * now;
+    *a = (struct advice){.kind = ADVICE_ROUNDS,
+                         .measurement = CHANNEL_MAX,
+                         .value = (real_t)(more < ROUNDS_MOST ? more : ROUNDS_MOST),
+                         .present = (real_t)now};
+    return now < ROUNDS_MOST;
+}
+
+static unsigned relay_of_a_pair(const struct commission *c, struct advice *a)
+{
+    const struct analysis *analysis = &c->work->analysis;
+    if (analysis->pairs.n == 0)
+        return 0;
+    uint8_t k = analysis_job_input(&c->analysis_job, analysis->pairs.input[0]);
+    *a =
+        (struct advice){.kind = ADVICE_RELAY,
+                        .input = inputs_get(&c->inputs, k)->output,
+                        .measurement = outputs_measurement(&c->outputs, analysis->pairs.output[0])};
+    return 1;
+}
+
+/* A step that a coarse sensor shows, where the steps were smaller. */
+static unsigned steps_for_sensors(const struct commission *c, const struct supervisor *s,
+                                  struct advice *a)
+{
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
+        struct sensor_advice sensor;
+        if (!advice_of_sensor(c, s, j, &sensor) || !(sensor.step_least > REAL_C(0.0)))
+            continue;
+        const struct mv_config *o = &s->plan->config.mv[sensor.input];
+        for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+            const struct tested_input *in = inputs_get(&c->inputs, k);
+            real_t step = in->amplitude * (o->hi - o->lo), most = in->worst;
+            *a = (struct advice){.kind = ADVICE_LARGER,
+                                 .input = sensor.input,
+                                 .measurement = outputs_measurement(&c->outputs, j),
+                                 .value = LARGER * sensor.step_least,
+                                 .present = step};
+            if (in->output == sensor.input && step > REAL_C(0.0) && a->value > step &&
+                most * a->value < ROOM_USED * step)
+                return 1;
+        }
+    }
+    return 0;
+}
+
+static unsigned after_analysis(const struct commission *c, const struct supervisor *s,
+                               struct advice *a)
+{
+    unsigned doubts = certainty_doubts(&c->work->analysis.certainty), n = 0;
+    unsigned by_noise = DOUBT_DRAWS | DOUBT_DETERMINANT | DOUBT_RANK | DOUBT_SIGN | DOUBT_INTEGRITY;
+    if (doubts & DOUBT_SHAPE) {
+        n += after_short(c, s, &a[n]);
+        if (n == 0)
+            n += after_longest(c, s, true, &a[n]);
+        if (n == 0)
+            n += more_rounds(s, &a[n]);
+    } else if (doubts & by_noise) {
+        n += after_longest(c, s, false, &a[n]);
+        n += steps_for_sensors(c, s, &a[n]);
+        if (n < ADVICE_MOST)
+            n += larger_steps(c, s, &a[n]);
+        if (n < ADVICE_MOST)
+            n += more_rounds(s, &a[n]);
+    }
+    if (n < ADVICE_MOST)
+        n += relay_of_a_pair(c, &a[n]);
+    return n;
+}
+
+unsigned advice_of(const struct commission *c, const struct supervisor *s, struct advice *advice)
+{
+    enum commission_phase phase = status_phase(&c->status);
+    if (!results_are_there(c) || !outputs_are_those_of(&c->outputs, &s->plan->config))
+        return 0;
+    if (phase == COMMISSION_ENDED)
+        return after_end(c, s, advice);
+    if (phase == COMMISSION_READY && !c->work->analysis.designed)
+        return after_analysis(c, s, advice);
+    return 0;
+}
+
+unsigned advice_sensors(const struct commission *c, const struct supervisor *s)
+{
+    bool there = status_phase(&c->status) != COMMISSION_IDLE && results_are_there(c) &&
+                 outputs_are_those_of(&c->outputs, &s->plan->config);
+    return there ? outputs_count(&c->outputs) : 0u;
+}
+
+bool advice_of_sensor(const struct commission *c, const struct supervisor *s, uint8_t j,
+                      struct sensor_advice *advice)
+{
+    REFLUX_ASSERT(j < outputs_count(&c->outputs));
+    const struct measurement_config *m =
+        &s->plan->config.measurement[outputs_measurement(&c->outputs, j)];
+    const struct sensor_watch *w = &c->work->sensor[j];
+    *advice = (struct sensor_advice){.step_share = sensor_watch_coarse(w),
+                                     .renewal = sensor_watch_renewal(w)};
+    real_t largest = REAL_C(0.0);
+    bool tested = false;
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        const struct tested_input *in = inputs_get(&c->inputs, k);
+        const struct identified *f = &c->work->element[j][k].fit;
+        if (in->rounds == 0)
+            continue;
+        tested = true;
+        real_t moved = real_abs(f->gain) * in->amplitude;
+        if (moved > advice->moved_share)
+            advice->moved_share = moved;
+        if ((f->flags & IDENTIFIED_NO_GAIN) || !(real_abs(f->gain) > largest))
+            continue;
+        const struct mv_config *o = &s->plan->config.mv[in->output];
+        largest = real_abs(f->gain);
+        advice->input = in->output;
+        advice->step_least = STEPS_WANTED * advice->step_share / largest * (o->hi - o->lo);
+    }
+    if (tested && advice->moved_share < LOST_FLOORS * NOISE_FLOOR &&
+        advice->moved_share > REAL_C(0.0))
+        advice->span_wanted = (m->hi - m->lo) * advice->moved_share / SHOWN_SHARE;
+    return advice->step_share > REAL_C(0.0) || advice->renewal > 1u ||
+           advice->span_wanted > REAL_C(0.0);
+}

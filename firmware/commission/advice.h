@@ -1,0 +1,52 @@
+/* Advice where start-up has ended without a proposal: computed changes of settings that let the next one go further. Following a
+ * line literally is enough. Main loop. */
+#ifndef REFLUX_COMMISSION_ADVICE_H
+#define REFLUX_COMMISSION_ADVICE_H
+
+#include "num/real.h"
+#include "supervise/supervisor.h"
+
+#define ADVICE_MOST 2u
+
+struct commission;
+
+enum advice_kind {
+    ADVICE_LONGEST, /* test.longest, s */
+    ADVICE_TIME,    /* mv.test_time, s */
+    ADVICE_STEP,    /* mv.test_step, unit of the input */
+    ADVICE_LARGER,  /* likewise, because a sensor is too coarse for the steps there were */
+    ADVICE_NOISE,   /* test.noise */
+    ADVICE_ROUNDS,  /* test.rounds */
+    ADVICE_WINDOW,  /* test.window, ticks */
+    ADVICE_LEAVE,   /* mv.test off */
+    ADVICE_RELAY    /* set the loop of a pair by a relay test */
+};
+
+struct advice {
+    enum advice_kind kind;
+    uint8_t input;         /* index of the manipulated variable, where it is about one */
+    uint8_t measurement;   /* index of the measurement that asks for it; CHANNEL_MAX: none */
+    real_t value, present; /* of the setting */
+};
+
+/* Fills in at most ADVICE_MOST and returns their number; 0 where there is nothing to say or the results are no longer there. */
+unsigned advice_of(const struct commission *c, const struct supervisor *s, struct advice *advice);
+
+/* What is wrong with the sensor of output j, from the samples of the tests. */
+struct sensor_advice {
+    real_t step_share; /* it reads in steps of this share of its span; 0: finer than matters */
+    real_t
+        step_least; /* least test_step of `input` for it, unit of that input; 0: no gain is known */
+    uint8_t input;  /* index of the manipulated variable with the largest gain */
+    unsigned renewal; /* ticks after which it gives a new value; 1: every tick */
+    real_t
+        span_wanted; /* span in its unit that would show the largest response; 0: the span is fine */
+    real_t moved_share; /* that response, share of the span */
+};
+/* Number of outputs to ask for; 0 where the results are no longer there. */
+unsigned advice_sensors(const struct commission *c, const struct supervisor *s);
+/* False: nothing. */
+bool advice_of_sensor(const struct commission *c, const struct supervisor *s, uint8_t j,
+                      struct sensor_advice *advice);
+
+#endif
