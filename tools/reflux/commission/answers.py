@@ -69,7 +69,7 @@ TEST = (
     TestField("blank", "test.blank", "s", "time after a step in which the guard does not look; for inverse responses"),
     TestField("noise", "test.noise", "", "smallest response, as a multiple of the noise"),
     TestField("window", "test.window", "samples", "length over which the plant must be at rest", whole=True),
-    TestField("longest", "test.longest", "s", "longest half of a double step; 0: 1000 samples"),
+    TestField("longest", "test.longest", "s", "longest half of a double step; 0: as long as the responses ask for, 20,000 samples at most"),
     TestField("confidence", "test.confidence", "", "smallest probability of a pairing that counts as determined"),
     TestField("rounds", "test.rounds", "", "most tests of each input, repeated until the pairing is determined", whole=True),
 )

@@ -180,10 +180,10 @@ def summary(answers: Answers) -> str:
 
 # As firmware/commission/expected.c has it: up, down and back, and rest before and after; at most until what still climbs counts as
 # a drift. In all rounds a test may be made again with longer halves, and with smaller steps.
-HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000
+HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000  # where no longest half is set: a slower response asks for more
 HALVES_MOST, WINDOWS_MOST, WINDOW_WIDEST = 3.5, 3, 0.25
 LONGER_MOST, SMALLER_MOST = 3, 1 + 3
-FIRST_SHARE, MOST_SHARE = 0.02, 0.25  # of an input's span: the first step, and the largest, where it is to be found
+FIRST_SHARE, MOST_SHARE = 0.005, 0.25  # of an input's span: the first step, and the largest, where it is to be found
 
 
 def test_hours(answers: Answers) -> tuple[float, float]:

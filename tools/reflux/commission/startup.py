@@ -60,6 +60,7 @@ class Startup:
         with self.watched():
             ended = self.test(answers)
         if ended.phase != "ready":
+            self.show_advice()
             raise RunFailed(f"the start-up ended: {self.why}; nothing has changed on the board but its settings for tests")
         self.show_results(answers)
         with self.watched():
@@ -288,12 +289,19 @@ class Startup:
         if not proposal.loops:
             if not pairing.determined:
                 heading("What to do next")
+                self.show_advice()
                 for words in next_steps.lines(model, pairing, answers.known_pairs(), self.board.parameters(),
                                               self.board.count("loop", "name")):
                     say(words)
             why = proposal.why_not.removeprefix("pairing not determined: ") or "there is no proposal"
             more = "; ".join([*pairing.doubts, *self.left])
             raise RunFailed(f"not determined: {why}{f' ({more})' if more else ''}")
+
+    def show_advice(self) -> None:
+        """What the board has computed; one without this listing has none."""
+        with contextlib.suppress(Refused):
+            for line in self.board.ask("commission advice"):
+                say(f"- At the board's console: {line}" if line.startswith("`set ") else f"- {line}")
 
     def decide(self, answers: Answers) -> None:
         if self.options.unattended:
