@@ -12,7 +12,9 @@
 #define GRID_DEADS  5u
 #define GRID_SIZE   (GRID_SHAPES * GRID_TIMES * GRID_DEADS)
 #define RAMP_TIMES  6u
-#define RAMP_SIZE   (RAMP_TIMES * GRID_DEADS)
+/* Error of a point that a model of a few digits leaves, share of the root mean square of the response. */
+#define ROUNDING  REAL_C(1e-4)
+#define RAMP_SIZE (RAMP_TIMES * GRID_DEADS)
 
 enum shape_phase { GRID, RAMP, START, SLOPES, STEP, JUDGE, JUDGE_SLOPES, CHOOSE, DONE };
 
@@ -130,6 +132,9 @@ static void take_record(struct shape_fit *f, const struct record *r, uint32_t ou
     f->y[r->points] = f->y[r->points + 1u] = ZERO;
     fit_line_remove(&f->line, f->y, NULL, NULL);
     f->total = fit_line_dot(&f->line, f->y, f->y);
+    real_t rounding = ROUNDING * ROUNDING * f->total / (real_t)f->points;
+    if (f->noise_variance < rounding)
+        f->noise_variance = rounding;
 }
 
 static real_t held_within(real_t x, real_t lo, real_t hi)

@@ -22,7 +22,10 @@ enum shape_kind {
     SHAPE_INTEGRATING,
     /* The record does not show the end: gain and lag are what has been seen so far, with the beginning of the response as it
      * is. The element has at least these; only one that overshoots may come back from its gain. */
-    SHAPE_SLOW
+    SHAPE_SLOW,
+    /* The shape that was chosen has been seen to its end, but one that has not been is nearly as plausible. Less noise tells as well as
+     * a longer record. */
+    SHAPE_PERHAPS_SLOW
 };
 
 enum shape_parameter { SHAPE_GAIN, SHAPE_DEAD, SHAPE_LAG, SHAPE_SQUARE, SHAPE_ZERO };

@@ -13,9 +13,10 @@
 #define PLAUSIBLE    REAL_C(0.1)   /* weight of a formula that makes an element slow */
 #define COUNTED      REAL_C(0.002) /* least weight of a formula in the mixture */
 #define AT_BOUND     REAL_C(0.98)
-#define OPEN         REAL_C(0.1) /* share still to come with which an unsure gain is a slow one */
-#define EXCESS       REAL_C(1.5) /* variance of noise over its mean that is not surprising */
-#define MISFIT_SHARE REAL_C(1.2) /* error of the gain, over the misfit */
+#define OPEN         REAL_C(0.1)  /* share still to come with which an unsure gain is a slow one */
+#define TAIL_LEAST   REAL_C(0.05) /* share still to come of a tail that counts */
+#define EXCESS       REAL_C(1.5)  /* variance of noise over its mean that is not surprising */
+#define MISFIT_SHARE REAL_C(1.2)  /* error of the gain, over the misfit */
 #define UNSEEN_DOUBT                                                                               \
     REAL_C(0.2) /* share of what is still to come, which the formula alone predicts */
 #define MISFIT_MAX REAL_C(0.2) /* over the response, for a shape that means something */
@@ -132,28 +133,33 @@ static bool response_stands_out(const struct shape_fit *f, enum shape_formula be
     return gained > least * spread && gained > ZERO;
 }
 
-/* The slow tail of a shape with a zero is as long as it may be: it is longer, or there is a drift beside it. */
+/* The slow tail of a shape with a zero is as long as it may be: it is longer, or there is a drift beside it. One of which hardly
+ * anything is to come, beside what has been seen, is noise. */
 static bool tail_is_open(const struct shape_fit *f)
 {
-    return f->candidate[SHAPE_FORMULA_ZERO].place.time >= AT_BOUND * f->level;
+    return f->candidate[SHAPE_FORMULA_ZERO].place.time >= AT_BOUND * f->level &&
+           real_abs(share_to_come(f, SHAPE_FORMULA_ZERO)) > TAIL_LEAST;
 }
 
 static enum shape_kind kind_found(const struct shape_fit *f, enum shape_formula chosen,
                                   const real_t *weight, const struct shape_found *found)
 {
-    bool slow = false, perhaps_slow = real_abs(share_to_come(f, chosen)) > OPEN;
+    bool slow = false, other_slow = false, perhaps_slow = real_abs(share_to_come(f, chosen)) > OPEN;
     for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
         if (k != (unsigned)chosen && !(weight[k] > COUNTED))
             continue;
         bool open = real_abs(share_to_come(f, (enum shape_formula)k)) > THIRD ||
                     (k == SHAPE_FORMULA_ZERO && tail_is_open(f));
-        slow = slow || (open && (k == (unsigned)chosen || weight[k] > PLAUSIBLE));
+        slow = slow || (open && k == (unsigned)chosen);
+        other_slow = other_slow || (open && weight[k] > PLAUSIBLE);
         perhaps_slow = perhaps_slow || open;
     }
     if (chosen == SHAPE_FORMULA_INTEGRATING && f->ramp_agrees)
         return SHAPE_INTEGRATING;
     if (slow)
         return SHAPE_SLOW;
+    if (other_slow)
+        return SHAPE_PERHAPS_SLOW;
     if (found->sd[SHAPE_GAIN] > THIRD * real_abs(found->shape.gain))
         return perhaps_slow ? SHAPE_SLOW : SHAPE_UNKNOWN;
     if (chosen == SHAPE_FORMULA_ONE)
