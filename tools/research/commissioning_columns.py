@@ -62,7 +62,7 @@ def started(column: Column, ends_s: float | None) -> list[str]:
                                      "90 apply"]
     at = column.settle_s
     lines += [f"{at} commission begin", f"{at} ~until PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED 3000000",
-              f"{at} commission pairing", f"{at} ?commission accept", f"{at} ~until TRIAL_KEPT|TRIAL_FAILED 1000000"]
+              f"{at} commission model", f"{at} commission proposal", f"{at} commission pairing", f"{at} ?commission accept", f"{at} ~until TRIAL_KEPT|TRIAL_FAILED 1000000"]
     return lines + [f"{ends_s if ends_s else at} ~end"]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass, field
 
 from reflux import table
@@ -23,7 +25,7 @@ class TestedInput:
 
 @dataclass
 class Element:
-    """First order with dead time, engineering units and seconds; sd: standard deviations."""
+    """gain (zero s + 1) exp(-dead s) / (square s2 + time s + 1), engineering units and seconds; sd: standard deviations."""
 
     measurement: str
     input: str
@@ -38,7 +40,22 @@ class Element:
     moments: tuple[float, float, float] | None = None  # gain, T, L: the second opinion
     moments_flags: list[str] = field(default_factory=list)
     plateau: float = 0.0
-    begins: tuple[float, float] | None = None  # T, L of its beginning, where that is not as it goes on
+    square_s2: float = 0.0  # 0: one lag
+    zero_s: float = 0.0
+    residence: tuple[float, float] | None = None  # average residence time and its sd; older boards do not say
+
+    @property
+    def shape(self) -> str:
+        """Lags and zero in words; nothing for one lag."""
+        if self.square_s2 <= 0:
+            return ""
+        halves = self.time_s ** 2 / 4 - self.square_s2
+        if halves < 0:
+            lags = f"damping {self.time_s / 2 / math.sqrt(self.square_s2):.2g}"
+        else:
+            lags = " and ".join(f"{table.figure(self.time_s / 2 + sign * math.sqrt(halves))} s" for sign in (1, -1))
+            lags = f"lags {lags}"
+        return lags + (f", zero {table.figure(self.zero_s)} s" if self.zero_s else "")
 
     @property
     def has_gain(self) -> bool:
@@ -137,6 +154,9 @@ class Proposal:
     factor: float = float("nan")
     factor_least: float = float("nan")  # the same where no part of the plant has one of its own
     log_modulus_db: float = float("nan")
+    # Largest sensitivities and complementary ones, of the worst plant drawn and of the model; older boards give the three above.
+    sensitivity: list[float] = field(default_factory=list)
+    lowered: float = 1.0  # by what all gains of a part had to be multiplied in the end
     decoupler: str = ""
     others: list[str] = field(default_factory=list)  # lines that this tool has no table for
     loops: list[Loop] = field(default_factory=list)
@@ -171,12 +191,17 @@ def model_of(lines: list[str]) -> Model:
             m.elements[words[1], words[2]] = Element(
                 words[1], words[2], words[7], number(words[4]), number(words[6]), number(words[9]), number(words[11]),
                 number(words[14]), number(words[16]), _flags(words))
+            e = m.elements[words[1], words[2]]
+            if found := re.search(r" square (\S+)", line):
+                e.square_s2 = number(found[1])
+            if found := re.search(r" zero (\S+)", line):
+                e.zero_s = number(found[1])
+            if found := re.search(r" residence (\S+) sd (\S+)", line):
+                e.residence = number(found[1]), number(found[2])
         elif words[0] == "moments" and len(words) >= 12 and (words[1], words[2]) in m.elements:
             e, v = m.elements[words[1], words[2]], pairs_of(words[3:11])
             e.moments = (number(v["gain"]), number(v["T"]), number(v["L"]))
             e.plateau, e.moments_flags = number(v["plateau"]), _flags(words)
-            if words[11] == "begins_T" and len(words) >= 16:
-                e.begins = number(words[12]), number(words[14])
     return m
 
 
@@ -257,6 +282,10 @@ def proposal_of(lines: list[str]) -> Proposal:
         if line.startswith("no proposal"):
             p.why_not = line.partition(": ")[2]
         elif words[0] == "settings":
+            if found := re.search(r"Ms (\S+) nominal (\S+) Mt (\S+) nominal (\S+)(?: lowered (\S+))?", line):
+                p.sensitivity = [number(x) for x in found.groups()[:4]]
+                p.rule, p.lowered = line[len("settings "):found.start()].strip(), number(found[5] or "1")
+                continue
             head, _, rest = line.partition(", slowed by ")
             v = pairs_of(["factor", *rest.split()])
             p.rule, p.factor = head.removeprefix("settings "), number(v["factor"])
@@ -332,14 +361,14 @@ def trial_of(lines: list[str]) -> list[TrialLoop]:
 # ---- tables: the same on a terminal and in the report ----
 
 def model_rows(m: Model) -> tuple[list[str], list[list[str]]]:
-    header = ["measurement", "input", "gain", "+-", "unit", "T [s]", "+-", "L [s]", "+-", "flags", "moments: gain", "T", "L",
+    header = ["measurement", "input", "gain", "+-", "unit", "T [s]", "+-", "L [s]", "+-", "flags and shape", "moments: gain", "T", "L",
               "flags", "plateau"]
     rows = []
     for e in m.elements.values():
         f = table.figure
         times = [f(e.time_s), f(e.time_sd_s), f(e.dead_s), f(e.dead_sd_s)] if e.has_gain else ["-"] * 4
         second = [f(x) for x in e.moments] if e.moments else ["-"] * 3
-        flags = e.flags + ([f"begins with T {f(e.begins[0])}, L {f(e.begins[1])}"] if e.begins else [])
+        flags = e.flags + ([e.shape] if e.shape else [])
         rows.append([e.measurement, e.input, f(e.gain), f(e.gain_sd), e.unit, *times, ", ".join(flags) or "-", *second,
                      ", ".join(e.moments_flags) or "-", f(e.plateau) if e.plateau else "-"])
     return header, rows
@@ -440,11 +469,14 @@ def structure_words(s: Structure) -> list[str]:
 def proposal_words(p: Proposal) -> list[str]:
     if p.why_not:
         return [f"no proposal: {p.why_not}"]
-    most = (f"{table.figure(p.factor_least)} to {table.figure(p.factor)}, each independent part by its own,"
-            if p.factor_least < p.factor else table.figure(p.factor))
-    return [f"settings {p.rule}, detuned by {most} for joint stability "
-            f"(largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
-            *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
+    f = table.figure
+    if p.sensitivity:
+        lowered = f", all gains lowered to {100 * p.lowered:.0f} %" if p.lowered < 1 else ""
+        settings = f"settings {p.rule}: Ms {f(p.sensitivity[0])}, of the model {f(p.sensitivity[1])}{lowered}"
+    else:
+        most = f"{f(p.factor_least)} to {f(p.factor)}, each independent part by its own," if p.factor_least < p.factor else f(p.factor)
+        settings = f"settings {p.rule}, detuned by {most} for joint stability (largest log modulus {f(p.log_modulus_db)} dB)"
+    return [settings, f"decoupler {p.decoupler}", *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
 
 
 def inner_words(x: InnerLoop) -> str:
