@@ -8,7 +8,7 @@
 #define ROBUST_GAIN_LEAST REAL_C(1e-6)
 #define ROBUST_GAIN_MOST  REAL_C(100.0)
 #define ROBUST_TI_LEAST_S REAL_C(1e-3)
-#define ROBUST_TI_MOST_S  REAL_C(1e7)
+#define ROBUST_TI_MOST_S  REAL_C(1e6)
 
 struct robust_config {
     real_t s_most; /* 1.2 to 10 */

@@ -147,6 +147,10 @@ static void remember_mark(struct trial *t)
         return;
     real_t short_of = setpoint(t, k) - t->y[k];
     m->iae = t->loop[k].iae;
+    m->others = REAL_C(0.0);
+    for (size_t l = 0; l < t->loops->pairs.n; l++)
+        if (l != k && t->loop[l].peak > m->others)
+            m->others = t->loop[l].peak;
     if (t->time_s >= REAL_C(0.75) * t->config.mark_s) {
         t->left_sum += t->config.size > REAL_C(0.0) ? short_of : -short_of;
         t->left_n++;

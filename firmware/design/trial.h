@@ -36,6 +36,7 @@ struct trial_mark {
     real_t iae; /* of the loop whose setpoint is stepped */
     /* Its mean error over the last quarter, in the direction of the step: above 0 short of it. */
     real_t left;
+    real_t others;              /* largest |e| of any other loop, in units of size */
     real_t moved[INTERACT_MAX]; /* largest |u| of every loop's input */
     real_t input[INTERACT_MAX]; /* u */
 };
