@@ -68,7 +68,7 @@ static unsigned after_slow(const struct commission *c, const struct supervisor *
     const struct tested_input *in = inputs_under_test(&c->inputs);
     const struct identified *f = model_fitted(&c->model, j);
     uint8_t measurement = outputs_measurement(&c->outputs, j);
-    bool timed = !(f->flags & IDENTIFIED_INTEGRATING) &&
+    bool timed = !(f->flags & (IDENTIFIED_UNKNOWN | IDENTIFIED_INTEGRATING)) &&
                  f->time_constant_sd_s < TIME_KNOWN * f->time_constant_s;
     /* Beyond all lengths where the time is not known: the board then finds it. */
     real_t needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
@@ -127,8 +127,11 @@ static unsigned after_short(const struct commission *c, const struct supervisor 
         for (uint8_t i = 0; i < analysis->plant.inputs; i++) {
             struct advice one;
             uint8_t k = analysis_job_input(&c->analysis_job, i);
+            unsigned open = certainty_flags(analysis, j, i) & CERTAINTY_OPEN_FLAGS;
             real_t needed_s = TIME_MORE * commission_half_needed(c, j, k);
-            if (!(certainty_flags(analysis, j, i) & CERTAINTY_OPEN_FLAGS) ||
+            if (open & (IDENTIFIED_SLOW | IDENTIFIED_UNKNOWN)) /* its time is not known */
+                needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
+            if (!open ||
                 !longer_half(s, inputs_get(&c->inputs, k)->output,
                              outputs_measurement(&c->outputs, j), needed_s, &one) ||
                 !(needed_s > longest_s))
@@ -223,7 +226,7 @@ static unsigned after_analysis(const struct commission *c, const struct supervis
                                struct advice *a)
 {
     unsigned doubts = certainty_doubts(&c->work->analysis.certainty), n = 0;
-    unsigned by_noise = DOUBT_DRAWS | DOUBT_DETERMINANT | DOUBT_RANK | DOUBT_SIGN | DOUBT_INTEGRITY;
+    unsigned by_noise = DOUBT_DRAWS | DOUBT_DETERMINANT | DOUBT_RANK | DOUBT_SIGN;
     if (doubts & DOUBT_SHAPE) {
         n += after_short(c, s, &a[n]);
         if (n == 0)
@@ -275,17 +278,18 @@ bool advice_of_sensor(const struct commission *c, const struct supervisor *s, ui
     bool tested = false;
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
         const struct tested_input *in = inputs_get(&c->inputs, k);
-        const struct identified *f = &c->work->element[j][k].fit;
+        const struct element *e = &c->work->element[j][k];
+        real_t gain = real_abs(e->found.shape.gain);
         if (in->rounds == 0)
             continue;
         tested = true;
-        real_t moved = real_abs(f->gain) * in->amplitude;
+        real_t moved = gain * in->amplitude;
         if (moved > advice->moved_share)
             advice->moved_share = moved;
-        if ((f->flags & IDENTIFIED_NO_GAIN) || !(real_abs(f->gain) > largest))
+        if ((e->flags & IDENTIFIED_NO_GAIN) || !(gain > largest))
             continue;
         const struct mv_config *o = &s->plan->config.mv[in->output];
-        largest = real_abs(f->gain);
+        largest = gain;
         advice->input = in->output;
         advice->step_least = STEPS_WANTED * advice->step_share / largest * (o->hi - o->lo);
     }

@@ -20,33 +20,18 @@
 
 _Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
 
-static enum err check_beginnings(const struct analysis *a)
-{
-    for (uint8_t j = 0; j < a->plant.outputs; j++)
-        for (uint8_t i = 0; i < a->plant.inputs; i++) {
-            const struct beginning *b = &a->beginning[j][i];
-            if (!real_is_finite(b->time_constant_s) || !real_is_finite(b->dead_time_s))
-                return ERR_NOT_FINITE;
-            if (b->time_constant_s < REAL_C(0.0) || b->dead_time_s < REAL_C(0.0))
-                return ERR_RANGE;
-        }
-    return ERR_OK;
-}
-
 enum err analysis_begin(struct analysis *a, const struct analysis_config *config)
 {
     if (!(config->h_s > REAL_C(0.0)) || !(config->confidence > REAL_C(0.5)) ||
         !(config->confidence < REAL_C(1.0)) || !(config->step > REAL_C(0.0)))
         return ERR_RANGE;
     enum err err = interact_check(&a->plant, NULL);
-    if (!err)
-        err = check_beginnings(a);
     for (uint8_t j = 0; j < a->plant.outputs && !err; j++)
         err = a->given[j] > a->plant.inputs ? ERR_RANGE : ERR_OK;
     if (err)
         return err;
-    memset((char *)a + offsetof(struct analysis, begins), 0,
-           sizeof *a - offsetof(struct analysis, begins));
+    memset((char *)a + offsetof(struct analysis, config), 0,
+           sizeof *a - offsetof(struct analysis, config));
     a->config = *config;
     a->stage = ANALYSIS_GAINS;
     return gains_begin(&a->work.gains, &a->plant, config->floor);
@@ -145,7 +130,7 @@ static enum err end_second(struct analysis *a)
 static enum err do_structure(struct analysis *a)
 {
     analysis_find_structure(a);
-    analysis_close_inner_loops(a, &a->plant, a->beginning);
+    analysis_close_inner_loops(a, &a->plant);
     a->stage = ANALYSIS_DECOUPLER;
     return ERR_BUSY;
 }
@@ -205,7 +190,6 @@ static void without_decoupler(struct analysis *a, enum analysis_decoupler reason
 /* There are no settings with the present decoupler. */
 static enum err no_design(struct analysis *a, enum err reason)
 {
-    settings_exchange_beginnings(a, false);
     a->design_error = reason;
     a->stage = ANALYSIS_ALTERNATIVE;
     return ERR_OK;
@@ -253,26 +237,29 @@ static enum err begin_prediction(struct analysis *a, real_t duration_s)
                              .mark_s = a->horizon_s,
                              .setpoint_weight = REAL_C(1.0)};
     a->stage = ANALYSIS_PREDICTION;
-    settings_exchange_beginnings(a, false);
     enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
 }
 
-static enum err end_settings(struct analysis *a, enum err err)
+static enum err end_rule(struct analysis *a, enum err err)
+{
+    if (err)
+        return no_design(a, err);
+    a->stage = ANALYSIS_ROBUST;
+    err = settings_begin_search(a, a->config.members);
+    return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
+}
+
+static enum err end_settings_search(struct analysis *a, enum err err)
 {
     if (err)
         return no_design(a, err);
     if (analysis_loops(a) > a->config.loops_max)
         return no_design(a, ERR_FULL);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
-        if (!analysis_loop_takes(&a->work.detune.loops.tuning[k]))
+        if (!analysis_loop_takes(&a->loops.tuning[k]))
             return no_design(a, ERR_UNSUPPORTED);
     }
-    a->loops = a->work.detune.loops;
-    a->loops.decoupler = a->decoupler == DECOUPLER_USED ? &a->d : NULL;
-    a->factor = a->work.detune.factor;
-    a->factor_least = a->work.detune.factor_least;
-    a->log_modulus_db = a->work.detune.log_modulus_db;
     a->bounded = true;
     a->load = false;
     a->turn = 0;
@@ -336,9 +323,7 @@ static void keep_decoupled(struct analysis *a)
 {
     struct analysis_design *d = &a->decoupled;
     d->loops = a->loops;
-    d->factor = a->factor;
-    d->factor_least = a->factor_least;
-    d->log_modulus_db = a->log_modulus_db;
+    d->sensitivity = a->sensitivity;
     d->horizon_s = a->horizon_s;
     memcpy(d->predicted, a->predicted, sizeof d->predicted);
     memcpy(d->tried, a->tried, sizeof d->tried);
@@ -351,9 +336,7 @@ static void take_decoupled(struct analysis *a)
     a->decoupler = DECOUPLER_USED;
     a->d = d->d;
     a->loops = d->loops;
-    a->factor = d->factor;
-    a->factor_least = d->factor_least;
-    a->log_modulus_db = d->log_modulus_db;
+    a->sensitivity = d->sensitivity;
     a->horizon_s = d->horizon_s;
     memcpy(a->predicted, d->predicted, sizeof a->predicted);
     memcpy(a->tried, d->tried, sizeof a->tried);
@@ -422,10 +405,11 @@ enum err analysis_step(struct analysis *a)
     case ANALYSIS_DECOUPLER:
         return more(a, do_decoupler(a));
     case ANALYSIS_SETTINGS:
-        err = detune_step(&a->work.detune);
-        if (err == ERR_BUSY)
-            return err;
-        return more(a, end_settings(a, err));
+        err = settings_by_rule(a);
+        return err == ERR_BUSY ? err : more(a, end_rule(a, err));
+    case ANALYSIS_ROBUST:
+        err = settings_by_search(a);
+        return err == ERR_BUSY ? err : more(a, end_settings_search(a, err));
     case ANALYSIS_PREDICTION:
         err = trial_step(&a->work.trial);
         if (err)

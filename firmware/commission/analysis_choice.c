@@ -98,7 +98,6 @@ static void take_best(struct analysis *a)
 
 static enum err finish_choice(struct analysis *a)
 {
-    settings_exchange_beginnings(a, false);
     take_best(a);
     return ERR_OK;
 }
@@ -137,15 +136,28 @@ enum err choice_find(struct analysis *a)
     return ERR_OK;
 }
 
+/* The settings of one are there, or there are none. */
+static enum err settle(struct analysis *a, bool has_settings)
+{
+    REFLUX_ASSERT(a->choice.turn < CANDIDATES_MAX);
+    struct choice_candidate *one = &a->choice.list[a->choice.turn++];
+    one->has_settings = has_settings;
+    one->speed = has_settings ? speed_of(&a->loops) : REAL_C(0.0);
+    return begin_next(a);
+}
+
 enum err choice_step(struct analysis *a)
 {
     if (a->choice.turn >= a->choice.n)
         return ERR_OK;
-    enum err err = detune_step(&a->work.detune);
+    enum err err = a->choice.searching ? settings_by_search(a) : settings_by_rule(a);
     if (err == ERR_BUSY)
         return err;
-    struct choice_candidate *one = &a->choice.list[a->choice.turn++];
-    one->has_settings = !err;
-    one->speed = err ? REAL_C(0.0) : speed_of(&a->work.detune.loops);
-    return begin_next(a);
+    bool more = !err && !a->choice.searching && a->pairs.n <= CANDIDATES_LOOPS;
+    if (more && settings_begin_search(a, 0) == ERR_OK) {
+        a->choice.searching = true;
+        return ERR_BUSY;
+    }
+    a->choice.searching = false;
+    return settle(a, !err);
 }

@@ -21,6 +21,7 @@ struct pairing_choice {
     uint8_t n;      /* how many would do */
     uint8_t turn;   /* the one whose settings are being made */
     uint8_t chosen; /* of the list */
+    bool searching; /* by design/robust.h, from what the rule has given */
     struct choice_candidate list[CANDIDATES_MAX];
 };
 

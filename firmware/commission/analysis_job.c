@@ -1,6 +1,7 @@
 #include "commission/analysis_job.h"
 
 #include "commission/analysis.h"
+#include "commission/analysis_structure.h"
 #include "commission/commission_state.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
@@ -9,21 +10,60 @@
 
 /* Relative error of any gain, because a first-order model is not the plant. */
 #define GAIN_FLOOR REAL_C(0.005)
+#define MEMBERS    24u          /* plants drawn, that the settings must bear */
 #define STEP       REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
-/* Takes the beginning of a response that is not a lag's. The whole element gets its dead time, too, and lasts as long as
- * before. */
-static void take_early(const struct element *e, struct fopdt *whole, struct beginning *begins)
+/* Longest lag of an element of the plant, s: that of an integrator (lti/shape.h) may be longer, and is then as good with less. */
+#define LAG_MOST REAL_C(9e5)
+
+static real_t put_shape(struct interact_plant *plant, uint8_t j, uint8_t n, struct shape s)
 {
-    *begins = (struct beginning){0};
-    if (!(e->early_slope > REAL_C(0.0)) || !(real_abs(whole->gain) > REAL_C(0.0)))
-        return;
-    real_t takes_s = whole->time_constant_s + whole->dead_time_s;
-    begins->time_constant_s = real_abs(whole->gain) / e->early_slope;
-    begins->dead_time_s = e->early_dead_s;
-    if (whole->dead_time_s > e->early_dead_s) {
-        whole->dead_time_s = e->early_dead_s;
-        whole->time_constant_s = takes_s - e->early_dead_s;
+    REFLUX_ASSERT(j < INTERACT_MAX && n < INTERACT_MAX);
+    real_t part = REAL_C(1.0);
+    if (s.lag_s > LAG_MOST) {
+        part = LAG_MOST / s.lag_s;
+        s.lag_s = LAG_MOST;
+    }
+    plant->element[j][n] = (struct fopdt){
+        .gain = part * s.gain, .dead_time_s = s.dead_time_s, .time_constant_s = s.lag_s};
+    plant->shape[j][n] =
+        (struct interact_shape){.square_s2 = part * s.square_s2, .zero_s = s.zero_s};
+    return part;
+}
+
+static void take_element(struct analysis *a, uint8_t j, uint8_t n, const struct element *e)
+{
+    real_t part = put_shape(&a->plant, j, n, e->found.shape);
+    a->plant.gain_sd[j][n] = part * e->found.sd[SHAPE_GAIN];
+    a->flags[j][n] = e->flags;
+}
+
+/* The input of the analysis drives an inner loop, so its elements are no longer those that were found. */
+static bool drives_inner_loop(const struct analysis *a, uint8_t n)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        if (a->pairs.input[k] == n && analysis_inner_of(a, k) != INTERACT_NONE)
+            return true;
+    return false;
+}
+
+/* Draws a plant that the true one may be: struct robust_config. */
+static void draw_plant(const void *context, uint16_t member, struct interact_plant *plant)
+{
+    const struct commission *c = context;
+    const struct analysis *a = &c->work->analysis;
+    *plant = a->plant;
+    if (member + 1u == a->left_out)
+        member = MEMBERS;
+    for (uint8_t n = 0; n < a->plant.inputs; n++) {
+        if (drives_inner_loop(a, n))
+            continue;
+        for (uint8_t j = 0; j < a->plant.outputs; j++) {
+            struct shape s;
+            shape_found_draw(&c->work->element[j][c->analysis_job.column[n]].found,
+                             (uint32_t)j * INTERACT_MAX + n, member, &s);
+            (void)put_shape(plant, j, n, s);
+        }
     }
 }
 
@@ -52,15 +92,8 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
         if (inputs_get(&c->inputs, k)->skipped)
             continue;
-        for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
-            const struct identified *e = &c->work->element[j][k].fit;
-            a->plant.element[j][n] = (struct fopdt){.gain = e->gain,
-                                                    .dead_time_s = e->dead_time_s,
-                                                    .time_constant_s = e->time_constant_s};
-            a->plant.gain_sd[j][n] = e->gain_sd;
-            a->flags[j][n] = e->flags;
-            take_early(&c->work->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
-        }
+        for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
+            take_element(a, j, n, &c->work->element[j][k]);
         note_given(c, config, k, n);
         c->analysis_job.column[n++] = k;
     }
@@ -72,6 +105,9 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
                                  .step = STEP,
                                  .loops_max = CONFIG_LOOPS,
                                  .last = inputs_round(&c->inputs) >= config->test.rounds,
+                                 .members = MEMBERS,
+                                 .draw = draw_plant,
+                                 .context = c,
                                  .noise_sd = outputs_noise(&c->outputs)};
     c->analysis_job.begun = false;
     c->analysis_job.error = n == 0 ? ERR_EMPTY : ERR_OK;

@@ -4,38 +4,65 @@
 
 #define RESOLUTION REAL_C(1e-4) /* of a span: resolution of a 12-bit converter */
 
-void settings_exchange_beginnings(struct analysis *a, bool begins)
-{
-    if (a->begins == begins)
-        return;
-    a->begins = begins;
-    for (uint8_t j = 0; j < a->plant.outputs; j++)
-        for (uint8_t i = 0; i < a->plant.inputs; i++) {
-            struct beginning *b = &a->beginning[j][i];
-            struct fopdt *e = &a->plant.element[j][i];
-            if (!(b->time_constant_s > REAL_C(0.0)))
-                continue;
-            struct beginning other = {e->time_constant_s, e->dead_time_s};
-            e->time_constant_s = b->time_constant_s;
-            e->dead_time_s = b->dead_time_s;
-            *b = other;
-        }
-}
-
 enum err settings_begin(struct analysis *a, bool decoupled)
 {
     struct detune_config c;
     detune_config_default(&c);
     c.noise_sd = a->config.noise_sd;
     c.noise_least = RESOLUTION;
-    settings_exchange_beginnings(a, true);
     const struct structure *s = layout_structure(&a->layout);
     for (uint8_t k = 0; s && k < a->pairs.n; k++)
         c.part[k] = s->block[s->pair_block[k]].part;
-    for (uint8_t k = 0; k < a->pairs.n && !decoupled; k++)
-        if (a->beginning[a->pairs.output[k]][a->pairs.input[k]].time_constant_s > REAL_C(0.0))
-            c.begins = (uint16_t)(c.begins | 1u << k);
     enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
                                 decoupled ? &a->d : NULL, &c, NULL);
     return err ? ERR_UNSUPPORTED : ERR_OK;
+}
+
+enum err settings_by_rule(struct analysis *a)
+{
+    enum err err = detune_step(&a->work.detune);
+    if (err == ERR_BUSY)
+        return err;
+    a->loops = a->work.detune.loops; /* the slowest that were tried, where all are too fast */
+    return err == ERR_TIMEOUT ? ERR_OK : err;
+}
+
+enum err settings_begin_search(struct analysis *a, uint16_t members)
+{
+    struct detune_config d;
+    detune_config_default(&d);
+    d.noise_sd = a->config.noise_sd;
+    d.noise_least = RESOLUTION;
+    struct robust_config c;
+    robust_config_default(&c);
+    const struct structure *s = layout_structure(&a->layout);
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        c.part[k] = s ? s->block[s->pair_block[k]].part : 0;
+        c.gain_most[k] = detune_largest_gain(&a->plant, &a->loops, &d, k);
+    }
+    c.members = members;
+    c.draw = a->config.draw;
+    c.context = a->config.context;
+    struct loops start = a->loops;
+    return robust_begin(&a->work.robust, &a->plant, &start, &c, NULL);
+}
+
+enum err settings_by_search(struct analysis *a)
+{
+    struct robust *r = &a->work.robust;
+    enum err err = robust_step(r);
+    /* One plant may be so unlike the others that no settings serve both: its gains are as improbable as the pairing's sign. */
+    if (err == ERR_TIMEOUT && r->worst_member < r->config.members && a->left_out == 0) {
+        a->left_out = (uint16_t)(r->worst_member + 1u);
+        return settings_begin_search(a, a->config.members) == ERR_OK ? ERR_BUSY : ERR_TIMEOUT;
+    }
+    if (err)
+        return err;
+    a->loops = r->loops;
+    a->sensitivity = (struct analysis_sensitivity){.s_nominal = r->s_nominal,
+                                                   .t_nominal = r->t_nominal,
+                                                   .s_worst = r->s_worst,
+                                                   .t_worst = r->t_worst,
+                                                   .factor = r->factor};
+    return ERR_OK;
 }

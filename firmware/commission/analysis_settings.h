@@ -3,15 +3,22 @@
 #define REFLUX_COMMISSION_ANALYSIS_SETTINGS_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "base/error.h"
 
 struct analysis;
 
-/* Exchanges the elements for their beginnings: the settings are made for those, all else for the whole elements. */
-void settings_exchange_beginnings(struct analysis *a, bool begins);
-/* Begins the settings of a->pairs in a->work.detune, with a->d where decoupled; parts of the plant that do not act on each other
- * count where they are known. ERR_UNSUPPORTED: gains or times that no rule is for. */
+/* Begins with the settings of a->pairs, with a->d where decoupled; parts of the plant that do not act on each other count where
+ * they are known. First a rule for each loop, all slowed until they are stable together (design/detune.h), then from there a
+ * search for the best that the plant and what it may be bear (design/robust.h). ERR_UNSUPPORTED: gains or times that no rule is
+ * for. */
 enum err settings_begin(struct analysis *a, bool decoupled);
+/* A step of the rule, ERR_BUSY while there is more to do; then a->loops are its settings. */
+enum err settings_by_rule(struct analysis *a);
+/* Begins the search, for the worst of the first `members` plants that are drawn; steps of it likewise. Then a->loops are the
+ * settings. ERR_TIMEOUT: none are slow enough. One plant for which there are none is left out, and another drawn in its place. */
+enum err settings_begin_search(struct analysis *a, uint16_t members);
+enum err settings_by_search(struct analysis *a);
 
 #endif

@@ -17,7 +17,6 @@ void analysis_single_loop(struct analysis *a, const struct tuning *tuning, real_
     a->loops.tuning[0] = *tuning;
     a->loops.derivative_filter = REAL_C(8.0);
     a->decoupler = DECOUPLER_NOT_NEEDED;
-    a->factor = a->factor_least = REAL_C(1.0);
     a->predicted[0] = *predicted;
     a->tried[0].iae = predicted->iae;
     a->tried[0].moved[0] = predicted->moved;

@@ -7,6 +7,7 @@
 #include "commission/analysis_structure_state.h"
 #include "commission/certainty_state.h"
 #include "design/detune.h"
+#include "design/robust.h"
 #include "design/static_decoupler.h"
 #include "design/trial.h"
 #include "exchange/config.h"
@@ -26,6 +27,7 @@ enum analysis_stage {
     ANALYSIS_STRUCTURE,
     ANALYSIS_DECOUPLER,
     ANALYSIS_SETTINGS,
+    ANALYSIS_ROBUST,
     ANALYSIS_PREDICTION,
     ANALYSIS_ALTERNATIVE, /* with and without a decoupler: the better of the two */
     ANALYSIS_DONE
@@ -38,6 +40,10 @@ struct analysis_config {
     real_t step;       /* setpoint step of the prediction, fraction of span */
     uint8_t loops_max; /* number of loops that the board can run */
     bool last; /* there are no more rounds: doubts that only more tests could mend do not count */
+    /* Plants that the true one may be: struct robust_config. The context must live as long as the analysis. */
+    uint16_t members;
+    void (*draw)(const void *context, uint16_t member, struct interact_plant *plant);
+    const void *context;
     /* Noise of every output, fraction of span; NULL: none. It must live as long as the analysis. */
     const real_t *noise_sd;
 };
@@ -57,27 +63,27 @@ struct analysis_figures {
     real_t setpoints, loads;
 };
 
+/* Largest sensitivities of the loops, each broken with the others closed: struct robust. */
+struct analysis_sensitivity {
+    real_t s_nominal, t_nominal, s_worst, t_worst;
+    real_t factor; /* by which gains had to be lowered in the end; 1: by none */
+};
+
 /* Settings and their predictions. */
 struct analysis_design {
     struct loops loops;
-    real_t factor, factor_least, log_modulus_db, horizon_s;
+    struct analysis_sensitivity sensitivity;
+    real_t horizon_s;
     struct trial_loop predicted[INTERACT_MAX];
     struct trial_mark tried[INTERACT_MAX];
     struct matrix d;
 };
 
-/* Lag of the beginning of a response where it differs from the rest of it; time constant 0: it does not. */
-struct beginning {
-    real_t time_constant_s, dead_time_s;
-};
-
 struct analysis {
-    /* Input of the analysis: these four stay, all that follows is cleared when an analysis begins. */
+    /* Input of the analysis: these three stay, all that follows is cleared when an analysis begins. */
     struct interact_plant plant;
-    struct beginning beginning[INTERACT_MAX][INTERACT_MAX]; /* the settings are made for it */
-    uint16_t flags[INTERACT_MAX][INTERACT_MAX];             /* of elements: enum identified_flag */
+    uint16_t flags[INTERACT_MAX][INTERACT_MAX]; /* of elements: enum identified_flag */
     uint8_t given[INTERACT_MAX]; /* input + 1 that the settings pair with output i; 0: none */
-    bool begins;                 /* plant and beginning are exchanged, for the settings */
     struct analysis_config config;
     enum analysis_stage stage;
 
@@ -108,7 +114,8 @@ struct analysis {
     enum analysis_decoupler decoupler;
     struct matrix d; /* identity where there is none */
     struct loops loops;
-    real_t factor, factor_least, log_modulus_db; /* of the parts of the plant: struct detune */
+    struct analysis_sensitivity sensitivity;
+    uint16_t left_out; /* plant drawn that is left out of the search, plus 1; 0: none */
     /* Loop k after its own setpoint step of config.step */
     struct trial_loop predicted[INTERACT_MAX];
     struct trial_mark tried[INTERACT_MAX]; /* the same after horizon_s */
@@ -143,6 +150,7 @@ struct analysis {
             struct static_decoupler_result result;
         } decoupler;
         struct detune detune;
+        struct robust robust;
         struct trial trial;
         /* For the trial on the plant after the analysis. */
         struct {

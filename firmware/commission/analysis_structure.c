@@ -75,14 +75,17 @@ static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t i
 
 /* Johansson's case: a part of the plant with one input and two outputs, (G1, G2 G1). A loop on the inner output must have
  * its input to itself, so the input may move only these two, and no other input may move them. */
-static bool usable(const struct analysis *a, const struct cascade *c)
+static bool usable(struct analysis *a, const struct cascade *c)
 {
     uint16_t both = (uint16_t)(1u << c->inner | 1u << c->outer);
     for (uint8_t p = 0; p < a->layout.structure.parts; p++) {
         if (a->layout.structure.part_outputs[p] != both ||
-            members(a->layout.structure.part_inputs[p]) != 1u ||
-            !nothing_hides(a, both, a->layout.structure.part_inputs[p]))
+            members(a->layout.structure.part_inputs[p]) != 1u)
             continue;
+        if (!nothing_hides(a, both, a->layout.structure.part_inputs[p])) {
+            a->layout.hidden_cascade = true;
+            continue;
+        }
         struct tuning t;
         real_t tau_c_s;
         uint8_t j = 0;
@@ -141,8 +144,7 @@ uint8_t analysis_loops(const struct analysis *a)
 
 /* G2 behind the closed inner loop, exp(-L1 s)/(tau_c s + 1), as a first order again by the half rule (Skogestad 2003):
  * half of the smaller lag goes to the larger one, half to the dead time. */
-static void close_inner(struct analysis *a, struct interact_plant *plant,
-                        struct beginning beginning[INTERACT_MAX][INTERACT_MAX], uint8_t k,
+static void close_inner(struct analysis *a, struct interact_plant *plant, uint8_t k,
                         const struct cascade *c)
 {
     REFLUX_ASSERT(k < a->pairs.n);
@@ -164,16 +166,14 @@ static void close_inner(struct analysis *a, struct interact_plant *plant,
     e->time_constant_s = large + REAL_C(0.5) * small;
     e->dead_time_s = c->between.dead_time_s + inner.dead_time_s + REAL_C(0.5) * small;
     plant->shape[c->outer][j] = (struct interact_shape){REAL_C(0.0), REAL_C(0.0)};
-    beginning[c->outer][j].time_constant_s = REAL_C(0.0); /* it was of another element */
 }
 
-void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant,
-                                struct beginning beginning[INTERACT_MAX][INTERACT_MAX])
+void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant)
 {
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         const struct cascade *c = cascade_of(a, k);
         if (c)
-            close_inner(a, plant, beginning, k, c);
+            close_inner(a, plant, k, c);
     }
 }
 

@@ -11,10 +11,9 @@ void analysis_find_cascades(struct analysis *a);
 void analysis_ask_second(struct analysis *a);
 /* Finds parts and blocks of the plant. After the pairing. */
 void analysis_find_structure(struct analysis *a);
-/* Puts the inner loops that are used into *plant and *beginning, those of *a: from here on the input of an outer loop's pair is the setpoint of its
+/* Puts the inner loops that are used into *plant, that of *a: from here on the input of an outer loop's pair is the setpoint of its
  * inner loop. After everything that needs the plant as it is. */
-void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant,
-                                struct beginning beginning[INTERACT_MAX][INTERACT_MAX]);
+void analysis_close_inner_loops(struct analysis *a, struct interact_plant *plant);
 
 /* The settings are within the ranges of a loop of the firmware. */
 bool analysis_loop_takes(const struct tuning *t);

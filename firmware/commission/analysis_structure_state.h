@@ -15,6 +15,7 @@ enum analysis_second { SECOND_NONE, SECOND_AGREES, SECOND_DIFFERS };
 struct plant_layout {
     uint8_t n_cascades;
     bool has_structure;
+    bool hidden_cascade; /* one might be used if gains that may be there were known to be none */
     enum analysis_second second; /* SECOND_NONE: no pairs, or no such gains */
     uint16_t inner_outputs;      /* of the cascades that are used: bits of outputs without a pair */
     struct cascade cascade[INTERACT_MAX];

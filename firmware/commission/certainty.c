@@ -78,7 +78,8 @@ static void conclude(const struct analysis *a, enum pairing_verdict *verdict)
 void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict)
 {
     find_used(a);
-    bool others = a->channels < a->config.confidence && !a->config.last;
+    bool others =
+        !a->config.last && (a->channels < a->config.confidence || a->layout.hidden_cascade);
     if (a->probability < a->config.confidence)
         a->certainty.doubts |= DOUBT_DRAWS;
     if (others)

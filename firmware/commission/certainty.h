@@ -13,7 +13,9 @@ struct analysis;
 
 /* The test did not show the end of the response, so its gain may be anything: while any element has one of these, nothing is
  * determined. Longer tests may resolve them. */
-#define CERTAINTY_OPEN_FLAGS (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED)
+#define CERTAINTY_OPEN_FLAGS                                                                       \
+    (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED | IDENTIFIED_SLOW |        \
+     IDENTIFIED_UNKNOWN)
 /* No loop can use such an element, and longer tests change nothing. */
 #define CERTAINTY_FINAL_FLAGS IDENTIFIED_OSCILLATORY
 #define CERTAINTY_FLAGS       (CERTAINTY_OPEN_FLAGS | CERTAINTY_FINAL_FLAGS)

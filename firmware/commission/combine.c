@@ -1,6 +1,17 @@
 #include "commission/combine.h"
 
-#include "commission/certainty.h"
+#include "base/assertion.h"
+
+static bool is_known(const struct shape_found *f)
+{
+    return f->kind != SHAPE_UNKNOWN && f->kind != SHAPE_SLOW && f->kind != SHAPE_PERHAPS_SLOW &&
+           f->kind != SHAPE_NO_RESPONSE;
+}
+
+static bool is_ramp(const struct shape_found *f)
+{
+    return f->kind == SHAPE_INTEGRATING;
+}
 
 static real_t weight(real_t sd, real_t size)
 {
@@ -9,55 +20,101 @@ static real_t weight(real_t sd, real_t size)
     return REAL_C(1.0) / (used * used);
 }
 
-static real_t mean_of(real_t a, real_t wa, real_t b, real_t wb)
+/* Tests that disagree by more than their deviations allow are less certain than they claim (Birge 1932). */
+static real_t disagreement(real_t a, real_t a_sd, real_t b, real_t b_sd)
 {
-    return (wa * a + wb * b) / (wa + wb);
+    real_t apart = a - b, allowed = a_sd * a_sd + b_sd * b_sd;
+    return apart * apart > allowed && allowed > REAL_C(0.0) ? real_abs(apart) / real_sqrt(allowed)
+                                                            : REAL_C(1.0);
 }
 
-/* The element has times that count: without a visible lag their deviations say nothing, however small. */
-static bool has_times(const struct identified *e)
+static void join(real_t *value, real_t *sd, real_t next, real_t next_sd)
 {
-    return !(e->flags & IDENTIFIED_NO_GAIN) && e->time_constant_s > REAL_C(0.0) &&
-           e->time_constant_sd_s > REAL_C(0.0);
+    real_t a = weight(*sd, *value), b = weight(next_sd, next);
+    real_t wider = disagreement(*value, *sd, next, next_sd);
+    *value = (a * *value + b * next) / (a + b);
+    *sd = wider / real_sqrt(a + b);
 }
 
-real_t combine_by_gains(real_t a, const struct identified *of_a, real_t b,
-                        const struct identified *of_b)
+/* Relative variance of gain and residence time together. */
+static real_t unsureness(const struct shape_found *f)
 {
-    return mean_of(a, weight(of_a->gain_sd, of_a->gain), b, weight(of_b->gain_sd, of_b->gain));
+    real_t gain = f->sd[SHAPE_GAIN], time = f->residence_sd_s;
+    real_t size = real_abs(f->shape.gain), lasts = f->shape.dead_time_s + f->shape.lag_s;
+    gain = size > REAL_C(0.0) ? gain / size : REAL_C(1e6);
+    time = lasts > REAL_C(0.0) ? time / lasts : REAL_C(0.0);
+    return gain * gain + time * time;
 }
 
-void model_combine(struct identified *sum, const struct identified *next)
+static void join_times(struct shape_found *sum, const struct shape_found *next)
 {
-    real_t ws = weight(sum->gain_sd, sum->gain), wn = weight(next->gain_sd, next->gain);
-    real_t sd = REAL_C(1.0) / real_sqrt(ws + wn);
-    /* Rounds that disagree by more than their deviations allow are less certain than they claim (Birge 1932). */
-    real_t apart = sum->gain - next->gain;
-    real_t allowed = sum->gain_sd * sum->gain_sd + next->gain_sd * next->gain_sd;
-    if (apart * apart > allowed && allowed > REAL_C(0.0))
-        sd *= real_abs(apart) / real_sqrt(allowed);
-    bool times_s = has_times(sum), times_n = has_times(next);
-    real_t gain = mean_of(sum->gain, ws, next->gain, wn);
-    if (times_s && times_n) {
-        real_t wt = weight(sum->time_constant_sd_s, sum->time_constant_s);
-        real_t wu = weight(next->time_constant_sd_s, next->time_constant_s);
-        sum->time_constant_s = mean_of(sum->time_constant_s, wt, next->time_constant_s, wu);
-        sum->time_constant_sd_s = REAL_C(1.0) / real_sqrt(wt + wu);
-        real_t wl = weight(sum->dead_time_sd_s, sum->dead_time_s);
-        real_t wm = weight(next->dead_time_sd_s, next->dead_time_s);
-        sum->dead_time_s = mean_of(sum->dead_time_s, wl, next->dead_time_s, wm);
-        sum->dead_time_sd_s = REAL_C(1.0) / real_sqrt(wl + wm);
-    } else if (times_n) {
-        real_t old_gain = sum->gain, old_sd = sum->gain_sd;
+    real_t before = shape_residence_s(&sum->shape), after = shape_residence_s(&next->shape);
+    real_t a = weight(sum->residence_sd_s, before), b = weight(next->residence_sd_s, after);
+    real_t wider = disagreement(before, sum->residence_sd_s, after, next->residence_sd_s);
+    join(&sum->shape.dead_time_s, &sum->sd[SHAPE_DEAD], next->shape.dead_time_s,
+         next->sd[SHAPE_DEAD]);
+    join(&sum->shape.lag_s, &sum->sd[SHAPE_LAG], next->shape.lag_s, next->sd[SHAPE_LAG]);
+    if (sum->parameters > 3)
+        join(&sum->shape.square_s2, &sum->sd[SHAPE_SQUARE], next->shape.square_s2,
+             next->sd[SHAPE_SQUARE]);
+    if (sum->parameters > 4)
+        join(&sum->shape.zero_s, &sum->sd[SHAPE_ZERO], next->shape.zero_s, next->sd[SHAPE_ZERO]);
+    sum->residence_sd_s = wider / real_sqrt(a + b);
+}
+
+/* Gives a ramp another lag that stands for the integrator (lti/shape.h), which is as long as the record of its test asks. The
+ * slope, gain over lag, stays. */
+static void take_long_lag(struct shape_found *ramp, real_t lag_s)
+{
+    REFLUX_ASSERT(ramp->shape.lag_s > REAL_C(0.0));
+    real_t part = lag_s / ramp->shape.lag_s;
+    ramp->shape.lag_s = lag_s;
+    ramp->shape.gain *= part;
+    ramp->sd[SHAPE_GAIN] *= part;
+    ramp->shape.square_s2 *= part;
+    ramp->sd[SHAPE_SQUARE] *= part;
+}
+
+/* Both are ramps, or neither is. The other plausible shape and the correlations are those of the surer test, because a small
+ * step leaves open what a larger one decides. */
+static void join_known(struct shape_found *sum, const struct shape_found *next)
+{
+    struct shape_found other = *next;
+    if (unsureness(next) < unsureness(sum)) {
+        other = *sum;
         *sum = *next;
-        sum->gain = old_gain; /* replaced below; only the times were missing */
-        sum->gain_sd = old_sd;
     }
-    sum->gain = gain;
-    sum->gain_sd = sd;
-    if (real_abs(gain) > REAL_C(3.0) * sd && (times_s || times_n))
-        sum->flags &= (uint16_t)~IDENTIFIED_NO_GAIN;
-    sum->flags |= (uint16_t)(next->flags & ~IDENTIFIED_NO_GAIN);
-    if (!(next->flags & IDENTIFIED_NO_GAIN)) /* it resolves what an earlier test left open */
-        sum->flags &= (uint16_t)(next->flags | ~(unsigned)CERTAINTY_FLAGS | CERTAINTY_FINAL_FLAGS);
+    if (is_ramp(&other))
+        take_long_lag(&other, sum->shape.lag_s);
+    join(&sum->shape.gain, &sum->sd[SHAPE_GAIN], other.shape.gain, other.sd[SHAPE_GAIN]);
+    if (sum->parameters == other.parameters && is_ramp(sum) == is_ramp(&other))
+        join_times(sum, &other);
+}
+
+/* What is perhaps slow in two tests, each with a shape of its own that was seen to its end, is not. */
+static void join_doubtful(struct shape_found *sum, const struct shape_found *next)
+{
+    static const uint8_t kinds[] = {SHAPE_ONE_LAG, SHAPE_TWO_LAGS, SHAPE_TWO_WITH_ZERO};
+    join_known(sum, next);
+    REFLUX_ASSERT(sum->parameters >= 3 && sum->parameters <= 5);
+    sum->kind = kinds[sum->parameters - 3u];
+}
+
+void combine_shapes(struct shape_found *sum, const struct shape_found *next, bool longer)
+{
+    if (is_known(next)) {
+        if (is_known(sum) && is_ramp(sum) == is_ramp(next))
+            join_known(sum, next);
+        else
+            *sum = *next;
+    } else if (next->kind == SHAPE_NO_RESPONSE) {
+        if (sum->kind == SHAPE_NO_RESPONSE)
+            join(&sum->shape.gain, &sum->sd[SHAPE_GAIN], next->shape.gain, next->sd[SHAPE_GAIN]);
+        else if (!is_known(sum) && longer)
+            *sum = *next;
+    } else if (next->kind == SHAPE_PERHAPS_SLOW && sum->kind == SHAPE_PERHAPS_SLOW) {
+        join_doubtful(sum, next);
+    } else if (!is_known(sum) || next->kind == SHAPE_SLOW) {
+        *sum = *next;
+    }
 }

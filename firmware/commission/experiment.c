@@ -271,17 +271,6 @@ void experiment_take_interim_fit(struct experiment *e)
     e->interim_fitting = false;
     e->interim_fitted = true;
     e->fresh = e->phase == EXPERIMENT_UP;
-    for (unsigned j = 0; e->fresh && j < e->config.outputs; j++) {
-        const struct identified *f = interim_fit_found(&e->interim_fit, j);
-        bool better =
-            !(e->early[j].slope > REAL_C(0.0)) || f->dead_time_sd_s < e->early[j].dead_sd_s;
-        if ((f->flags & IDENTIFIED_NO_GAIN) || !(f->time_constant_s > REAL_C(0.0)) ||
-            !(f->dead_time_sd_s > REAL_C(0.0)) || !better)
-            continue;
-        e->early[j].slope = real_abs(f->gain) / f->time_constant_s;
-        e->early[j].dead_s = f->dead_time_s;
-        e->early[j].dead_sd_s = f->dead_time_sd_s;
-    }
 }
 
 static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)

@@ -10,11 +10,6 @@
 #include "identify/record.h"
 #include "identify/steady.h"
 
-/* The beginning of a response: slope (gain over time constant; 0: not known) and dead time with its standard deviation. */
-struct early_response {
-    real_t slope, dead_s, dead_sd_s;
-};
-
 struct experiment {
     struct experiment_config config;
     enum experiment_phase phase;
@@ -49,9 +44,6 @@ struct experiment {
     bool fresh;                /* no decision has used that model yet */
     uint32_t next_interim_fit; /* samples since the first edge */
     struct interim_fit interim_fit;
-
-    /* The beginning of the response, from the interim fit that knew the dead time best. */
-    struct early_response early[CHANNEL_MAX];
 
     struct steady steady;
     struct record record;
@@ -230,13 +222,6 @@ static inline const struct moments *experiment_moments(const struct experiment *
 static inline const struct identified *experiment_found(const struct experiment *e, unsigned j)
 {
     return interim_fit_found(&e->interim_fit, j);
-}
-
-/* The beginning of the response of output j. */
-static inline const struct early_response *experiment_early(const struct experiment *e, unsigned j)
-{
-    REFLUX_ASSERT(j < CHANNEL_MAX);
-    return &e->early[j];
 }
 
 static inline const struct limits *experiment_limits(const struct experiment *e)

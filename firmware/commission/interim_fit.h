@@ -6,13 +6,21 @@
 #include "base/assertion.h"
 #include "identify/fopdt_fit.h"
 #include "identify/record.h"
+#include "identify/shape_fit.h"
 
 struct interim_fit {
     /* Results, once interim_fit_run() has said that there is no more. */
     struct identified found[CHANNEL_MAX];
 
     /* Work. */
-    struct record seen; /* a copy, because the record itself goes on */
+    union {
+        struct record seen; /* a copy, because the record itself goes on */
+        struct {            /* once the test is over: the memory of its fits */
+            struct shape_fit fit;
+            struct shape_found found[CHANNEL_MAX];
+            struct fopdt_fit_result straight, bent;
+        } shape;
+    };
     struct baseline baseline[CHANNEL_MAX];
     struct fopdt_fit fit;
     uint8_t output; /* under work */
@@ -35,6 +43,13 @@ static inline const struct identified *interim_fit_found(const struct interim_fi
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
     return &l->found[j];
+}
+
+/* Found shape of output j, by the fits after the test. */
+static inline struct shape_found *interim_fit_shape(struct interim_fit *l, unsigned j)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    return &l->shape.found[j];
 }
 
 /* The memory of a fit, free once the test is over. */

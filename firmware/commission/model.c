@@ -1,5 +1,6 @@
 #include "commission/model.h"
 
+#include "base/assertion.h"
 #include "commission/certainty.h"
 #include "commission/combine.h"
 #include "commission/commission_state.h"
@@ -8,32 +9,25 @@
 #include "commission/test_outputs.h"
 #include "commission/test_verdict.h"
 
-#define FIT_UNITS 4u /* evaluations in one piece */
-/* Spread that levels of three time constants leave, share of the gain. */
-#define SPREAD_LEFT REAL_C(0.1)
-#define HOPELESS    REAL_C(1.0) /* standard deviation over gain from which a fit says nothing */
-#define CLIMB_SDS   REAL_C(4.0) /* standard deviations by which a climb exceeds the noise */
+#define FIT_UNITS 4u          /* evaluations in one piece */
+#define CLIMB_SDS REAL_C(4.0) /* standard deviations by which a climb exceeds the noise */
 /* Share of the misfit that a bent drift may leave if it, and not the shape of the response, was the cause. */
-#define BENT_LEAVES  REAL_C(0.3)
-#define MISFIT_SHARE REAL_C(1.2) /* error of the gain, over the misfit of a first-order model */
+#define BENT_LEAVES REAL_C(0.3)
 /* Time constants of a level after which half of the response is missing. */
 #define SLOW_LAGS REAL_C(0.7)
 #define BEND_SDS  REAL_C(2.0)
 /* Variances of a point that a bend must explain; it has an instant, a slope and a step. */
-#define BENT_BETTER REAL_C(12.0)
-#define NO_NOISE    REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
-/* Least share of a response that levels must show to give the gain. */
-#define LEVEL_LEAST        REAL_C(0.8)
-#define LEVEL_DOUBT        REAL_C(0.25) /* share of the difference between fit and levels */
-#define LEVEL_SD_RATIO_MAX REAL_C(0.5)  /* of the deviation of the fit, to use the levels instead */
-#define UNSEEN_DOUBT       REAL_C(0.5) /* share of the part of a response that a cut test has not shown */
-/* Of the deviation of the dead time of the fit, likewise. */
-#define BEGINNING_SD_RATIO_MAX REAL_C(0.5)
-#define ASYMMETRY_MOST         REAL_C(2000.0)
-#define ASYMMETRY_AGAIN        REAL_C(2.5) /* factor between two tests of the same asymmetry */
+#define BENT_BETTER     REAL_C(12.0)
+#define MISFIT_SHARE    REAL_C(1.2) /* error of the gain, over the misfit of one lag */
+#define ASYMMETRY_MOST  REAL_C(2000.0)
+#define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
 
 /* Error of a gain by a bend: docs/commissioning-method.md. */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0))
+
+/* Fits of an output: one lag with a straight drift, one lag with a drift that turns, a shape that competes with that drift, the
+ * shape that stands. */
+enum { STAGE_BEGIN, STAGE_STRAIGHT, STAGE_BENT, STAGE_RIVAL, STAGE_SHAPE };
 
 real_t model_unseen(const struct experiment *x, const struct identified *fit)
 {
@@ -47,7 +41,7 @@ real_t model_unseen(const struct experiment *x, const struct identified *fit)
 void model_begin_fit(struct commission *c)
 {
     c->model.output = 0;
-    c->model.running = false;
+    c->model.stage = STAGE_BEGIN;
     c->model.error = ERR_OK;
 }
 
@@ -61,26 +55,30 @@ static bool was_longer(const struct commission *c, uint8_t k)
                experiment_settings(x)->half_most; /* else there was no room for it */
 }
 
+static uint16_t flags_of_kind(const struct shape_found *f)
+{
+    static const uint16_t flags[] = {[SHAPE_UNKNOWN] = IDENTIFIED_UNKNOWN,
+                                     [SHAPE_NO_RESPONSE] = IDENTIFIED_NO_GAIN,
+                                     [SHAPE_INTEGRATING] = IDENTIFIED_RAMP,
+                                     [SHAPE_SLOW] = IDENTIFIED_SLOW,
+                                     [SHAPE_PERHAPS_SLOW] = IDENTIFIED_SLOW};
+    REFLUX_ASSERT(f->kind <= SHAPE_PERHAPS_SLOW);
+    bool inverse = f->parameters > 4 && f->shape.zero_s < REAL_C(0.0);
+    return (uint16_t)(flags[f->kind] | (inverse ? IDENTIFIED_INVERSE : 0));
+}
+
 void model_keep(struct commission *c)
 {
     uint8_t k = inputs_current(&c->inputs);
+    struct interim_fit *fits = experiment_interim_fit(&c->work->experiment);
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         struct element *e = &c->work->element[j][k];
-        if (inputs_get(&c->inputs, k)->rounds == 0) {
-            e->fit = c->model.fitted[j];
-            e->misfit = c->model.misfit[j];
-        } else {
-            real_t misfit =
-                combine_by_gains(e->misfit, &e->fit, c->model.misfit[j], &c->model.fitted[j]);
-            model_combine(&e->fit, &c->model.fitted[j]);
-            /* A response that goes on would have grown in a longer test; one that is gone was noise. */
-            if (was_longer(c, k) && (c->model.fitted[j].flags & IDENTIFIED_NO_GAIN))
-                e->fit.flags &= (uint16_t)~CERTAINTY_OPEN_FLAGS;
-            e->misfit = misfit;
-        }
-        /* The deviation from the shape of a lag is the same in every round. */
-        if (e->fit.gain_sd < e->misfit)
-            e->fit.gain_sd = e->misfit;
+        const struct shape_found *found = interim_fit_shape(fits, j);
+        if (inputs_get(&c->inputs, k)->rounds == 0)
+            e->found = *found;
+        else
+            combine_shapes(&e->found, found, was_longer(c, k));
+        e->flags = flags_of_kind(&e->found);
     }
 }
 
@@ -106,12 +104,12 @@ static void begin_output(struct commission *c)
     struct fopdt_fit_options o = {
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
-    c->model.bent = false;
     err = fopdt_fit_begin(interim_fit_memory(experiment_interim_fit(&c->work->experiment)),
                           experiment_record(x), j, &o);
     if (err)
         c->model.error = err;
-    c->model.running = !err;
+    else
+        c->model.stage = STAGE_STRAIGHT;
 }
 
 /* Slope after the test that the end of the response explains, fraction of span per second. */
@@ -140,39 +138,6 @@ static real_t sure_slope(const struct steady_result *at)
 {
     real_t slope = real_abs(at->slope_per_s) - BEND_SDS * at->slope_sd_per_s;
     return slope > REAL_C(0.0) ? slope : REAL_C(0.0);
-}
-
-/* Takes the gain from the levels where the response is not that of one lag (a fast part and a slow tail, or different lags
- * up and down). The fit then does not know where the response ends, and its deviation shows that. The gain is half way
- * between the levels and the final value of the fit; the other half counts as standard deviation. */
-static bool take_level(const struct experiment *x, const struct test_verdict *v,
-                       struct identified *fit)
-{
-    real_t of = test_verdict_level_of(experiment_record(x), fit->dead_time_s, fit->time_constant_s);
-    if (!(v->level_sd > REAL_C(0.0)) || experiment_is_cut(x) || of < LEVEL_LEAST ||
-        (fit->flags & IDENTIFIED_NO_GAIN))
-        return false;
-    real_t to_come = REAL_C(0.5) * (REAL_C(1.0) / of - REAL_C(1.0)) * v->level;
-    real_t gain = v->level + to_come, doubt = LEVEL_DOUBT * (gain - fit->gain);
-    real_t sd = real_sqrt(v->level_sd * v->level_sd + to_come * to_come + doubt * doubt);
-    if (!(sd < LEVEL_SD_RATIO_MAX * fit->gain_sd) || v->level * fit->gain <= REAL_C(0.0))
-        return false;
-    fit->gain = gain;
-    fit->gain_sd = sd;
-    return true;
-}
-
-/* Takes the beginning of such a response, which is faster than the lag that fits all of it and matters most for a loop. The
- * long record is too coarse for it, an early interim fit was not. */
-static void take_beginning(struct element *e, const struct experiment *x, uint8_t j,
-                           const struct identified *fit)
-{
-    real_t slope = experiment_early(x, j)->slope;
-    if (!(slope * fit->time_constant_s > real_abs(fit->gain)) ||
-        !(experiment_early(x, j)->dead_sd_s < BEGINNING_SD_RATIO_MAX * fit->dead_time_sd_s))
-        return;
-    e->early_slope = slope;
-    e->early_dead_s = experiment_early(x, j)->dead_s + experiment_early(x, j)->dead_sd_s;
 }
 
 /* The output is not linear: it responds differently up and down, and in the same way every time, which a disturbance does
@@ -206,61 +171,6 @@ static void verdict_on_climb(struct commission *c, const struct test_verdict *v,
     c->model.climbs[c->model.output] = slow && v->second > explained ? v->climbs : REAL_C(0.0);
 }
 
-/* Judges the gain by the record alone: a drift that is not a straight line makes the three parts of a double step disagree,
- * and the fit cannot know that. */
-static void verdict_on_gain(struct commission *c, const struct test_verdict *v, real_t bend,
-                            real_t misfit, real_t share, struct identified *fit)
-{
-    const struct experiment *x = &c->work->experiment;
-    if (share > NO_NOISE && take_level(x, v, fit)) {
-        take_beginning(&c->work->element[c->model.output][inputs_current(&c->inputs)], x,
-                       c->model.output, fit);
-        misfit = REAL_C(0.0); /* the residual is no error of the levels; theirs comes again */
-        share = REAL_C(1.0);
-    }
-    real_t spread = v->spread;
-    real_t variance = fit->gain_sd * fit->gain_sd;
-    if (is_curved(c, v)) {
-        real_t third = v->asymmetry * v->asymmetry / (REAL_C(4.0) * v->level);
-        variance += third * third;
-        spread = v->left;
-    }
-    real_t more = REAL_C(0.5) * (spread - SPREAD_LEFT * real_abs(fit->gain));
-    if (more > REAL_C(0.0))
-        variance += more * more;
-    real_t duration_s = (real_t)experiment_samples(x) * experiment_settings(x)->h_s;
-    real_t left = BEND_SHARE * bend * duration_s / experiment_amplitude(x);
-    variance += left * left;
-    real_t wrong = MISFIT_SHARE * misfit / experiment_amplitude(x);
-    /* The part of the fit's deviation by those residuals comes again in every round, too. */
-    real_t again = share * fit->gain_sd * fit->gain_sd + wrong * wrong;
-    variance += wrong * wrong;
-    /* After a cut test the fit alone predicts the part that was not seen. */
-    if (experiment_is_cut(x)) {
-        real_t unseen = UNSEEN_DOUBT * model_unseen(x, fit);
-        real_t gain_sd = unseen * fit->gain, lag_sd = unseen * fit->time_constant_s;
-        variance += gain_sd * gain_sd;
-        fit->time_constant_sd_s =
-            real_sqrt(fit->time_constant_sd_s * fit->time_constant_sd_s + lag_sd * lag_sd);
-    }
-    c->model.misfit[c->model.output] = real_sqrt(again);
-    fit->gain_sd = real_sqrt(variance);
-}
-
-/* Uses the moments where the fit says nothing of the gain, because the response is not that of a lag. They weigh the
- * beginning most, so the gain is known no better than its size. */
-static void use_moments(const struct element *e, struct identified *fit)
-{
-    real_t size = real_abs(e->moments.gain);
-    fit->gain = e->moments.gain;
-    fit->time_constant_s = e->moments.time_constant_s;
-    fit->dead_time_s = e->moments.dead_time_s;
-    if (fit->gain_sd > size)
-        fit->gain_sd = size;
-    fit->time_constant_sd_s = fit->time_constant_s;
-    fit->dead_time_sd_s = fit->dead_time_s;
-}
-
 /* Removes the bend that the fit has found from the record of output j. */
 static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_result *f)
 {
@@ -272,125 +182,234 @@ static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_resul
 }
 
 /* After the fit with a straight drift: fits once more with a drift that turns, where it has turned. */
-static bool fit_again(struct commission *c, const struct fopdt_fit_result *straight)
+static bool fit_again(struct commission *c)
 {
     struct experiment *x = &c->work->experiment;
-    struct fopdt_fit_options o = {.bent = true, .start = &c->model.fitted[c->model.output]};
+    struct interim_fit *fits = experiment_interim_fit(x);
+    struct fopdt_fit_options o = {.bent = true, .start = &fits->shape.straight.element};
     real_t sd, bend = real_abs(experiment_bend(x, c->model.output, &sd));
     if (!(bend >
           BEND_SDS * sd)) /* how much of it is the response's tail is known only afterwards */
         return false;
     experiment_baseline_before(x, c->model.output, &o.baseline);
-    c->model.squares = straight->squares;
-    c->model.bent = c->model.running =
-        fopdt_fit_begin(interim_fit_memory(experiment_interim_fit(x)), experiment_record(x),
-                        c->model.output, &o) == ERR_OK;
-    return c->model.bent;
+    bool begun = fopdt_fit_begin(interim_fit_memory(fits), experiment_record(x), c->model.output,
+                                 &o) == ERR_OK;
+    if (begun)
+        c->model.stage = STAGE_BENT;
+    return begun;
 }
 
-/* A drift that turns explains the record significantly better. */
-static bool bent_is_better(const struct commission *c, const struct fopdt_fit_result *bent)
+static void verdict_of_output(struct commission *c, const struct baseline *b, real_t bend,
+                              const struct identified *fit)
 {
-    real_t r = bent->correlation, variance = bent->residual_sd * bent->residual_sd;
-    variance *= (REAL_C(1.0) + r) / (REAL_C(1.0) - r);
-    return c->model.squares - bent->squares > BENT_BETTER * variance;
-}
-
-/* Share of the remaining variance that is not noise. */
-static real_t misfit_share(const struct fopdt_fit_result *r)
-{
-    real_t all = r->residual_sd * r->residual_sd, part = r->misfit * r->misfit;
-    return part < all ? part / all : REAL_C(1.0);
-}
-
-static void verdict_of_output(const struct experiment *x, uint8_t j, const struct baseline *b,
-                              struct test_verdict *v)
-{
+    const struct experiment *x = &c->work->experiment;
+    uint8_t j = c->model.output;
+    struct test_verdict v;
     test_verdict_of(experiment_record(x), j, b, experiment_amplitude(x),
-                    sure_slope(experiment_before(x, j)), v);
+                    sure_slope(experiment_before(x, j)), &v);
+    verdict_on_climb(c, &v, bend, fit);
+    if (is_curved(c, &v)) {
+        real_t third = v.asymmetry * v.asymmetry / (REAL_C(4.0) * v.level);
+        c->model.doubt += third * third;
+    }
 }
 
-/* Takes the fits of an output; bent is NULL where its drift has not turned. */
-static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
+/* The fit with a drift that turns may stand for the output. */
+static bool bend_is_usable(const struct commission *c, const struct fopdt_fit_result *straight,
+                           const struct fopdt_fit_result *bent)
+{
+    return !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
+           (drift_bend(&c->work->experiment, c->model.output, &bent->element) > REAL_C(0.0) ||
+            bent->misfit < BENT_LEAVES * straight->misfit);
+}
+
+/* Begins with the shape, from one lag. */
+static void begin_shape(struct commission *c, const struct fopdt_fit_result *one, uint8_t stage)
+{
+    struct experiment *x = &c->work->experiment;
+    struct fopdt_fit_options o = {0};
+    experiment_baseline_before(x, c->model.output, &o.baseline);
+    enum err err = shape_fit_begin(&experiment_interim_fit(x)->shape.fit, experiment_record(x),
+                                   c->model.output, &o, one);
+    if (err)
+        c->model.error = err;
+    c->model.stage = stage;
+}
+
+/* Judges an output whose drift is taken as straight. */
+static void judge_straight(struct commission *c)
+{
+    const struct experiment *x = &c->work->experiment;
+    uint8_t j = c->model.output;
+    const struct identified *fit =
+        &experiment_interim_fit(&c->work->experiment)->shape.straight.element;
+    struct baseline b;
+    c->model.doubt = c->model.sd_least = c->model.climbs[j] = REAL_C(0.0);
+    if (experiment_baseline(x, j, &b) == ERR_OK)
+        verdict_of_output(c, &b, drift_bend(x, j, fit), fit);
+}
+
+/* Takes the drift that turns off the record, and judges the output without it. */
+static void take_bend(struct commission *c, const struct fopdt_fit_result *bent)
 {
     struct experiment *x = &c->work->experiment;
     uint8_t j = c->model.output;
-    struct identified *kept = &c->model.fitted[j];
-    struct element *e = &c->work->element[j][inputs_current(&c->inputs)];
-    struct baseline b;
-    struct test_verdict v;
-    bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
-                  (drift_bend(x, j, &bent->element) > REAL_C(0.0) ||
-                   bent->misfit < BENT_LEAVES * c->model.straight_misfit);
-    if (usable && bent_is_better(c, bent)) {
-        e->plateau_gain = bent->plateau_gain;
-        *kept = bent->element;
-        straighten(experiment_record_to_edit(x), j, bent);
-        b = (struct baseline){.offset = bent->offset,
-                              .slope_per_s = bent->slope_per_s,
-                              .noise_sd = experiment_before(x, j)->noise_sd};
-        verdict_of_output(x, j, &b, &v);
-        verdict_on_climb(c, &v, REAL_C(0.0), kept);
-        verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
-        return;
-    }
-    real_t bend = drift_bend(x, j, kept);
-    bool straight = experiment_baseline(x, j, &b) == ERR_OK;
-    c->model.climbs[j] = c->model.misfit[j] = REAL_C(0.0);
-    if (straight) {
-        verdict_of_output(x, j, &b, &v);
-        verdict_on_climb(c, &v, bend, kept);
-    }
-    if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
-        real_t apart = bent->element.gain - kept->gain;
-        kept->gain_sd = real_sqrt(kept->gain_sd * kept->gain_sd + apart * apart);
-    }
-    if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
-        use_moments(e, kept);
-    if (straight && usable)
-        verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
-    else if (straight)
-        verdict_on_gain(c, &v, bend, c->model.straight_misfit, c->model.straight_share, kept);
+    struct baseline b = {.offset = bent->offset,
+                         .slope_per_s = bent->slope_per_s,
+                         .noise_sd = experiment_before(x, j)->noise_sd};
+    c->work->element[j][inputs_current(&c->inputs)].plateau_gain = bent->plateau_gain;
+    c->model.doubt = REAL_C(0.0);
+    c->model.sd_least = bent->element.gain_sd; /* the shape knows nothing of the bend's error */
+    straighten(experiment_record_to_edit(x), j, bent);
+    verdict_of_output(c, &b, REAL_C(0.0), &bent->element);
 }
 
-/* Ends a fit. True: another one follows for this output. */
-static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
+/* Squares that the best formula leaves, and the variance of a point by them. */
+static real_t shape_squares(const struct shape_fit *f, real_t *variance)
+{
+    const struct shape_candidate *best = &f->candidate[SHAPE_FORMULA_ONE];
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++) {
+        real_t squares = f->candidate[k].squares; /* below 0: not fitted */
+        if (!(squares < REAL_C(0.0)) && squares < best->squares)
+            best = &f->candidate[k];
+    }
+    *variance = best->squares / (real_t)f->points * (REAL_C(1.0) + best->correlation) /
+                (REAL_C(1.0) - best->correlation);
+    return best->squares;
+}
+
+static real_t bend_variance(const struct fopdt_fit_result *bent)
+{
+    real_t r = bent->correlation;
+    return bent->residual_sd * bent->residual_sd * (REAL_C(1.0) + r) / (REAL_C(1.0) - r);
+}
+
+/* Decides whether a drift that turns or the shape of the response is what one lag does not explain. A slow tail looks like a
+ * turn, so the shape is asked first. True: the shape is to be fitted once more, without the turn. */
+static bool bend_stands(struct commission *c, const struct shape_found *shape)
+{
+    struct interim_fit *fits = experiment_interim_fit(&c->work->experiment);
+    const struct fopdt_fit_result *bent = &fits->shape.bent;
+    real_t variance, rival = shape_squares(&fits->shape.fit, &variance);
+    if (rival - bent->squares > BENT_BETTER * bend_variance(bent)) {
+        take_bend(c, bent);
+        begin_shape(c, bent, STAGE_SHAPE);
+        return true;
+    }
+    judge_straight(c);
+    if (bent->squares - rival < BENT_BETTER * variance) { /* either may be true */
+        real_t apart = bent->element.gain - shape->shape.gain;
+        c->model.doubt += apart * apart;
+    }
+    return false;
+}
+
+/* Nothing explains the turn of the drift, if there is one: the error by it is a doubt. */
+static void doubt_bend(struct commission *c)
+{
+    const struct experiment *x = &c->work->experiment;
+    const struct identified *fit =
+        &experiment_interim_fit(&c->work->experiment)->shape.straight.element;
+    real_t duration_s = (real_t)experiment_samples(x) * experiment_settings(x)->h_s;
+    real_t left =
+        BEND_SHARE * drift_bend(x, c->model.output, fit) * duration_s / experiment_amplitude(x);
+    c->model.doubt += left * left;
+}
+
+/* Takes one lag for an element whose output answers up and down differently: no linear shape fits both ways, and what is left looks
+ * like a slow tail. The lag must have been seen to its end; what it leaves counts as an error of its gain. */
+static void take_lag_of_curved(struct commission *c, struct shape_found *f)
+{
+    const struct experiment *x = &c->work->experiment;
+    const struct fopdt_fit_result *one =
+        &experiment_interim_fit(&c->work->experiment)->shape.straight;
+    const struct identified *lag = &one->element;
+    bool open = (flags_of_kind(f) & CERTAINTY_OPEN_FLAGS) != 0;
+    if (!open || c->work->element[c->model.output][inputs_current(&c->inputs)].asymmetry == 0 ||
+        (lag->flags & (CERTAINTY_OPEN_FLAGS | IDENTIFIED_NO_GAIN)))
+        return;
+    real_t left = MISFIT_SHARE * one->misfit / experiment_amplitude(x), within[15] = {0};
+    real_t dead = lag->dead_time_sd_s * lag->dead_time_sd_s;
+    real_t time = lag->time_constant_sd_s * lag->time_constant_sd_s;
+    within[0] = lag->gain_sd * lag->gain_sd + left * left;
+    within[2] = dead;
+    within[5] = dead + time; /* the residence time's */
+    const struct shape s = {
+        .gain = lag->gain, .dead_time_s = lag->dead_time_s, .lag_s = lag->time_constant_s};
+    shape_found_pack(f, &s, 3, &s, 3, REAL_C(0.0), within, time);
+    f->kind = SHAPE_ONE_LAG;
+}
+
+static void take_shape(struct commission *c)
 {
     uint8_t j = c->model.output;
-    if (c->model.bent) {
-        take_fits(c, r);
-        return false;
+    struct interim_fit *fits = experiment_interim_fit(&c->work->experiment);
+    struct shape_found *f = interim_fit_shape(fits, j);
+    enum err err = shape_fit_result(&fits->shape.fit, f);
+    if (err) {
+        c->model.error = err;
+        return;
     }
-    c->work->element[j][inputs_current(&c->inputs)].plateau_gain = r->plateau_gain;
-    c->model.fitted[j] = r->element;
-    c->model.straight_misfit = r->misfit;
-    c->model.straight_share = misfit_share(r);
-    if (fit_again(c, r))
-        return true;
-    take_fits(c, NULL);
-    return false;
+    if (c->model.stage == STAGE_RIVAL && bend_stands(c, f))
+        return;
+    take_lag_of_curved(c, f);
+    real_t sd = f->sd[SHAPE_GAIN] > c->model.sd_least ? f->sd[SHAPE_GAIN] : c->model.sd_least;
+    f->sd[SHAPE_GAIN] = real_sqrt(sd * sd + c->model.doubt);
+    uint16_t flags = flags_of_kind(f);
+    c->model.fitted[j] = element_of_found(f, flags);
+    if (flags &
+        CERTAINTY_OPEN_FLAGS) { /* one lag says how long it might take, if there is such a time at all */
+        const struct identified *lag = &fits->shape.straight.element;
+        c->model.fitted[j] = *lag;
+        c->model.fitted[j].flags = (uint16_t)(flags | (lag->flags & IDENTIFIED_INTEGRATING));
+    }
+    c->model.output++;
+    c->model.stage = STAGE_BEGIN;
+}
+
+/* After the fits with one lag: the shape, which competes with a drift that turns where that may be what is left. */
+static void end_lags(struct commission *c)
+{
+    struct interim_fit *fits = experiment_interim_fit(&c->work->experiment);
+    const struct fopdt_fit_result *straight = &fits->shape.straight;
+    if (c->model.stage == STAGE_BENT && bend_is_usable(c, straight, &fits->shape.bent)) {
+        begin_shape(c, straight, STAGE_RIVAL);
+        return;
+    }
+    judge_straight(c);
+    doubt_bend(c);
+    begin_shape(c, straight, STAGE_SHAPE);
+}
+
+/* A piece of a fit with one lag. */
+static void piece_of_lag(struct commission *c)
+{
+    struct interim_fit *fits = experiment_interim_fit(&c->work->experiment);
+    bool bent = c->model.stage == STAGE_BENT;
+    struct fopdt_fit_result *r = bent ? &fits->shape.bent : &fits->shape.straight;
+    if (!fopdt_fit_run(interim_fit_memory(fits), FIT_UNITS))
+        return;
+    enum err err = fopdt_fit_result(interim_fit_memory(fits), r);
+    if (err) {
+        c->model.error = err;
+        return;
+    }
+    if (!bent)
+        c->work->element[c->model.output][inputs_current(&c->inputs)].plateau_gain =
+            r->plateau_gain;
+    if (bent || !fit_again(c))
+        end_lags(c);
 }
 
 bool model_piece(struct commission *c)
 {
-    if (!c->model.running) {
-        if (c->model.output >= outputs_count(&c->outputs) || c->model.error)
-            return false;
-        begin_output(c);
-        return true;
-    }
-    if (!fopdt_fit_run(interim_fit_memory(experiment_interim_fit(&c->work->experiment)), FIT_UNITS))
-        return true;
-    struct fopdt_fit_result r;
-    enum err err =
-        fopdt_fit_result(interim_fit_memory(experiment_interim_fit(&c->work->experiment)), &r);
-    if (err) {
-        c->model.error = err;
+    if (c->model.output >= outputs_count(&c->outputs) || c->model.error)
         return false;
-    }
-    c->model.running = false;
-    if (end_fit(c, &r))
-        return true;
-    c->model.output++;
-    return c->model.output < outputs_count(&c->outputs);
+    if (c->model.stage == STAGE_BEGIN)
+        begin_output(c);
+    else if (c->model.stage < STAGE_RIVAL)
+        piece_of_lag(c);
+    else if (shape_fit_run(&experiment_interim_fit(&c->work->experiment)->shape.fit, FIT_UNITS))
+        take_shape(c);
+    return c->model.output < outputs_count(&c->outputs) && !c->model.error;
 }

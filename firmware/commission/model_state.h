@@ -10,14 +10,12 @@
 /* The fits of the latest test. The main loop's while the task is under way, else the tick's. */
 struct model_fits {
     struct identified fitted[CHANNEL_MAX]; /* by output */
-    real_t misfit[CHANNEL_MAX];            /* of the gain, by what is not noise */
     real_t climbs[CHANNEL_MAX];            /* how it went on climbing: test_verdict.h */
-    /* Residuals of the fit with a straight drift. */
-    real_t squares, straight_misfit, straight_share;
+    real_t doubt; /* variance of the gain that the fit does not know of, of the output under work */
+    real_t sd_least; /* of that gain: its deviation beside a drift that turns */
     enum err error;
     uint8_t output; /* under work */
-    bool running;
-    bool bent; /* the fit under work has a drift that turns */
+    uint8_t stage;  /* its fit: model.c */
 };
 
 static inline enum err model_error(const struct model_fits *m)

@@ -1,6 +1,7 @@
 #include "commission/next_test.h"
 
 #include "base/assertion.h"
+#include "commission/certainty.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
 #include "commission/test_inputs.h"
@@ -11,25 +12,24 @@
 /* Share of a limit that a later round may use, by the one before. */
 #define REACHED_SHARE    REAL_C(0.8)
 #define AGAIN_MOST       REAL_C(3.0) /* times the amplitude of the round before */
-#define SHAPE_SMALLER    REAL_C(0.35) /* least amplitude over the one before where the shape decides */
-#define SHAPE_COUNTS     REAL_C(0.02) /* least misfit that counts, share of a gain */
-#define LONGEST_SHARE    3u           /* longest first half over the slowest known response */
-#define SHARE_LEAST      REAL_C(0.5)  /* shortest half over the slowest known response */
+#define LONGEST_SHARE    3u          /* longest first half over the slowest known response */
+#define SHARE_LEAST      REAL_C(0.5) /* shortest half over the slowest known response */
 #define UNSETTLED_LONGER REAL_C(2.0) /* factor for a half that did not show the end of a response */
-#define UNSETTLED_FREE   REAL_C(4.0) /* likewise where no longest half is set */
-#define OVER             REAL_C(3.0) /* time constants after which a twentieth is left */
-#define TIME_KNOWN       REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
+#define UNSETTLED_FREE                                                                             \
+    REAL_C(4.0)                /* likewise from the third round on where no longest half is set */
+#define OVER       REAL_C(3.0) /* time constants after which a twentieth is left */
+#define TIME_KNOWN REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
 
 real_t commission_lasts(const struct commission *c, uint8_t k)
 {
     REFLUX_ASSERT(k < CHANNEL_MAX);
     real_t longest_s = REAL_C(0.0);
     for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
-        const struct identified *e = &c->work->element[j][k].fit;
-        real_t time_s = e->dead_time_s + OVER * e->time_constant_s;
-        bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
-                     e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
-                     e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
+        const struct identified e = element_fit(&c->work->element[j][k]);
+        real_t time_s = e.dead_time_s + OVER * e.time_constant_s;
+        bool known = !(e.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_RAMP | CERTAINTY_OPEN_FLAGS)) &&
+                     e.gain_sd < REAL_C(0.2) * real_abs(e.gain) &&
+                     e.time_constant_sd_s < REAL_C(0.3) * e.time_constant_s;
         if (known && time_s > longest_s)
             longest_s = time_s;
     }
@@ -39,26 +39,20 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
 real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
-    const struct identified *e = &c->work->element[j][k].fit;
+    const struct identified e = element_fit(&c->work->element[j][k]);
     real_t needed_s = UNSETTLED_LONGER * inputs_get(&c->inputs, k)->half_s;
-    real_t over_s = e->dead_time_s + OVER * e->time_constant_s;
-    bool timed = !(e->flags & IDENTIFIED_INTEGRATING) &&
-                 e->time_constant_sd_s < TIME_KNOWN * e->time_constant_s;
+    real_t over_s = e.dead_time_s + OVER * e.time_constant_s;
+    bool timed =
+        !(e.flags & IDENTIFIED_UNKNOWN) && e.time_constant_sd_s < TIME_KNOWN * e.time_constant_s;
     return timed && over_s > needed_s ? over_s : needed_s;
 }
 
-/* A response to input k is not that of a lag, and that, not noise, is the uncertainty of its gain. A shorter half would see
- * less of its late part and be wrong by more; and plants that are slow by one input are mostly slow by others, too. */
-static bool shape_decides(const struct commission *c, uint8_t k)
+/* The end of a response has not been seen. Of one that is perhaps slow an end has been. */
+static bool end_is_unseen(const struct commission *c, uint8_t j, uint8_t k)
 {
-    REFLUX_ASSERT(k < CHANNEL_MAX);
-    for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
-        const struct element *e = &c->work->element[j][k];
-        if (e->misfit > REAL_C(0.5) * e->fit.gain_sd &&
-            e->misfit > SHAPE_COUNTS * real_abs(e->fit.gain))
-            return true;
-    }
-    return false;
+    REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
+    const struct element *e = &c->work->element[j][k];
+    return (e->flags & CERTAINTY_OPEN_FLAGS) != 0 && e->found.kind != SHAPE_PERHAPS_SLOW;
 }
 
 /* No longest half is set, and no drift would spoil one that is much longer. */
@@ -96,17 +90,20 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     real_t found_s = in->rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
     if (found_s > longest_s)
         longest_s = found_s;
-    if (in->rounds > 0 && shape_decides(c, k)) {
-        real_t slowest_s = (real_t)half_least * x->h_s;
-        real_t took_s = in->half_s;
-        if (slowest_s > took_s)
-            took_s = slowest_s;
-        if (took_s > longest_s)
-            longest_s = took_s;
-    }
-    real_t longer = may_be_long(c, config) ? UNSETTLED_FREE : UNSETTLED_LONGER;
+    bool free = may_be_long(c, config) && in->rounds > 1;
+    real_t longer = free ? UNSETTLED_FREE : UNSETTLED_LONGER;
+    bool open = false;
+    for (uint8_t j = 0; j < outputs; j++)
+        open = open || end_is_unseen(c, j, k);
+    if (!open) /* another test as long, with a larger step, tells as well */
+        longer = REAL_C(1.0);
     if (in->rounds > 0 && in->unsettled && longest_s < longer * in->half_s)
         longest_s = longer * in->half_s;
+    for (uint8_t j = 0; in->rounds > 0 && in->unsettled && j < outputs; j++) {
+        real_t needed_s = commission_half_needed(c, j, k);
+        if (end_is_unseen(c, j, k) && needed_s > longest_s)
+            longest_s = needed_s;
+    }
     uint32_t known = commission_samples(s, longest_s);
     /* Times of the round before count: a longer half would only gather drift. */
     if (in->rounds > 0 && known > x->window) {
@@ -146,12 +143,12 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     uint8_t outputs = outputs_count(&c->outputs);
     real_t stands_out = REAL_C(0.0); /* largest response to 1, in noise standard deviations */
     for (uint8_t j = 0; j < outputs; j++) {
-        const struct identified *f = &c->work->element[j][k].fit;
-        real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
+        const struct identified f = element_fit(&c->work->element[j][k]);
+        real_t most = real_abs(f.gain) + REAL_C(2.0) * f.gain_sd;
         if (most * a > AGAIN_SHARE * room_of(c, x, j))
             a = AGAIN_SHARE * room_of(c, x, j) / most;
-        if (real_abs(f->gain) > stands_out * noise_sd[j])
-            stands_out = real_abs(f->gain) / noise_sd[j];
+        if (real_abs(f.gain) > stands_out * noise_sd[j])
+            stands_out = real_abs(f.gain) / noise_sd[j];
     }
     /* No plant is asked for more than a clear response, because plants are not linear. */
     /* Properties that the model does not show, such as an overshoot, were present in the round before. */
@@ -160,8 +157,6 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     real_t enough = AGAIN_NOISE * x->noise_multiple;
     if (a * stands_out > enough) {
         real_t least = in->amplitude;
-        if (shape_decides(c, k)) /* a smaller step sees less of what is not linear */
-            least *= SHAPE_SMALLER;
         least = least < a ? least : a;
         a = enough / stands_out > least ? enough / stands_out : least;
     }
@@ -194,7 +189,7 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
     for (uint8_t j = 0; j < outputs; j++) {
         x->limit[j] = commission_limit(&config->measurement[outputs_measurement(&c->outputs, j)]);
         if (in->rounds > 0)
-            x->dead_time_s[j] = c->work->element[j][k].fit.dead_time_s;
+            x->dead_time_s[j] = c->work->element[j][k].found.shape.dead_time_s;
     }
     /* The window for a drift is as long as the responses are. */
     uint32_t wider = half_least / 4u;

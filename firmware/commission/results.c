@@ -98,8 +98,9 @@ static bool retry_longer_halves(struct commission *c, struct supervisor *s, uint
 /* Output j looks like an integrator of the input just tested. Not where it came to rest in an earlier round. */
 static bool looks_integrating(const struct commission *c, uint8_t j)
 {
-    bool fit_says = model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING;
+    bool fit_says = model_fitted(&c->model, j)->flags & CERTAINTY_OPEN_FLAGS;
     return inputs_under_test(&c->inputs)->rounds == 0 &&
+           !(model_fitted(&c->model, j)->flags & IDENTIFIED_RAMP) &&
            model_climbs(&c->model, j) >= (fit_says ? CLIMBS_TOO : CLIMBS);
 }
 
@@ -166,7 +167,8 @@ static enum commission_reason reason_of_climb(const struct commission *c, uint8_
     const struct identified *f = model_fitted(&c->model, j);
     bool timed = f->time_constant_sd_s > REAL_C(0.0) &&
                  f->time_constant_sd_s < SLOW_KNOWN * f->time_constant_s;
-    return timed && !(f->flags & IDENTIFIED_INTEGRATING) ? REASON_TOO_SLOW : REASON_INTEGRATES;
+    return timed && !(f->flags & (IDENTIFIED_UNKNOWN | IDENTIFIED_INTEGRATING)) ? REASON_TOO_SLOW
+                                                                                : REASON_INTEGRATES;
 }
 
 static void take_fit(struct commission *c, struct supervisor *s)
@@ -182,8 +184,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
         if (retry_longer_halves(c, s, j))
             return;
         /* A cut step says less: the fit must agree. */
-        if (c->work->experiment.cut &&
-            !(model_fitted(&c->model, j)->flags & IDENTIFIED_INTEGRATING))
+        if (c->work->experiment.cut && !(model_fitted(&c->model, j)->flags & CERTAINTY_OPEN_FLAGS))
             continue;
         commission_end_by_output(c, s, reason_of_climb(c, j), j,
                                  inputs_under_test(&c->inputs)->worst);
@@ -230,7 +231,10 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                        empty ? REAL_C(0.0) : (real_t)err);
         return;
     }
-    bool open = a->verdict != PAIRING_DETERMINED;
+    /* Surer gains may have settings that serve all plants that the true one may be. */
+    bool open = a->verdict != PAIRING_DETERMINED ||
+                (!a->designed && a->design_error == ERR_TIMEOUT &&
+                 inputs_round(&c->inputs) < s->plan->config.test.rounds);
     uint8_t round = inputs_round(&c->inputs);
     if (open && round < s->plan->config.test.rounds && more_would_help(a)) {
         commission_say_of_all(c, s, EVENT_TEST_EXTENDED, a->probability, (uint8_t)(round + 1u));

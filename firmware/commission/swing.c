@@ -6,6 +6,7 @@
 #define SWING_SDS REAL_C(4.0)
 /* Longest half cycle of the same oscillation, times the one before. */
 #define SWING_TAIL  2u
+#define IN_A_ROW    2u
 #define SWING_SHARE REAL_C(0.05) /* of the largest half cycle: smaller ones do not matter */
 
 /* The present half cycle is not smaller than the one before, by area and by mean height, and is no tail. The part of either
@@ -21,10 +22,16 @@ static bool is_larger(const struct swing *w, real_t noise_sd, real_t constant)
     return area / (real_t)w->length > SWING_DECAY * w->area / (real_t)w->took;
 }
 
+static void count_larger(struct swing *w, real_t noise_sd, real_t constant)
+{
+    w->larger = is_larger(w, noise_sd, constant) ? (uint8_t)(w->larger + 1u) : 0;
+    w->grows = w->grows || w->larger >= IN_A_ROW;
+}
+
 static void turn(struct swing *w, real_t noise_sd, real_t constant)
 {
     real_t area = real_abs(w->extreme - w->turned);
-    w->grows = w->grows || is_larger(w, noise_sd, constant);
+    count_larger(w, noise_sd, constant);
     w->area = area;
     w->took = w->length;
     if (area > w->largest)
@@ -60,5 +67,5 @@ void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant)
 
 void swing_end(struct swing *w, real_t noise_sd, real_t constant)
 {
-    w->grows = w->grows || is_larger(w, noise_sd, constant);
+    count_larger(w, noise_sd, constant);
 }

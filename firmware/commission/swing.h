@@ -1,7 +1,8 @@
 /* Finds out whether an oscillation decays, by the areas of the half cycles of an error. The integral of the error turns where the
  * error changes its sign, and between two turns it moves by the area of a half cycle. Areas hardly show noise, peaks do; both decay by
  * exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first half cycle. A half cycle is smaller where its area or
- * its mean height is smaller. One that lasts more than twice as long as the one before is a slow tail and may have any area. Tick. */
+ * its mean height is smaller. Two in a row must not be smaller before it counts as an oscillation, because another loop may make one of
+ * them larger. One that lasts more than twice as long as the one before is a slow tail and may have any area. Tick. */
 #ifndef REFLUX_COMMISSION_SWING_H
 #define REFLUX_COMMISSION_SWING_H
 

@@ -17,10 +17,12 @@ struct swing {
     uint32_t length;      /* samples of the present half cycle, to its extreme */
     uint32_t took;        /* samples of the half cycle before */
     int8_t direction;     /* of the integral; 0: before the first sample */
-    bool grows;           /* a half cycle was not smaller than the one before by that factor */
+    uint8_t
+        larger; /* half cycles in a row that were not smaller than the one before by that factor */
+    bool grows; /* two in a row were not */
 };
 
-/* A half cycle was not smaller than the one before by that factor. */
+/* Two half cycles in a row were not smaller than the one before by that factor. */
 static inline bool swing_grows(const struct swing *w)
 {
     return w->grows;

@@ -20,7 +20,7 @@
 #define STEP_NEVER    REAL_C(1e-4) /* of span: smallest step of a setpoint */
 
 /* Returns the largest setpoint step of loop k for which, by the model, every input stays within its room and every
- * measurement without a loop within its limit. */
+ * other measurement within its limit. */
 static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
 {
     REFLUX_ASSERT(k < c->work->analysis.pairs.n);
@@ -34,6 +34,11 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
         real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->mv[j].manual));
         if (by->moved[l] * most > room * a->config.step)
             most = room * a->config.step / by->moved[l];
+    }
+    for (uint8_t l = 0; l < a->pairs.n; l++) {
+        real_t limit = OTHERS_SHARE * adoption_channel(&c->adoption, l)->limit;
+        if (l != k && by->others * most > limit)
+            most = limit / by->others;
     }
     for (uint8_t j = a->pairs.n; j < adoption_channels(&c->adoption); j++) {
         const struct adoption_channel *m = adoption_channel(&c->adoption, j);
@@ -103,7 +108,7 @@ static void keep_in_reach(struct commission *c, const struct supervisor *s, uint
     uint8_t inner = analysis_inner_of(a, k);
     uint8_t i = analysis_job_input(&c->analysis_job, a->pairs.input[k]);
     real_t room = commission_room(s, in->output, num_to_float(s->mv[in->output].manual));
-    real_t a_step = real_abs(c->work->element[inner][i].fit.gain);
+    real_t a_step = real_abs(c->work->element[inner][i].found.shape.gain);
     real_t moved = layout_inner_tuning(&a->layout, k)
                        ->gain; /* of the manipulated variable for a setpoint of 1 */
     if (a_step * moved < REAL_C(1.0))

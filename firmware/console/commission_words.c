@@ -22,9 +22,9 @@ void commission_unit(struct text *t, const char *unit)
 
 void commission_flags(struct text *t, unsigned bits)
 {
-    static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
-                                        "negative_L",  "short",      "not_settled",
-                                        "integrating", "inverse",    "oscillatory"};
+    static const char *const names[] = {
+        "no_gain",     "negative_T", "negative_radicand", "negative_L", "short",   "not_settled",
+        "integrating", "inverse",    "oscillatory",       "slow",       "unknown", "integrates"};
     text_str(t, " flags");
     if (bits == 0)
         text_str(t, " -");

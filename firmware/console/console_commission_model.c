@@ -41,21 +41,35 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
     const struct measurement_config *y = commission_measurement(c, j);
     const struct mv_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
+    const struct shape_found *f = &e->found;
     text_str(line, "element ");
     text_str(line, y->name);
     put_word(line, u->name);
-    text_named_float(line, "gain", (float)e->fit.gain * scale);
-    text_named_float(line, "sd", (float)e->fit.gain_sd * scale);
+    text_named_float(line, "gain", (float)f->shape.gain * scale);
+    text_named_float(line, "sd", (float)f->sd[SHAPE_GAIN] * scale);
     text_char(line, ' ');
     commission_unit(line, y->unit);
     text_char(line, '/');
     commission_unit(line, u->unit);
-    text_named_float(line, "T", (float)e->fit.time_constant_s);
-    text_named_float(line, "sd", (float)e->fit.time_constant_sd_s);
-    text_named_float(line, "s L", (float)e->fit.dead_time_s);
-    text_named_float(line, "sd", (float)e->fit.dead_time_sd_s);
+    text_named_float(line, "T", (float)f->shape.lag_s);
+    text_named_float(line, "sd", (float)f->sd[SHAPE_LAG]);
+    text_named_float(line, "s L", (float)f->shape.dead_time_s);
+    text_named_float(line, "sd", (float)f->sd[SHAPE_DEAD]);
     text_str(line, " s");
-    commission_flags(line, e->fit.flags);
+    if (f->parameters > 3) { /* two lags: their product; and the zero */
+        text_named_float(line, "square", (float)f->shape.square_s2);
+        text_named_float(line, "sd", (float)f->sd[SHAPE_SQUARE]);
+        text_str(line, " s2");
+    }
+    if (f->parameters > 4) {
+        text_named_float(line, "zero", (float)f->shape.zero_s);
+        text_named_float(line, "sd", (float)f->sd[SHAPE_ZERO]);
+        text_str(line, " s");
+    }
+    text_named_float(line, "residence", (float)shape_residence_s(&f->shape));
+    text_named_float(line, "sd", (float)f->residence_sd_s);
+    text_str(line, " s");
+    commission_flags(line, e->flags);
 }
 
 /* Gives the estimates from moments and plateaus of the same test. */
@@ -73,10 +87,6 @@ static void second_line(const struct client *c, unsigned j, unsigned k, struct t
     text_named_float(line, "T", (float)e->moments.time_constant_s);
     text_named_float(line, "L", (float)e->moments.dead_time_s);
     text_named_float(line, "plateau", (float)e->plateau_gain * scale);
-    if (e->early_slope > REAL_C(0.0)) { /* what its loop is set for */
-        text_named_float(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
-        text_named_float(line, "begins_L", (float)e->early_dead_s);
-    }
     commission_flags(line, e->moments_flags);
 }
 
@@ -252,12 +262,13 @@ bool commission_proposal_line(struct client *c, unsigned n, struct text *line)
         return n == 0;
     }
     if (n == 0) {
-        text_str(line, "settings SIMC, slowed by");
-        text_char(line, ' ');
-        text_float(line, (float)a->factor);
-        if (a->factor_least < a->factor) /* parts of the plant with a factor each */
-            text_named_float(line, "least", (float)a->factor_least);
-        text_named_float(line, "log_modulus_dB", (float)a->log_modulus_db);
+        text_str(line, "settings PI for the worst of the plants drawn");
+        text_named_float(line, "Ms", (float)a->sensitivity.s_worst);
+        text_named_float(line, "nominal", (float)a->sensitivity.s_nominal);
+        text_named_float(line, "Mt", (float)a->sensitivity.t_worst);
+        text_named_float(line, "nominal", (float)a->sensitivity.t_nominal);
+        if (a->sensitivity.factor < REAL_C(1.0))
+            text_named_float(line, "lowered", (float)a->sensitivity.factor);
         text_named_float(line, "blocks", (float)layout_blocks(&a->layout));
         text_named_float(line, "parts", (float)layout_parts(&a->layout));
         return true;

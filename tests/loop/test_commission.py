@@ -13,6 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import commissioning  # noqa: E402
 from commissioning import Plant, Run, plant, whole  # noqa: E402
+from research import commissioning as campaign  # noqa: E402
 
 DATA = Path(__file__).resolve().parent / "data"
 
@@ -78,27 +79,27 @@ class WholePlants(unittest.TestCase):
 
 
 class Decoupler(unittest.TestCase):
-    def test_it_is_proposed_with_what_is_predicted_with_and_without_it(self):
+    def test_it_is_proposed_where_the_predictions_with_and_without_it_say_so(self):
         of = plant("folami-gains")
         script = whole(of, accept=False, extra_s=1.0)
         begin = script[-1][0]
         run = Run(of, script + [(begin, "commission proposal"), (begin + 5.0, "~end")], events=of.perfect_sensors())
         line = next(line for line in run.reply("commission proposal") if line.startswith("decoupler "))
-        self.assertTrue(line.startswith("decoupler static"), line)
         setpoints, without, loads, loads_without = (float(x) for x in re.findall(r"with(?:out)? ([\d.]+)", line))
         self.assertLess(setpoints, without)  # of one's own outputs it takes the others away
-        self.assertLess(setpoints * loads, 0.81 * without * loads_without)
+        pays = setpoints * loads < 0.81 * without * loads_without
+        self.assertEqual(line.startswith("decoupler static"), pays, line)
         print(f"commission folami-gains: {line}")
 
 
 class HardPlants(unittest.TestCase):
-    def test_the_column_gets_its_committed_pairing_or_none(self):
+    def test_the_column_gets_pairs_that_would_do_or_none(self):
         of = plant("column-9001")
         run = Run(of, whole(of, accept=False), events=of.perfect_sensors())
         end = run.first("PROPOSAL", "NOT_DETERMINED")
         self.assertIsNotNone(end)
-        if end.code == "PROPOSAL":
-            self.assertEqual(sorted(run.pairs()), sorted(commissioning.committed_pairing("column-9001")))
+        if end.code == "PROPOSAL":  # or another one that would do, by the exact gains
+            self.assertIn(campaign.verdict_on(sorted(run.pairs()), "column-9001"), ("right", "other"))
         self.assertLessEqual(run.worst(), 1.0)
         say("column-9001", of, end.time_s, run, f", {end.code.lower().replace('_', ' ')}")
 
@@ -203,7 +204,8 @@ class PaperMachine(unittest.TestCase):
                 printed = self.LAG[j][k]
                 if k == 2 or (j, k) in ((1, 1), (1, 3)) or printed == 0:
                     continue
-                lag = self.found[f"y{j + 1}", f"u{k + 1}"]["T"]
+                e = self.found[f"y{j + 1}", f"u{k + 1}"]
+                lag = e["T"] - e["zero"]  # what two lags and a zero are as one
                 worst = max(worst, abs(lag / printed - 1.0))
                 self.assertLessEqual(abs(lag / printed - 1.0), 0.25, f"T{j + 1}{k + 1} = {lag}, printed {printed}")
         self.assertLess(self.found["y5", "u5"]["T"], 1.0)  # direct

@@ -193,10 +193,15 @@ class Harm(unittest.TestCase):
                 self.assertLess(abs(found["gain"] / 2.0 - 1.0), 0.2)
                 self.assertFalse(found["flags"] & {"short", "integrating"})
 
-    def test_an_input_that_integrates_is_left_out_and_the_rest_works(self):
+    def test_an_input_that_integrates_gets_a_loop_once_its_slope_is_known(self):
         of = self.plant("integrating", "transfer", elements=[[{"gain": 5e-4, "integrator": True}, element(0.3, 80)],
                                                              [FIRST, SECOND]])
-        self.assertEqual(self.followed(of, []).end.code, "PROPOSAL")
+        for noise in (0.0, 1.0):
+            run = self.started(of, noise=noise)
+            self.assertEqual(run.end.code, "PROPOSAL", noise)
+            found = run.elements()["y1", "u1"]
+            self.assertEqual(found["flags"], {"integrates"})
+            self.assertLess(abs(found["gain"] / found["T"] / 5e-4 - 1.0), 0.02)
 
     def test_a_coarse_sensor_and_a_span_that_is_too_wide_are_said_with_the_right_number(self):
         of = self.beside("coarse", element(1.2, 900, 50))
@@ -226,17 +231,17 @@ class Harm(unittest.TestCase):
         found = run.elements()["y1", "u1"]
         self.assertLess(abs(found["gain"] / 200.0 - 1.0), 0.02)
 
-    def test_what_a_cut_test_has_not_seen_makes_its_gain_unsure(self):
+    def test_the_gain_of_a_cut_test_is_as_sure_as_it_says(self):
         """A step that is given stays as it is."""
         of = self.beside("large", element(20.0, 300, 0))
-        run = self.stays(of, settings=["set mv1.test_step 2", "set test.rounds 1"])
+        run = self.stays(of, settings=["set mv1.test_step 2", "set test.rounds 1"], noise=1.0)
         self.assertIsNotNone(run.first("TEST_CUT"))
         self.assertEqual(len([e for e in run.all("TEST_STEP") if e.subject == "u1"]), 1)
         found = run.elements()["y1", "u1"]
         half_s = next(e.value for e in run.all("TEST_DONE") if e.subject == "u1")
-        unseen = 2.718281828 ** (-half_s / 300)
-        self.assertGreater(unseen, 0.1)
-        self.assertGreater(found["gain_sd"] / found["gain"], 0.4 * unseen)
+        self.assertGreater(2.718281828 ** (-half_s / 300), 0.1)
+        self.assertLess(abs(found["gain"] - 20.0), 3.0 * found["gain_sd"])
+        self.assertLess(found["gain_sd"], 2.0)
 
 
 if __name__ == "__main__":

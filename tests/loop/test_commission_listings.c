@@ -198,8 +198,8 @@ static void a_proposal_is_shown_with_what_it_rests_on(void)
     SHOWS("commission gains", "rank 2", "singular", "rga R S", "rga xD 2.0");
     SHOWS("commission pairing", "pairing determined", "pair xD R lambda 2.0", "pair xB S");
     SHOWS("commission structure", "block");
-    SHOWS("commission proposal", "settings SIMC", "decoupler none", "loop xD R gain",
-          "loop xB S gain");
+    SHOWS("commission proposal", "settings PI for the worst of the plants drawn Ms ", " nominal ",
+          " Mt ", "decoupler none", "loop xD R gain", "loop xB S gain");
 }
 
 /* ---- the numbers, beside those of the plant ---- */
@@ -217,7 +217,7 @@ static double scaled(unsigned j, unsigned k)
 }
 
 /* A lag is found to a hundredth; its gain's standard deviation is that of a sample over the amplitude where one sample
- * counts, and less by the root of their number where all do. */
+ * counts, and less by the root of their number where all do. A fifth of what was still to come is doubted, too. */
 static void what_was_found_is_shown_in_units_of_the_plant(void)
 {
     static const char *const element[2][2] = {{"element xD R ", "element xD S "},
@@ -239,7 +239,10 @@ static void what_was_found_is_shown_in_units_of_the_plant(void)
             NEAR(0.005, gain_true[j][k], element[j][k], "gain");
             NEAR(0.01, lag_true[j][k], element[j][k], "T");
             TEST_ASSERT_DOUBLE_WITHIN(5, dead_true[j][k], number(element[j][k], "L", 0));
-            TEST_ASSERT_TRUE(sd <= sample && sd >= sample / sqrt(4 * half_s / 60));
+            double to_come = 1 - reached * limit_true[j] / (fabs(gain_true[j][k]) * 0.08);
+            double doubt = 0.2 * to_come * fabs(gain_true[j][k]);
+            TEST_ASSERT_TRUE(sd <= hypot(sample, 1.1 * doubt));
+            TEST_ASSERT_TRUE(sd >= hypot(sample / sqrt(4 * half_s / 60), 0.9 * doubt));
             NEAR(0.01, gain_true[j][k], moments[j][k], "gain");
             NEAR(0.02, lag_true[j][k], moments[j][k], "T");
             TEST_ASSERT_DOUBLE_WITHIN(20, dead_true[j][k], number(moments[j][k], "L", 0));
@@ -315,17 +318,24 @@ static void the_proposal_is_shown_as_it_is_put_in(void)
     for (unsigned j = 0; j < 2; j++) {
         double step = 0.05 * span_true[j], g = number(loops[j], "gain", 0);
         double moves = fabs(0.05 * scaled(1 - j, 1 - j) / det);
-        double integral = moves * lag_true[j][j] / g * span_true[j];
+        double integral = moves * number(loops[j], "ti", 0) / g * span_true[j];
         snprintf(gain[j], sizeof gain[j], "%.7g", g);
         snprintf(ti[j], sizeof ti[j], "%.7g", number(loops[j], "ti", 0));
-        NEAR(0.01, lag_true[j][j], loops[j], "ti");
         NEAR(0, 0.0, loops[j], "td");
         NEAR(1e-5, step, loops[j], "step");
         NEAR(0.25, integral, loops[j], "iae");
-        NEAR(0, 0.0, loops[j], "overshoot");
+        double overshoot = number(loops[j], "overshoot", 0);
+        TEST_ASSERT_TRUE(overshoot >= 0 && overshoot < 0.3);
         double settles = number(loops[j], "settles", 0);
         TEST_ASSERT_TRUE(settles > lag_true[j][j] && settles < 10 * lag_true[j][j]);
     }
+    static const char settings[] = "settings PI for the worst of the plants drawn ";
+    double worst = number(settings, "Ms", 0), nominal = number(settings, "nominal", 0);
+    TEST_ASSERT_TRUE(worst <= 2.0 && nominal <= worst && nominal > 1.5);
+    worst = number(settings, "Mt", 0);
+    nominal = number(settings, "nominal", 1);
+    TEST_ASSERT_TRUE(worst <= 1.5 && nominal <= worst && nominal >= 1.0);
+    TEST_ASSERT_EQUAL(0, times_said(" lowered ")); /* nothing had to be */
     TEST_ASSERT_EQUAL(1, times_said(" reverse step 1.6 "));
     TEST_ASSERT_EQUAL(1, times_said(" direct step 2 "));
     ask_ok("commission edit");
@@ -353,8 +363,8 @@ static void a_trial_is_shown_beside_what_was_predicted(void)
         static const char *const begins[2] = {"trial xD R step -1.6 ", "trial xB S step -2 "};
         double predicted = number(begins[j], "predicted", 0);
         NEAR(0.1, predicted, begins[j], "iae"); /* the model is the plant */
-        NEAR(0, 0.0, begins[j], "overshoot");
-        TEST_ASSERT_DOUBLE_WITHIN(0, 0, number(begins[j], "predicted", 1));
+        double overshoot = number(begins[j], "predicted", 1);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, overshoot, number(begins[j], "overshoot", 0));
     }
     SHOWS("commission", "phase kept, outputs 2, inputs 2, plant time s ");
 }
@@ -406,8 +416,37 @@ static void a_cascade_is_shown_with_what_lies_between_its_measurements(void)
     NEAR(0.01, 12.0, "inner steam valve ", "ti"); /* its lag */
     TEST_ASSERT_EQUAL(1, times_said(" td 0 reverse below heated\n"));
     ask_ok("commission model");
+    static const char heated[] = "element heated valve ";
+    NEAR(0.02, 192.0, heated, "T"); /* lags of 12 and 180 s */
+    NEAR(0.2, 12.0 * 180.0, heated, "square");
     TEST_ASSERT_TRUE(said("element flow valve gain 0 "));
     TEST_ASSERT_EQUAL(6, times_said(" flags no_gain\n"));
+}
+
+/* Square: of lags of 90 and 30 s. */
+static void a_shape_is_shown_with_the_parameters_that_it_has_and_no_others(void)
+{
+    static const char one[] = "element one u ", two[] = "element two u ",
+                      inverse[] = "element inverse u ";
+    static const char *const short_test[] = {"set test.rounds 1", NULL};
+    commission_plant("loop/data/shapes.json", 10000, 0.0, short_test);
+    ask_ok("commission begin");
+    until("PROPOSAL", 3000);
+    ask_ok("commission model");
+    NEAR(0.02, 1.2, one, "gain");
+    NEAR(0.05, 80.0, one, "T");
+    NEAR(0.02, 86.0, one, "residence");
+    NEAR(0.02, 1.6, two, "gain"); /* in units, not in spans */
+    NEAR(0.02, 120.0, two, "T");
+    NEAR(0.1, 2700.0, two, "square");
+    NEAR(0.02, 126.0, two, "residence");
+    NEAR(0.02, -0.8, inverse, "gain");
+    NEAR(0.1, 2700.0, inverse, "square");
+    NEAR(0.05, -40.0, inverse, "zero");
+    NEAR(0.02, 166.0, inverse, "residence");
+    TEST_ASSERT_EQUAL(2, times_said(" square "));
+    TEST_ASSERT_EQUAL(1, times_said(" zero "));
+    TEST_ASSERT_EQUAL(1, times_said(" s flags inverse\n"));
 }
 
 static void what_cannot_be_told_is_shown_as_open(void)
@@ -442,6 +481,7 @@ int main(void)
     RUN_TEST(a_trial_is_shown_beside_what_was_predicted);
     RUN_TEST(a_block_that_another_drives_is_shown_with_the_way_across);
     RUN_TEST(a_cascade_is_shown_with_what_lies_between_its_measurements);
+    RUN_TEST(a_shape_is_shown_with_the_parameters_that_it_has_and_no_others);
     RUN_TEST(what_cannot_be_told_is_shown_as_open);
     int failed = UNITY_END();
     plant_power_off();

@@ -180,7 +180,7 @@ class Triangular(unittest.TestCase):
 
     def test_one_that_comes_late_leaves_about_as_much_as_it_says(self):
         with tempfile.TemporaryDirectory() as folder:
-            of = self.with_dead_times(folder, 4.0, 14.0)
+            of = self.with_dead_times(folder, 12.0, 14.0)
             run, fed = self.stepped(fed=True, of=of)
             _, alone = self.stepped(fed=False, of=of)
         said = self.feedforward_of(run)

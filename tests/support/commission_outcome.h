@@ -42,18 +42,21 @@ static inline void fitted(void)
     c.inputs.input[1].test_base = REAL_C(0.5);
     c.inputs.round = 1;
     c.status.phase = COMMISSION_FITTING;
-    for (unsigned j = 0; j < 2; j++)
-        c.model.fitted[j] = (struct identified){.gain = REAL_C(0.5),
-                                                .gain_sd = REAL_C(0.01),
-                                                .time_constant_s = 20,
-                                                .time_constant_sd_s = 1,
-                                                .dead_time_s = 10};
     c.model.fitted[2] = (struct identified){.gain = 50, .time_constant_s = 1000}; /* of no output */
     c.model.climbs[2] = 9;
     c.work->element[2][0].asymmetry = 5000;
     x = &c.work->experiment;
+    for (unsigned j = 0; j < 2; j++) {
+        struct shape_found *f = interim_fit_shape(&x->interim_fit, j);
+        *f = (struct shape_found){.kind = SHAPE_ONE_LAG, .parameters = 3};
+        f->shape = (struct shape){.gain = REAL_C(0.5), .lag_s = 20, .dead_time_s = 10};
+        f->sd[SHAPE_GAIN] = REAL_C(0.01);
+        f->sd[SHAPE_LAG] = f->residence_sd_s = 1;
+        c.model.fitted[j] = element_of_found(f, 0);
+    }
     x->config.outputs = 2;
     x->config.h_s = 2;
+    x->config.repeats = true;
     x->config.limit[0] = x->config.limit[1] = REAL_C(0.2);
     x->half = 100;
     x->amplitude = REAL_C(0.1);

@@ -182,10 +182,13 @@ class Run:
     def elements(self) -> dict[tuple[str, str], dict[str, float]]:
         found = {}
         for line in self.reply("commission model"):
-            if m := re.match(r"element (\S+) (\S+) gain (\S+) sd (\S+) \S+ T (\S+) sd (\S+) s L (\S+) sd (\S+) s flags (.*)",
+            if m := re.match(r"element (\S+) (\S+) gain (\S+) sd (\S+) \S+ T (\S+) sd (\S+) s L (\S+) sd (\S+) s .*?flags (.*)",
                              line):
                 found[m[1], m[2]] = dict(zip(("gain", "gain_sd", "T", "T_sd", "L", "L_sd"), map(float, m.groups()[2:8])),
                                          flags=set(m[9].split()) - {"-"})
+                for name in ("square", "zero", "residence"):
+                    stated = re.search(rf" {name} (\S+)", line)
+                    found[m[1], m[2]][name] = float(stated[1]) if stated else 0.0
         return found
 
     def pairs(self) -> list[tuple[str, str]]:

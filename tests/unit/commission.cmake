@@ -1,5 +1,5 @@
 # Automatic start-up, below the console.
-foreach(part experiment model_cases relay_numbers origin model analysis analysis_structure certainty swing
+foreach(part experiment combine model_cases relay_numbers origin model analysis analysis_structure certainty swing
              limits progress verdict analysis_choice sensor_watch)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
 endforeach()

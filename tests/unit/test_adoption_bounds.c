@@ -181,8 +181,9 @@ static void half_cycles_of_07_of_those_before_are_the_largest(void)
             part[2].to = part[3].from = 3 * RISE;
             part[3].to = 4 * RISE;
             part[1].error = -0.3;
-            part[2].error = 0.2;
-            part[3].error = -0.2 * (0.7 + 0.04 * side);
+            double ratio = 0.7 + 0.04 * side;
+            part[2].error = 0.3 * ratio;
+            part[3].error = -0.3 * ratio * ratio;
             TEST_ASSERT_EQUAL_INT(side < 0 ? ADOPTION_PASSED : ADOPTION_SWINGS, run());
             TEST_ASSERT_EQUAL_UINT8(side < 0 ? 1 : 0, a.turn);
         }

@@ -37,7 +37,6 @@ static void take_plant(unsigned number, double sd, double unit_s)
 {
     known_plant(number, &known);
     memset(&a, 0xA5, sizeof a);
-    memset(a.beginning, 0, sizeof a.beginning);
     memset(a.flags, 0, sizeof a.flags);
     memset(a.given, 0, sizeof a.given);
     a.plant = known.plant;
@@ -80,7 +79,7 @@ static void every_plant_gets_its_pairing_and_settings_that_settle(void)
                   {PLANT_FURNACE, 60, 10},        {PLANT_KOTYK, 60, 60},
                   {PLANT_LIME_KILN, 60, 30},      {PLANT_LUYBEN_4X4, 60, 30},
                   {PLANT_LUYBEN_VINANTE, 60, 15}, {PLANT_PACKED_BED, 60, 3},
-                  {PLANT_SHELL, 60, 60},          {PLANT_WOOD_BERRY, 60, 60}};
+                  {PLANT_SHELL, 1, 10},           {PLANT_WOOD_BERRY, 60, 60}};
     for (unsigned k = 0; k < sizeof plants / sizeof plants[0]; k++) {
         char where[80];
         snprintf(where, sizeof where, "plant %u", plants[k].number);
@@ -92,7 +91,8 @@ static void every_plant_gets_its_pairing_and_settings_that_settle(void)
         TEST_ASSERT_EQUAL_UINT8_MESSAGE(known.rank, a.rank, where);
         TEST_ASSERT_TRUE_MESSAGE(a.designed, where);
         TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, a.design_error, where);
-        TEST_ASSERT_TRUE_MESSAGE(a.log_modulus_db < REAL_C(6.5), where);
+        TEST_ASSERT_TRUE_MESSAGE(a.sensitivity.s_nominal <= REAL_C(2.0), where);
+        TEST_ASSERT_TRUE_MESSAGE(a.sensitivity.factor <= REAL_C(1.0), where);
         for (unsigned n = 0; n < a.pairs.n; n++) {
             const struct tuning *t = &a.loops.tuning[n];
             const struct trial_loop *p = &a.predicted[n];
@@ -206,49 +206,59 @@ static void gains_hardly_known_leave_the_pairing_open(void)
     TEST_ASSERT_FALSE(a.designed);
 }
 
-/* The settings are for how it begins, the prediction for the whole of it, and the plant is what it was. */
-static void settings_are_for_the_beginning_of_an_element(void)
+/* Plants that the true one may be: every dead time of the paired elements by so much longer, member by member. */
+static double longer_most;
+static uint32_t drawn;
+static void draw_longer(const void *context, uint16_t member, struct interact_plant *plant)
 {
-    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_TRUE(a.designed);
-    real_t ti_s = a.loops.tuning[0].ti_s, gain = a.loops.tuning[0].gain;
-    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
-    struct fopdt own = a.plant.element[0][0];
-    a.beginning[0][0] = (struct beginning){own.time_constant_s * REAL_C(0.25), own.dead_time_s};
-    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_TRUE(a.designed);
-    TEST_ASSERT_TRUE(a.loops.tuning[0].ti_s < REAL_C(0.5) * ti_s);
-    TEST_ASSERT_TRUE(a.loops.tuning[0].gain < REAL_C(0.5) * gain);
-    TEST_ASSERT_EQUAL_FLOAT((float)own.time_constant_s,
-                            (float)a.plant.element[0][0].time_constant_s);
-    TEST_ASSERT_EQUAL_FLOAT((float)own.dead_time_s, (float)a.plant.element[0][0].dead_time_s);
+    *plant = *(const struct interact_plant *)context;
+    drawn |= 1u << member;
+    for (unsigned j = 0; j < plant->outputs; j++)
+        plant->element[j][j].dead_time_s *= (real_t)(1.0 + longer_most * member / 23.0);
 }
 
-static void where_no_settings_come_of_it_the_plant_is_what_it_was_too(void)
+static void wood_berry_drawn(double longer)
 {
-    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
-    struct fopdt own = a.plant.element[0][0];
-    a.beginning[0][0] = (struct beginning){own.time_constant_s * REAL_C(0.25), own.dead_time_s};
-    config.loops_max = 1; /* two are needed */
+    take_plant(PLANT_WOOD_BERRY, 0.005, 60);
+    longer_most = longer;
+    drawn = 0;
+    config.members = 24;
+    config.draw = draw_longer;
+    config.context = &a.plant;
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
-    TEST_ASSERT_FALSE(a.designed);
-    TEST_ASSERT_EQUAL_INT(ERR_FULL, a.design_error);
-    TEST_ASSERT_EQUAL_FLOAT((float)own.time_constant_s,
-                            (float)a.plant.element[0][0].time_constant_s);
-    TEST_ASSERT_EQUAL_FLOAT((float)own.dead_time_s, (float)a.plant.element[0][0].dead_time_s);
+    TEST_ASSERT_TRUE(a.designed);
 }
 
-static void a_beginning_that_is_no_time_is_refused(void)
+static void the_settings_bear_every_plant_that_is_drawn(void)
+{
+    wood_berry_drawn(0.0);
+    struct loops alone = a.loops;
+    TEST_ASSERT_TRUE(a.sensitivity.s_worst <= REAL_C(2.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, (double)a.sensitivity.s_nominal,
+                              (double)a.sensitivity.s_worst); /* all of them are the plant */
+    wood_berry_drawn(4.0);
+    TEST_ASSERT_TRUE(a.sensitivity.s_worst <= REAL_C(2.0));
+    TEST_ASSERT_TRUE(a.sensitivity.s_worst > a.sensitivity.s_nominal);
+    TEST_ASSERT_TRUE(a.loops.tuning[0].gain < REAL_C(0.7) * alone.tuning[0].gain);
+}
+
+static void plants_that_are_drawn_are_asked_for_by_number_and_no_others(void)
+{
+    wood_berry_drawn(1.0);
+    TEST_ASSERT_EQUAL_HEX32(0xffffff, drawn);
+}
+
+static void a_shape_that_is_unstable_or_no_number_is_refused(void)
 {
     static const real_t bad[] = {REAL_C(-1.0), NAN, INFINITY};
-    for (unsigned i = 0; i < 3; i++)
-        for (unsigned dead = 0; dead < 2; dead++) {
-            take_plant(PLANT_WOOD_BERRY, 0.01, 60);
-            a.beginning[1][0] =
-                (struct beginning){dead ? REAL_C(1.0) : bad[i], dead ? bad[i] : REAL_C(1.0)};
-            TEST_ASSERT_EQUAL_INT(i == 0 ? ERR_RANGE : ERR_NOT_FINITE, analysis_begin(&a, &config));
-        }
+    for (unsigned i = 0; i < 3; i++) {
+        take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+        a.plant.shape[1][0].square_s2 = bad[i];
+        TEST_ASSERT_EQUAL_INT(i == 0 ? ERR_RANGE : ERR_NOT_FINITE, analysis_begin(&a, &config));
+    }
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    a.plant.shape[1][0].zero_s = NAN;
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, analysis_begin(&a, &config));
 }
 
 static void a_noisy_measurement_gets_a_smaller_gain(void)
@@ -304,14 +314,14 @@ static void independent_parts_are_told_apart_and_have_settings_of_their_own(void
     TEST_ASSERT_TRUE(a.layout.has_structure);
     TEST_ASSERT_EQUAL_UINT8(2, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
-    TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
+    TEST_ASSERT_TRUE(a.sensitivity.factor > REAL_C(0.5));
     two = a;
     take_columns(8);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
     TEST_ASSERT_EQUAL_UINT8(8, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
-    TEST_ASSERT_TRUE(a.factor >= two.factor && a.factor <= two.factor);
-    TEST_ASSERT_TRUE(a.factor_least >= two.factor_least && a.factor_least <= two.factor_least);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)two.sensitivity.s_nominal,
+                              (double)a.sensitivity.s_nominal);
     for (unsigned k = 0; k < 16; k++) {
         double want = (double)two.loops.tuning[k % 4].gain;
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * want, want, (double)a.loops.tuning[k].gain);
@@ -329,7 +339,7 @@ static void effects_within_the_noise_join_no_parts(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
     TEST_ASSERT_EQUAL_UINT8(2, a.layout.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
-    TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
+    TEST_ASSERT_TRUE(a.sensitivity.factor > REAL_C(0.5));
 }
 
 /* Work that a large plant asks of the background. */
@@ -378,8 +388,9 @@ static double figure(bool load)
     return sum;
 }
 
-/* Two outputs that two inputs move nearly alike; or Folami's four by four, with other times. */
-static void take_interacting(struct random_source *r, bool two)
+/* Two outputs that two inputs move nearly alike, with times of each element or with the same ones, for which a static decoupler
+ * is exact; or Folami's four by four, with other times. */
+static void take_interacting(struct random_source *r, bool two, bool alike)
 {
     if (!two)
         take_plant(PLANT_FOLAMI, 0.005, 60);
@@ -393,7 +404,7 @@ static void take_interacting(struct random_source *r, bool two)
                 .dead_time_s = 150};
     if (two)
         a.plant.outputs = a.plant.inputs = 2;
-    for (unsigned j = 0; j < a.plant.outputs; j++)
+    for (unsigned j = 0; !alike && j < a.plant.outputs; j++)
         for (unsigned i = 0; i < a.plant.inputs; i++) {
             a.plant.element[j][i].time_constant_s *= (real_t)(500 + random_below(r, 1000)) / 1000;
             a.plant.element[j][i].dead_time_s *= (real_t)(500 + random_below(r, 1000)) / 1000;
@@ -405,7 +416,7 @@ static void a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better(void
     struct random_source r = {SEED};
     unsigned with = 0, without = 0, checked = 0;
     for (unsigned n = 0; n < 60; n++) {
-        take_interacting(&r, n % 3 > 0);
+        take_interacting(&r, n % 3 > 0, n % 3 == 2);
         config.h_s = 10;
         TEST_ASSERT_EQUAL_INT(ERR_OK, run());
         const struct analysis_figures *f = a.figures;
@@ -432,7 +443,7 @@ static void a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better(void
     snprintf(text, sizeof text, "with a decoupler %u, without %u, %u again", with, without,
              checked);
     TEST_MESSAGE(text);
-    TEST_ASSERT_TRUE(with >= 5 && without >= 5 && checked >= 5);
+    TEST_ASSERT_TRUE(with >= 3 && without >= 5 && checked >= 5);
 }
 
 static void the_same_plant_gives_the_same_answer(void)
@@ -487,9 +498,9 @@ int main(void)
     RUN_TEST(of_more_outputs_than_inputs_as_many_are_chosen);
     RUN_TEST(a_gain_of_unsure_sign_gets_no_loop);
     RUN_TEST(gains_hardly_known_leave_the_pairing_open);
-    RUN_TEST(settings_are_for_the_beginning_of_an_element);
-    RUN_TEST(where_no_settings_come_of_it_the_plant_is_what_it_was_too);
-    RUN_TEST(a_beginning_that_is_no_time_is_refused);
+    RUN_TEST(the_settings_bear_every_plant_that_is_drawn);
+    RUN_TEST(plants_that_are_drawn_are_asked_for_by_number_and_no_others);
+    RUN_TEST(a_shape_that_is_unstable_or_no_number_is_refused);
     RUN_TEST(a_noisy_measurement_gets_a_smaller_gain);
     RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
     RUN_TEST(independent_parts_are_told_apart_and_have_settings_of_their_own);

@@ -96,7 +96,6 @@ static void every_loop_is_predicted_and_all_must_be_bounded(void)
         setUp();
         a.turn = 1;
         predicted(50, 100, bounded != 0);
-        a.begins = false;
         TEST_ASSERT_EQUAL_INT(ERR_BUSY, analysis_step(&a));
         TEST_ASSERT_EQUAL_INT(ANALYSIS_ALTERNATIVE, a.stage);
         TEST_ASSERT_EQUAL(bounded, a.designed);
@@ -151,14 +150,13 @@ static void chosen(bool designed, double with)
     a.figures[0] = (struct analysis_figures){.setpoints = 2, .loads = (real_t)with};
     a.figures[1] = (struct analysis_figures){.setpoints = 4, .loads = 5};
     a.d.value[0][0] = 1;
-    a.factor = a.factor_least = a.log_modulus_db = a.horizon_s = 1;
+    a.sensitivity.s_nominal = a.sensitivity.factor = a.horizon_s = 1;
     a.predicted[1].iae = a.tried[1].iae = 1;
     d->loops = a.loops;
     d->loops.tuning[1].gain = 7;
     d->d.value[0][1] = REAL_C(-0.5);
-    d->factor = 2;
-    d->factor_least = 3;
-    d->log_modulus_db = 4;
+    d->sensitivity.s_nominal = 2;
+    d->sensitivity.factor = 3;
     d->horizon_s = 5;
     d->predicted[1].iae = 6;
     d->tried[1].iae = 8;
@@ -173,9 +171,8 @@ static void is_decoupled(bool is)
     TEST_ASSERT_EQUAL_INT(is ? DECOUPLER_USED : DECOUPLER_NO_BETTER, a.decoupler);
     NEAR(is ? 7 : 1, a.loops.tuning[1].gain);
     NEAR(is ? -0.5 : 0.0, a.d.value[0][1]);
-    NEAR(is ? 2 : 1, a.factor);
-    NEAR(is ? 3 : 1, a.factor_least);
-    NEAR(is ? 4 : 1, a.log_modulus_db);
+    NEAR(is ? 2 : 1, a.sensitivity.s_nominal);
+    NEAR(is ? 3 : 1, a.sensitivity.factor);
     NEAR(is ? 5 : 1, a.horizon_s);
     NEAR(is ? 6 : 1, a.predicted[1].iae);
     NEAR(is ? 8 : 1, a.tried[1].iae);
@@ -207,9 +204,8 @@ static void the_one_with_a_decoupler_is_remembered_while_the_other_is_made(void)
         a.designed = designed != 0;
         a.design_error = ERR_TIMEOUT;
         a.compares = true;
-        a.factor = 2;
-        a.factor_least = 3;
-        a.log_modulus_db = 4;
+        a.sensitivity.s_nominal = 2;
+        a.sensitivity.factor = 3;
         a.horizon_s = 5;
         a.predicted[1].iae = 6;
         a.tried[1].iae = 8;
@@ -226,9 +222,8 @@ static void the_one_with_a_decoupler_is_remembered_while_the_other_is_made(void)
         NEAR(1.0, a.d.value[1][1]);
         TEST_ASSERT_EQUAL_UINT8(2, a.d.cols);
         const struct analysis_design *d = &a.decoupled;
-        NEAR(designed ? 2 : 0, d->factor);
-        NEAR(designed ? 3 : 0, d->factor_least);
-        NEAR(designed ? 4 : 0, d->log_modulus_db);
+        NEAR(designed ? 2 : 0, d->sensitivity.s_nominal);
+        NEAR(designed ? 3 : 0, d->sensitivity.factor);
         NEAR(designed ? 5 : 0, d->horizon_s);
         NEAR(designed ? 6 : 0, d->predicted[1].iae);
         NEAR(designed ? 8 : 0, d->tried[1].iae);
@@ -270,8 +265,6 @@ static void the_horizon_is_five_times_integral_and_dead_time_of_the_slowest_loop
                                                        .dead_time_s = 200};
                 a.plant.gain_sd[j][i] = REAL_C(0.001);
             }
-        a.beginning[2][2].time_constant_s = -1; /* of no element */
-        a.beginning[0][2].time_constant_s = a.beginning[2][0].dead_time_s = -1;
         TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&a, &config));
         while (a.stage != ANALYSIS_DONE)
             TEST_ASSERT_TRUE(analysis_step(&a) == ERR_BUSY || a.stage == ANALYSIS_DONE);

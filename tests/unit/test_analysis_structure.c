@@ -236,7 +236,8 @@ static void what_is_beyond_an_element_is_not_used(void)
     TEST_ASSERT_EQUAL_INT(FEED_LARGE, analysis_feed(&a, 0, 1).verdict);
     memset(&a, 0, sizeof a);
     triangle(24, 14);
-    element(1, 0, 150, 100, 24);
+    element(1, 0, 15, 100, 24); /* a gain of 150 for the feedforward */
+    element(1, 1, -0.1, 70, 14);
     run();
     TEST_ASSERT_TRUE(a.designed);
     TEST_ASSERT_EQUAL_INT(FEED_LARGE, analysis_feed(&a, 0, 1).verdict);

@@ -445,8 +445,6 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     NEAR(ku / 3.2, a->loops.tuning[0].gain);
     NEAR(2.2 * pu, a->loops.tuning[0].ti_s);
     TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, a->loops.tuning[0].action);
-    NEAR(1.0, a->factor);
-    NEAR(1.0, a->factor_least);
     NEAR(8.0, a->loops.derivative_filter);
     NEAR(0.05, a->config.step);
     NEAR(2.0 * pu * 0.05, a->predicted[0].iae);

@@ -1,8 +1,8 @@
 /* commission/certainty.[ch]: what has to agree with the draws before a pairing is determined, on either side of each bound.
  *
  * Contract
- *   flags          integrating, short, not settled: not determined, whether a pair uses the element or not; oscillatory:
- *                  where a pair uses it; other flags never
+ *   flags          slow, unknown, integrating, short, not settled: not determined, whether a pair uses the element or not;
+ *                  oscillatory: where a pair uses it; other flags never, nor a ramp whose slope is known
  *   signs, rank    a gain, a determinant, a direction that does not stand out of its error: not determined
  *   second opinion gains over residence times that pair otherwise: told, no doubt
  *   what is left   every channel without a loop, with the reason
@@ -82,7 +82,10 @@ static void an_unresolved_flag_counts_whether_paired_or_not(void)
                  {IDENTIFIED_NOT_SETTLED, DOUBT_SHAPE, DOUBT_SHAPE},
                  {IDENTIFIED_INTEGRATING, DOUBT_SHAPE, DOUBT_SHAPE},
                  {IDENTIFIED_OSCILLATORY, DOUBT_SHAPE_FINAL, 0},
+                 {IDENTIFIED_SLOW, DOUBT_SHAPE, DOUBT_SHAPE},
+                 {IDENTIFIED_UNKNOWN, DOUBT_SHAPE, DOUBT_SHAPE},
                  {IDENTIFIED_INVERSE, 0, 0},
+                 {IDENTIFIED_RAMP, 0, 0},
                  {IDENTIFIED_NEGATIVE_L | IDENTIFIED_NEGATIVE_T, 0, 0}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++)
         for (uint8_t i = 0; i < 2; i++) {
@@ -102,8 +105,8 @@ static void an_unresolved_flag_counts_whether_paired_or_not(void)
 static void a_flag_counts_where_the_gain_does_not_stand_out(void)
 {
     static const uint16_t flags[] = {IDENTIFIED_INTEGRATING, IDENTIFIED_SHORT,
-                                     IDENTIFIED_NOT_SETTLED};
-    for (unsigned n = 0; n < 3; n++) {
+                                     IDENTIFIED_NOT_SETTLED, IDENTIFIED_SLOW, IDENTIFIED_UNKNOWN};
+    for (unsigned n = 0; n < sizeof flags / sizeof flags[0]; n++) {
         good();
         element(0, 1, 0.029, 0.01, 100);
         a.flags[0][1] = flags[n];
@@ -116,6 +119,11 @@ static void words_tell_a_response_not_seen_to_its_end_from_one_no_loop_is_made_f
 {
     good();
     a.flags[0][1] = IDENTIFIED_SHORT;
+    run();
+    TEST_ASSERT_EQUAL_STRING("not determined: a response was not seen to its end",
+                             words_of_verdict(&a));
+    good();
+    a.flags[0][1] = IDENTIFIED_UNKNOWN;
     run();
     TEST_ASSERT_EQUAL_STRING("not determined: a response was not seen to its end",
                              words_of_verdict(&a));

@@ -171,11 +171,24 @@ static void set_up(const struct plant_case *p, unsigned seed)
     }
 }
 
-static void says(const char *what, const struct identified *i)
+/* Prints a shape with its deviations, and the next plausible one. */
+static void says(const char *what, const struct shape_found *f)
 {
-    kept_line("%s gain %.6g sd %.6g T %.6g sd %.6g L %.6g sd %.6g flags %x", what, (double)i->gain,
-              (double)i->gain_sd, (double)i->time_constant_s, (double)i->time_constant_sd_s,
-              (double)i->dead_time_s, (double)i->dead_time_sd_s, i->flags);
+    static const char *const kinds[] = {"unknown",       "no response", "one lag", "two lags",
+                                        "two with zero", "integrating", "slow"};
+    struct shape other;
+    double weight = (double)shape_found_other(f, &other);
+    kept_line("%s %s gain %.6g sd %.6g lag %.6g sd %.6g dead %.6g sd %.6g", what, kinds[f->kind],
+              (double)f->shape.gain, (double)f->sd[SHAPE_GAIN], (double)f->shape.lag_s,
+              (double)f->sd[SHAPE_LAG], (double)f->shape.dead_time_s, (double)f->sd[SHAPE_DEAD]);
+    if (f->parameters > 3)
+        kept_line("  square %.6g sd %.6g", (double)f->shape.square_s2, (double)f->sd[SHAPE_SQUARE]);
+    if (f->parameters > 4)
+        kept_line("  zero %.6g sd %.6g", (double)f->shape.zero_s, (double)f->sd[SHAPE_ZERO]);
+    if (weight > 0.0)
+        kept_line("  or %.3g gain %.4g lag %.4g dead %.4g square %.4g zero %.4g", weight,
+                  (double)other.gain, (double)other.lag_s, (double)other.dead_time_s,
+                  (double)other.square_s2, (double)other.zero_s);
 }
 
 /* Prints how the experiment ended. */
@@ -206,21 +219,20 @@ static void fit_of_the_test(const struct plant_case *p, unsigned round)
     for (uint8_t j = 0; j < c.outputs.n; j++) {
         kept_line("output %u is gain %.6g T %.6g L %.6g", j, p->element[j].gain, p->element[j].lag,
                   p->element[j].dead);
-        says("fitted", &c.model.fitted[j]);
-        kept_line("misfit %.6g climbs %.6g unseen %.6g", (double)c.model.misfit[j],
+        says("fitted", interim_fit_shape(experiment_interim_fit(&c.work->experiment), j));
+        kept_line("flags %x climbs %.6g unseen %.6g", c.model.fitted[j].flags,
                   (double)c.model.climbs[j], (double)model_unseen(&experiment, &c.model.fitted[j]));
     }
     model_keep(&c);
     c.inputs.input[0].rounds++;
     for (uint8_t j = 0; j < c.outputs.n; j++) {
         const struct element *e = &c.work->element[j][0];
-        says("kept", &e->fit);
-        kept_line("moments %.6g %.6g %.6g flags %x asymmetry %d early %.6g %.6g plateau %.6g "
-                  "misfit %.6g",
+        says("kept", &e->found);
+        kept_line("flags %x", e->flags);
+        kept_line("moments %.6g %.6g %.6g flags %x asymmetry %d plateau %.6g",
                   (double)e->moments.gain, (double)e->moments.time_constant_s,
                   (double)e->moments.dead_time_s, e->moments_flags, e->asymmetry,
-                  (double)e->early_slope, (double)e->early_dead_s, (double)e->plateau_gain,
-                  (double)e->misfit);
+                  (double)e->plateau_gain);
     }
 }
 
@@ -233,11 +245,10 @@ static void analysis_of_the_tests(void)
     kept_line("plant %u by %u", a->plant.outputs, a->plant.inputs);
     for (uint8_t j = 0; j < c.outputs.n; j++) {
         const struct fopdt *e = &a->plant.element[j][0];
-        kept_line("element %.6g T %.6g L %.6g sd %.6g flags %x begins T %.6g L %.6g",
-                  (double)e->gain, (double)e->time_constant_s, (double)e->dead_time_s,
-                  (double)a->plant.gain_sd[j][0], a->flags[j][0],
-                  (double)a->beginning[j][0].time_constant_s,
-                  (double)a->beginning[j][0].dead_time_s);
+        kept_line("element %.6g sd %.6g T %.6g L %.6g square %.6g zero %.6g flags %x",
+                  (double)e->gain, (double)a->plant.gain_sd[j][0], (double)e->time_constant_s,
+                  (double)e->dead_time_s, (double)a->plant.shape[j][0].square_s2,
+                  (double)a->plant.shape[j][0].zero_s + 0.0, a->flags[j][0]); /* no -0 */
     }
 }
 

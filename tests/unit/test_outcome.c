@@ -14,7 +14,7 @@ static void is_kept(void)
     TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.status.phase);
     TEST_ASSERT_EQUAL_UINT8(1, c.inputs.turn); /* the next input's turn */
     TEST_ASSERT_EQUAL_UINT8(1, c.inputs.input[0].rounds);
-    NEAR(0.5, c.work->element[0][0].fit.gain);
+    NEAR(0.5, c.work->element[0][0].found.shape.gain);
 }
 
 static void is_again(void)
@@ -100,16 +100,16 @@ static void how_long_the_slowest_response_takes_is_a_measure_for_the_next(void)
 
 static void what_goes_on_climbing_gets_three_times_as_long(void)
 {
-    for (unsigned flagged = 0; flagged < 2; flagged++)
+    for (unsigned flagged = 0; flagged < 3; flagged++)
         for (unsigned j = 0; j < 2; j++) {
             fitted();
             if (flagged)
-                c.model.fitted[j].flags = IDENTIFIED_INTEGRATING;
+                c.model.fitted[j].flags = flagged == 1 ? IDENTIFIED_SLOW : IDENTIFIED_UNKNOWN;
             c.model.climbs[j] = flagged ? REAL_C(0.49) : REAL_C(0.69);
             is_kept();
             fitted();
             if (flagged)
-                c.model.fitted[j].flags = IDENTIFIED_INTEGRATING;
+                c.model.fitted[j].flags = flagged == 1 ? IDENTIFIED_SLOW : IDENTIFIED_UNKNOWN;
             c.model.climbs[j] = flagged ? REAL_C(0.51) : REAL_C(0.71);
             is_again();
             TEST_ASSERT_EQUAL_UINT32(300, c.inputs.input[0].half_wanted);
@@ -125,8 +125,19 @@ static void what_goes_on_climbing_gets_three_times_as_long(void)
     TEST_ASSERT_EQUAL_UINT8(2, c.inputs.input[0].rounds);
 }
 
+/* A longer level would show the same slope. */
+static void a_ramp_whose_slope_is_known_may_climb(void)
+{
+    c.model.climbs[0] = REAL_C(1.0);
+    c.model.fitted[0].flags = IDENTIFIED_RAMP;
+    interim_fit_shape(&x->interim_fit, 0)->kind = SHAPE_INTEGRATING;
+    is_kept();
+    TEST_ASSERT_EQUAL_HEX16(IDENTIFIED_RAMP, c.work->element[0][0].flags);
+}
+
 static void three_times_a_half_is_made_longer(void)
 {
+    cf->test.longest_s = 2000; /* 1000 samples */
     c.model.climbs[1] = REAL_C(0.9);
     c.inputs.input[0].longer_retries = 2;
     is_again();
@@ -158,8 +169,8 @@ static void slow_is_what_has_a_time_constant_that_is_known_within_half(void)
     } cases[] = {{9.9, 0, REASON_TOO_SLOW},
                  {10.1, 0, REASON_INTEGRATES},
                  {0, 0, REASON_INTEGRATES},
-                 {1, IDENTIFIED_INTEGRATING, REASON_INTEGRATES},
-                 {1, IDENTIFIED_SHORT, REASON_TOO_SLOW}};
+                 {1, IDENTIFIED_UNKNOWN, REASON_INTEGRATES},
+                 {1, IDENTIFIED_SLOW, REASON_TOO_SLOW}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
         fitted();
         c.model.climbs[0] = REAL_C(0.9);
@@ -177,7 +188,7 @@ static void of_a_step_that_was_cut_the_fit_must_say_so_too(void)
     is_kept();
     fitted();
     c.model.climbs[0] = REAL_C(0.9);
-    c.model.fitted[0].flags = IDENTIFIED_INTEGRATING;
+    c.model.fitted[0].flags = IDENTIFIED_UNKNOWN;
     x->cut = true;
     ends(REASON_INTEGRATES, "T1", 0.0);
 }
@@ -207,13 +218,7 @@ static void what_the_guard_has_cut_is_tried_with_less(void)
     c.model.fitted[0].flags = IDENTIFIED_NO_GAIN;
     is_kept();
     cut(0.5);
-    x->config.amplitude = REAL_C(0.1); /* given */
-    is_kept();
-    cut(0.5);
-    c.inputs.input[0].cut_retries = 2;
-    is_again();
-    cut(0.5);
-    c.inputs.input[0].cut_retries = 3;
+    x->config.repeats = false; /* the amplitude is given, or it was made smaller three times */
     is_kept();
 }
 
@@ -245,7 +250,7 @@ static void where_the_reversal_has_no_room_it_says_so_in_the_end(void)
     x->cut = x->one_sided = true;
     x->culprit = 1;
     x->predicted = REAL_C(-0.3);
-    c.inputs.input[0].cut_retries = 3;
+    x->config.repeats = false;
     ends(REASON_REVERSAL, "T10", -0.3);
 }
 
@@ -446,6 +451,7 @@ int main(void)
     RUN_TEST(samples_are_the_nearest_number_of_ticks);
     RUN_TEST(how_long_the_slowest_response_takes_is_a_measure_for_the_next);
     RUN_TEST(what_goes_on_climbing_gets_three_times_as_long);
+    RUN_TEST(a_ramp_whose_slope_is_known_may_climb);
     RUN_TEST(three_times_a_half_is_made_longer);
     RUN_TEST(slow_is_what_has_a_time_constant_that_is_known_within_half);
     RUN_TEST(of_a_step_that_was_cut_the_fit_must_say_so_too);

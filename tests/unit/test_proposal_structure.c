@@ -20,7 +20,7 @@ static void element(unsigned i, unsigned j, double gain, double lag_s, double de
     struct fopdt *e = &c.work->analysis.plant.element[i][j];
     *e = (struct fopdt){
         .gain = (real_t)gain, .time_constant_s = (real_t)lag_s, .dead_time_s = (real_t)dead_s};
-    c.work->element[i][j].fit.gain = e->gain;
+    c.work->element[i][j].found.shape.gain = e->gain;
     c.work->analysis.plant.gain_sd[i][j] = REAL_C(0.002);
 }
 

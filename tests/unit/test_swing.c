@@ -71,16 +71,18 @@ static bool half_cycles(const double *height, unsigned n, unsigned last)
     return w.grows;
 }
 
-static void each_half_cycle_is_held_against_the_one_before(void)
+static void two_half_cycles_in_a_row_are_held_against_those_before(void)
 {
     TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.69}, 2, 20));
-    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.71}, 2, 20));
-    TEST_ASSERT_FALSE(half_cycles((double[]){-1, 0.3, -0.2, 0.13}, 4, 20));
-    TEST_ASSERT_TRUE(half_cycles((double[]){-1, 0.3, -0.2, 0.15}, 4, 20));
-    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.3, -0.3}, 4, 13)); /* not over yet */
-    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.3, -0.3}, 4, 15));
-    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.4}, 3, 40));
-    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.4}, 3, 41)); /* a tail */
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.71, 0.49}, 3, 20));
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.71, 0.51}, 3, 20));
+    TEST_ASSERT_FALSE(half_cycles((double[]){-1, 0.3, -0.2, 0.15, -0.1}, 5,
+                                  20)); /* one alone is another loop's */
+    TEST_ASSERT_TRUE(half_cycles((double[]){-1, 0.3, -0.2, 0.15, -0.11}, 5, 20));
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.3, -0.3, 0.3}, 5, 13)); /* not over yet */
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.3, -0.3, 0.3}, 5, 15));
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.4, -0.4}, 4, 40));
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.4, -0.4}, 4, 41)); /* a tail */
     /* Swings below a twentieth of the largest do not matter. */
     TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.04, 0.04, -0.04}, 4, 20));
     TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.06, 0.06, -0.06}, 4, 20));
@@ -110,7 +112,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(the_damping_decides);
     RUN_TEST(noise_alone_is_no_oscillation_and_hides_none);
-    RUN_TEST(each_half_cycle_is_held_against_the_one_before);
+    RUN_TEST(two_half_cycles_in_a_row_are_held_against_those_before);
     RUN_TEST(a_slow_tail_is_no_oscillation);
     RUN_TEST(a_constant_part_that_may_be_there_is_left_out);
     return UNITY_END();
