@@ -89,7 +89,7 @@ static bool usable(struct analysis *a, const struct cascade *c)
         struct tuning t;
         real_t tau_c_s;
         uint8_t j = 0;
-        while (!(a->layout.structure.part_inputs[p] >> j & 1u))
+        while (((unsigned)a->layout.structure.part_inputs[p] >> j & 1u) == 0u)
             j++;
         return tune_inner(a, &a->plant.element[c->inner][j], &t, &tau_c_s) == ERR_OK;
     }
