@@ -29,7 +29,7 @@ void tearDown(void) {}
 static struct shape_found shape(enum shape_kind kind, double gain, double sd, double lag_s,
                                 double dead_s)
 {
-    static const uint8_t parameters[KINDS] = {1, 1, 3, 4, 5, 3, 3};
+    static const uint8_t parameters[] = {1, 1, 3, 4, 5, 3, 3, 3};
     struct shape_found f = {
         .kind = (uint8_t)kind,
         .parameters = parameters[kind],
@@ -278,6 +278,26 @@ static void of_two_that_are_open_the_later_counts(void)
         joins(SHAPE_NO_RESPONSE, open[n & 1u], n >> 1, true);
 }
 
+/* Each of the two saw the end of a shape of its own; that both are wrong alike is not plausible. */
+static void what_is_perhaps_slow_in_two_tests_is_known(void)
+{
+    static const uint8_t parameters[] = {3, 4, 5};
+    for (unsigned n = 0; n < 3; n++) {
+        struct shape_found sum = shape(SHAPE_PERHAPS_SLOW, 1.0, 0.1, 100, 20);
+        struct shape_found next = shape(SHAPE_PERHAPS_SLOW, 1.1, 0.1, 110, 20);
+        sum.parameters = next.parameters = parameters[n];
+        combine_shapes(&sum, &next, false);
+        TEST_ASSERT_EQUAL_UINT8(known[n], sum.kind);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 1.05, (double)sum.shape.gain);
+    }
+    for (unsigned n = 0; n < 4; n++) {
+        joins(SHAPE_PERHAPS_SLOW, known[n], false, true);
+        joins(known[n], SHAPE_PERHAPS_SLOW, true, false);
+    }
+    joins(SHAPE_SLOW, SHAPE_PERHAPS_SLOW, false, true);
+    joins(SHAPE_PERHAPS_SLOW, SHAPE_SLOW, false, true);
+}
+
 static void no_response_settles_what_was_open_only_in_a_longer_test(void)
 {
     for (unsigned longer = 0; longer < 2; longer++) {
@@ -321,6 +341,7 @@ int main(void)
     RUN_TEST(a_test_that_sees_no_end_opens_what_seemed_known);
     RUN_TEST(a_test_that_knows_nothing_changes_nothing_that_is_known);
     RUN_TEST(of_two_that_are_open_the_later_counts);
+    RUN_TEST(what_is_perhaps_slow_in_two_tests_is_known);
     RUN_TEST(no_response_settles_what_was_open_only_in_a_longer_test);
     RUN_TEST(a_response_that_was_seen_is_not_lost_in_a_later_test);
     RUN_TEST(two_tests_that_saw_nothing_still_see_nothing_but_bound_it_closer);

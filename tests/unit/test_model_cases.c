@@ -175,7 +175,7 @@ static void set_up(const struct plant_case *p, unsigned seed)
 static void says(const char *what, const struct shape_found *f)
 {
     static const char *const kinds[] = {"unknown",       "no response", "one lag", "two lags",
-                                        "two with zero", "integrating", "slow"};
+                                        "two with zero", "integrating", "slow",    "perhaps slow"};
     struct shape other;
     double weight = (double)shape_found_other(f, &other);
     kept_line("%s %s gain %.6g sd %.6g lag %.6g sd %.6g dead %.6g sd %.6g", what, kinds[f->kind],
