@@ -14,9 +14,7 @@
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
 
-#define OVER         REAL_C(3.0)  /* time constants after which a twentieth is left */
 #define TIME_MORE    REAL_C(1.25) /* for the error of the time constant */
-#define TIME_KNOWN   REAL_C(0.5)  /* largest standard deviation of a known time constant, over it */
 #define STEP_SMALLER REAL_C(0.5) /* of the step that went past a limit, over the share it reached */
 #define ROOM_USED    REAL_C(0.7) /* share of a limit that larger steps may use */
 #define NOISE_LEAST  REAL_C(1.3) /* smallest change of test.noise that is worth a start-up */
@@ -68,12 +66,10 @@ static unsigned after_slow(const struct commission *c, const struct supervisor *
     const struct tested_input *in = inputs_under_test(&c->inputs);
     const struct identified *f = model_fitted(&c->model, j);
     uint8_t measurement = outputs_measurement(&c->outputs, j);
-    bool timed = !(f->flags & (IDENTIFIED_UNKNOWN | IDENTIFIED_INTEGRATING)) &&
-                 f->time_constant_sd_s < TIME_KNOWN * f->time_constant_s;
     /* Beyond all lengths where the time is not known: the board then finds it. */
     real_t needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
-    if (timed)
-        needed_s = TIME_MORE * (f->dead_time_s + OVER * f->time_constant_s);
+    if (identified_is_timed(f))
+        needed_s = TIME_MORE * identified_over_s(f);
     if (longer_half(s, in->output, measurement, needed_s, a))
         return 1;
     *a = (struct advice){.kind = ADVICE_LEAVE, .input = in->output, .measurement = measurement};

@@ -32,7 +32,7 @@ struct advice {
 /* Fills in at most ADVICE_MOST and returns their number; 0 where there is nothing to say or the results are no longer there. */
 unsigned advice_of(const struct commission *c, const struct supervisor *s, struct advice *advice);
 
-/* What is wrong with the sensor of output j, from the samples of the tests. */
+/* Finds the faults of the sensor of output j, from the samples of the tests. */
 struct sensor_advice {
     real_t step_share; /* it reads in steps of this share of its span; 0: finer than matters */
     real_t

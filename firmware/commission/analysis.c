@@ -37,7 +37,7 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
     return gains_begin(&a->work.gains, &a->plant, config->floor);
 }
 
-/* Where as many pairs are given as there can be, the other channels get none. */
+/* Takes the pairs that are given; where they are as many as there can be, the other channels get none. */
 static void take_given(const struct analysis *a, struct pairing_config *c)
 {
     uint16_t inputs = 0, outputs = 0;

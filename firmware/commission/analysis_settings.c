@@ -4,15 +4,26 @@
 
 #define RESOLUTION REAL_C(1e-4) /* of a span: resolution of a 12-bit converter */
 
+static void rule_config(const struct analysis *a, struct detune_config *c)
+{
+    detune_config_default(c);
+    c->noise_sd = a->config.noise_sd;
+    c->noise_least = RESOLUTION;
+}
+
+/* Part of the plant that pair k belongs to; all belong to one where parts are not known. */
+static uint8_t part_of_pair(const struct analysis *a, uint8_t k)
+{
+    const struct structure *s = layout_structure(&a->layout);
+    return s ? s->block[s->pair_block[k]].part : 0;
+}
+
 enum err settings_begin(struct analysis *a, bool decoupled)
 {
     struct detune_config c;
-    detune_config_default(&c);
-    c.noise_sd = a->config.noise_sd;
-    c.noise_least = RESOLUTION;
-    const struct structure *s = layout_structure(&a->layout);
-    for (uint8_t k = 0; s && k < a->pairs.n; k++)
-        c.part[k] = s->block[s->pair_block[k]].part;
+    rule_config(a, &c);
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        c.part[k] = part_of_pair(a, k);
     enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
                                 decoupled ? &a->d : NULL, &c, NULL);
     return err ? ERR_UNSUPPORTED : ERR_OK;
@@ -29,22 +40,18 @@ enum err settings_by_rule(struct analysis *a)
 
 enum err settings_begin_search(struct analysis *a, uint16_t members)
 {
-    struct detune_config d;
-    detune_config_default(&d);
-    d.noise_sd = a->config.noise_sd;
-    d.noise_least = RESOLUTION;
+    struct detune_config rule;
+    rule_config(a, &rule);
     struct robust_config c;
     robust_config_default(&c);
-    const struct structure *s = layout_structure(&a->layout);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
-        c.part[k] = s ? s->block[s->pair_block[k]].part : 0;
-        c.gain_most[k] = detune_largest_gain(&a->plant, &a->loops, &d, k);
+        c.part[k] = part_of_pair(a, k);
+        c.gain_most[k] = detune_largest_gain(&a->plant, &a->loops, &rule, k);
     }
     c.members = members;
     c.draw = a->config.draw;
     c.context = a->config.context;
-    struct loops start = a->loops;
-    return robust_begin(&a->work.robust, &a->plant, &start, &c, NULL);
+    return robust_begin(&a->work.robust, &a->plant, &a->loops, &c, NULL);
 }
 
 enum err settings_by_search(struct analysis *a)

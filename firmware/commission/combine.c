@@ -91,7 +91,7 @@ static void join_known(struct shape_found *sum, const struct shape_found *next)
         join_times(sum, &other);
 }
 
-/* What is perhaps slow in two tests, each with a shape of its own that was seen to its end, is not. */
+/* Joins two tests that are both perhaps slow. Each has seen a shape to its end, so the element is known. */
 static void join_doubtful(struct shape_found *sum, const struct shape_found *next)
 {
     static const uint8_t kinds[] = {SHAPE_ONE_LAG, SHAPE_TWO_LAGS, SHAPE_TWO_WITH_ZERO};

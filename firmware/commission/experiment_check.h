@@ -1,4 +1,4 @@
-/* Which settings of a test are possible. */
+/* Checks the settings of a test. */
 #ifndef REFLUX_COMMISSION_EXPERIMENT_CHECK_H
 #define REFLUX_COMMISSION_EXPERIMENT_CHECK_H
 

@@ -6,7 +6,6 @@
 
 #define KNOWN     REAL_C(0.33) /* largest standard deviation of a known gain, over the gain */
 #define TIMED     REAL_C(0.5)  /* the same of the time until the response is over */
-#define OVER      REAL_C(3.0)  /* time constants after which it is, but for a twentieth */
 #define FIT_UNITS 4u           /* evaluations in one piece */
 
 void interim_fit_begin(struct interim_fit *l, const struct record *record,
@@ -48,8 +47,8 @@ bool interim_fit_run(struct interim_fit *l)
 
 bool interim_fit_is_timed(const struct identified *f, bool drifts)
 {
-    real_t over_s = (drifts ? REAL_C(0.0) : f->dead_time_s) + OVER * f->time_constant_s;
-    return OVER * f->time_constant_sd_s < TIMED * over_s;
+    real_t over_s = (drifts ? REAL_C(0.0) : f->dead_time_s) + IDENTIFIED_OVER * f->time_constant_s;
+    return IDENTIFIED_OVER * f->time_constant_sd_s < TIMED * over_s;
 }
 
 bool interim_fit_is_known(const struct identified *f)

@@ -357,8 +357,8 @@ static void take_shape(struct commission *c)
     f->sd[SHAPE_GAIN] = real_sqrt(sd * sd + c->model.doubt);
     uint16_t flags = flags_of_kind(f);
     c->model.fitted[j] = element_of_found(f, flags);
-    if (flags &
-        CERTAINTY_OPEN_FLAGS) { /* one lag says how long it might take, if there is such a time at all */
+    /* Of an open shape one lag says how long the response might take, if there is such a time at all. */
+    if (flags & CERTAINTY_OPEN_FLAGS) {
         const struct identified *lag = &fits->shape.straight.element;
         c->model.fitted[j] = *lag;
         c->model.fitted[j].flags = (uint16_t)(flags | (lag->flags & IDENTIFIED_INTEGRATING));

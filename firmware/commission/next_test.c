@@ -16,9 +16,7 @@
 #define SHARE_LEAST      REAL_C(0.5) /* shortest half over the slowest known response */
 #define UNSETTLED_LONGER REAL_C(2.0) /* factor for a half that did not show the end of a response */
 #define UNSETTLED_FREE                                                                             \
-    REAL_C(4.0)                /* likewise from the third round on where no longest half is set */
-#define OVER       REAL_C(3.0) /* time constants after which a twentieth is left */
-#define TIME_KNOWN REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
+    REAL_C(4.0) /* likewise from the third round on where no longest half is set */
 
 real_t commission_lasts(const struct commission *c, uint8_t k)
 {
@@ -26,7 +24,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
     real_t longest_s = REAL_C(0.0);
     for (uint8_t j = 0, n = outputs_count(&c->outputs); j < n; j++) {
         const struct identified e = element_fit(&c->work->element[j][k]);
-        real_t time_s = e.dead_time_s + OVER * e.time_constant_s;
+        real_t time_s = identified_over_s(&e);
         bool known = !(e.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_RAMP | CERTAINTY_OPEN_FLAGS)) &&
                      e.gain_sd < REAL_C(0.2) * real_abs(e.gain) &&
                      e.time_constant_sd_s < REAL_C(0.3) * e.time_constant_s;
@@ -41,10 +39,8 @@ real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
     REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
     const struct identified e = element_fit(&c->work->element[j][k]);
     real_t needed_s = UNSETTLED_LONGER * inputs_get(&c->inputs, k)->half_s;
-    real_t over_s = e.dead_time_s + OVER * e.time_constant_s;
-    bool timed =
-        !(e.flags & IDENTIFIED_UNKNOWN) && e.time_constant_sd_s < TIME_KNOWN * e.time_constant_s;
-    return timed && over_s > needed_s ? over_s : needed_s;
+    real_t over_s = identified_over_s(&e);
+    return identified_is_timed(&e) && over_s > needed_s ? over_s : needed_s;
 }
 
 /* The end of a response has not been seen. Of one that is perhaps slow an end has been. */

@@ -4,7 +4,6 @@
 #include "commission/experiment_state.h"
 #include "commission/limits.h"
 
-#define OVER        REAL_C(3.0) /* time constants after which a twentieth is left */
 #define GROWTH_MOST REAL_C(4.0) /* largest growth of the amplitude in one step */
 #define GROWTH_DRIFTING                                                                            \
     REAL_C(6.0) /* the same under a drift, which hides a small response for ever */
@@ -83,7 +82,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
             continue;
         }
         p->any_known = true;
-        real_t over_s = f->dead_time_s + OVER * f->time_constant_s;
+        real_t over_s = identified_over_s(f);
         if (over_s > p->over_s)
             p->over_s = over_s;
         if (ends > p->stand_out * least_noise(e, j))
@@ -118,7 +117,7 @@ static real_t mean_of_level(const struct experiment *e, uint8_t j, uint32_t from
     return sum / (real_t)(to - from);
 }
 
-/* How far output j may go while the step lasts once more as long as until now, from the means of both halves of the present level;
+/* Predicts how far output j goes while the step lasts once more as long as until now, from the means of both halves of the present level;
  * *sd: of it by the noise alone. Magnitude; a limit where there are too few points. */
 static real_t motion_ahead(const struct experiment *e, uint8_t j, real_t *sd)
 {
@@ -217,7 +216,7 @@ static bool response_goes_on(const struct experiment *e)
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         const struct identified *f = experiment_found(e, j);
         real_t gone_s = experiment_half_s(e) - f->dead_time_s;
-        if ((f->flags & IDENTIFIED_NO_GAIN) || !(OVER * f->time_constant_s > gone_s))
+        if ((f->flags & IDENTIFIED_NO_GAIN) || !(IDENTIFIED_OVER * f->time_constant_s > gone_s))
             continue;
         real_t share = gone_s > REAL_C(0.0) ? real_exp(-gone_s / f->time_constant_s) : REAL_C(1.0);
         real_t to_come = real_abs(f->gain) * experiment_amplitude(e) * share;

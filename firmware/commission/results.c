@@ -17,7 +17,6 @@
 
 #define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define CLIMBS_TOO REAL_C(0.5) /* the same where the fit agrees */
-#define OVER       REAL_C(3.0) /* time constants after which a twentieth is left */
 #define TOO_LONG   REAL_C(1.5) /* for the error of a time constant that is read from two changes */
 #define LONGER     3u          /* factor for the half where an output did not come to rest */
 /* Gain up less gain down over their mean from which the step was too large. */
@@ -27,7 +26,6 @@
 #define SMALLER_LEAST    REAL_C(0.2)
 #define SMALLER_SHARE    REAL_C(0.5) /* share of the room that the response to it may use */
 #define UNSEEN_MUCH      REAL_C(0.1) /* share of a response that a cut test may miss */
-#define SLOW_KNOWN       REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
 static void analyse(struct commission *c, const struct supervisor *s)
@@ -74,7 +72,7 @@ static bool takes_too_long(const struct commission *c, uint8_t j)
     real_t half = (real_t)experiment_half(x);
     if (experiment_settings(x)->half_plenty == 0 || experiment_half(x) < COMMISSION_HALF_PLENTY)
         return false;
-    real_t most = TOO_LONG * (real_t)COMMISSION_HALF_MOST / OVER; /* of T, samples */
+    real_t most = TOO_LONG * (real_t)COMMISSION_HALF_MOST / IDENTIFIED_OVER; /* of T, samples */
     return climbs >= real_exp(-half / (REAL_C(2.0) * most));
 }
 
@@ -165,10 +163,8 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
 static enum commission_reason reason_of_climb(const struct commission *c, uint8_t j)
 {
     const struct identified *f = model_fitted(&c->model, j);
-    bool timed = f->time_constant_sd_s > REAL_C(0.0) &&
-                 f->time_constant_sd_s < SLOW_KNOWN * f->time_constant_s;
-    return timed && !(f->flags & (IDENTIFIED_UNKNOWN | IDENTIFIED_INTEGRATING)) ? REASON_TOO_SLOW
-                                                                                : REASON_INTEGRATES;
+    bool timed = f->time_constant_sd_s > REAL_C(0.0) && identified_is_timed(f);
+    return timed ? REASON_TOO_SLOW : REASON_INTEGRATES;
 }
 
 static void take_fit(struct commission *c, struct supervisor *s)

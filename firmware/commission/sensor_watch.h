@@ -1,4 +1,4 @@
-/* What the samples of the tests say about a sensor: it reads in coarse steps, or it is renewed only every few ticks. Tick writes,
+/* Watches the samples of the tests for faults of a sensor: it reads in coarse steps, or it is renewed only every few ticks. Tick writes,
  * main loop reads. All 0 before the first sample. */
 #ifndef REFLUX_COMMISSION_SENSOR_WATCH_H
 #define REFLUX_COMMISSION_SENSOR_WATCH_H

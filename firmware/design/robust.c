@@ -17,7 +17,7 @@
 #define TRIES_MOST  5 /* of a climb that the whole curve does not confirm */
 #define ROUNDS_MOST 4
 #define PASSES_MOST 250
-/* Of more than ROBUST_PAIRED_LOOPS loops. */
+/* The same bounds for more than ROBUST_PAIRED_LOOPS loops. */
 #define PASSES_MOST_OF_MANY 60
 #define ACTIVE_OF_MANY      2
 #define ROUND_LOOPS         8 /* of more the members are judged only with all gains to be lowered */

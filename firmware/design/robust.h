@@ -30,7 +30,7 @@ struct robust {
     real_t s_nominal, t_nominal; /* largest |S_kk| and |T_kk| of the nominal plant */
     real_t s_worst, t_worst;     /* and of all plants, the nominal one included */
     uint16_t worst_member; /* of s_worst; the number of members where it is the nominal plant */
-    /* What step 3 has multiplied gains by, the smallest of the parts. 1: nothing was left to do. */
+    /* Product of the factors by which step 3 has lowered the gains of the parts. 1: it had nothing to do. */
     real_t factor;
     uint32_t frequencies; /* looked at */
     uint16_t passes;      /* each has tried every move */

@@ -3,6 +3,7 @@
 #ifndef REFLUX_IDENTIFY_IDENTIFIED_H
 #define REFLUX_IDENTIFY_IDENTIFIED_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "lti/fopdt.h"
@@ -38,6 +39,24 @@ struct identified {
     real_t dead_time_sd_s;
     uint16_t flags; /* enum identified_flag */
 };
+
+#define IDENTIFIED_OVER                                                                            \
+    REAL_C(3.0) /* time constants after which a twentieth of a response is left */
+#define IDENTIFIED_TIMED                                                                           \
+    REAL_C(0.5) /* largest standard deviation of a known time constant, over it */
+
+/* Time from a step to the end of the response but for a twentieth, s. */
+static inline real_t identified_over_s(const struct identified *e)
+{
+    return e->dead_time_s + IDENTIFIED_OVER * e->time_constant_s;
+}
+
+/* The time constant is known within a half. */
+static inline bool identified_is_timed(const struct identified *e)
+{
+    return !(e->flags & (IDENTIFIED_UNKNOWN | IDENTIFIED_INTEGRATING)) &&
+           e->time_constant_sd_s < IDENTIFIED_TIMED * e->time_constant_s;
+}
 
 /* Prior knowledge of an output apart from its response: y(t) = offset + slope t + response + noise. Times and offset
  * count as the method says that takes it. All 0: nothing to remove, no noise. */

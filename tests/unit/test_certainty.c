@@ -4,7 +4,7 @@
  *   flags          slow, unknown, integrating, short, not settled: not determined, whether a pair uses the element or not;
  *                  oscillatory: where a pair uses it; other flags never, nor a ramp whose slope is known
  *   signs, rank    a gain, a determinant, a direction that does not stand out of its error: not determined
- *   second opinion gains over residence times that pair otherwise: told, no doubt
+ *   second opinion gains over residence times that pair otherwise: shown, no doubt
  *   what is left   every channel without a loop, with the reason
  */
 #include <string.h>
@@ -218,7 +218,7 @@ static void determinant_and_rank_have_to_stand_out_of_the_errors(void)
     }
 }
 
-/* Loads at either input; whichever pairs are taken, the other opinion is told and decides nothing. */
+/* Loads at either input; whichever pairs are taken, the other opinion is shown and decides nothing. */
 static void another_second_opinion_is_no_doubt(void)
 {
     good();
