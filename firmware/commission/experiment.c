@@ -93,9 +93,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         sensor_allow(&at[j], e->renewal[j], e->coarse_sd[j], VARIANCE_LIMIT);
         if (at[j].state == STEADY_SETTLED)
             continue;
-        real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
-                         (progress_is_noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) *
-                         (real_t)e->config.window;
+        real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window;
         /* With little noise and no drift before the step, a slope after it is the end of the response. */
         bool tail = e->phase == EXPERIMENT_BACK && !progress_is_noisy(e) &&
                     !(real_abs(e->drift_per_s[j]) > REAL_C(0.0));

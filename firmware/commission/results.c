@@ -177,7 +177,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         if (!looks_integrating(c, j))
             continue;
-        if (retry_longer_halves(c, s, j))
+        if (retry_longer_halves(c, s, j) || retry_smaller_step(c, s))
             return;
         /* A cut step says less: the fit must agree. */
         if (c->work->experiment.cut && !(model_fitted(&c->model, j)->flags & CERTAINTY_OPEN_FLAGS))
