@@ -8,6 +8,8 @@
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
 #include "commission/test_verdict.h"
+#include "identify/shape_curve.h"
+#include "identify/shape_tail.h"
 
 #define FIT_UNITS 4u          /* evaluations in one piece */
 #define CLIMB_SDS REAL_C(4.0) /* standard deviations by which a climb exceeds the noise */
@@ -17,10 +19,8 @@
 #define SLOW_LAGS REAL_C(0.7)
 #define BEND_SDS  REAL_C(2.0)
 /* Variances of a point that a bend must explain; it has an instant, a slope and a step. */
-#define BENT_BETTER     REAL_C(12.0)
-#define MISFIT_SHARE    REAL_C(1.2) /* error of the gain, over the misfit of one lag */
-#define ASYMMETRY_MOST  REAL_C(2000.0)
-#define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
+#define BENT_BETTER    REAL_C(12.0)
+#define ASYMMETRY_MOST REAL_C(2000.0)
 
 /* Error of a gain by a bend: docs/commissioning-method.md. */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0))
@@ -140,21 +140,15 @@ static real_t sure_slope(const struct steady_result *at)
     return slope > REAL_C(0.0) ? slope : REAL_C(0.0);
 }
 
-/* The output is not linear: it responds differently up and down, and in the same way every time, which a disturbance does
- * not. The mean of both is then the gain, up to third-order terms. */
-static bool is_curved(struct commission *c, const struct test_verdict *v)
+/* Notes by how much the output responds differently up and down. */
+static void note_asymmetry(struct commission *c, const struct test_verdict *v)
 {
-    struct element *e = &c->work->element[c->model.output][inputs_current(&c->inputs)];
-    real_t now = REAL_C(0.0), before = (real_t)e->asymmetry;
+    real_t now = REAL_C(0.0);
     if (v->asymmetry > REAL_C(0.0) || v->asymmetry < REAL_C(0.0))
         now = ASYMMETRY_UNIT * v->asymmetry / v->level;
     if (!(real_abs(now) < ASYMMETRY_MOST)) /* no gain to speak of */
         now = REAL_C(0.0);
-    e->asymmetry = (int16_t)now;
-    if (inputs_small_step(&c->inputs) > REAL_C(0.0))
-        return e->asymmetry != 0;
-    real_t ratio = before > REAL_C(0.0) || before < REAL_C(0.0) ? now / before : REAL_C(0.0);
-    return ratio > REAL_C(1.0) / ASYMMETRY_AGAIN && ratio < ASYMMETRY_AGAIN;
+    c->work->element[c->model.output][inputs_current(&c->inputs)].asymmetry = (int16_t)now;
 }
 
 /* Judges whether the output goes on climbing. bend: of its drift, not taken off. */
@@ -208,10 +202,7 @@ static void verdict_of_output(struct commission *c, const struct baseline *b, re
     test_verdict_of(experiment_record(x), j, b, experiment_amplitude(x),
                     sure_slope(experiment_before(x, j)), &v);
     verdict_on_climb(c, &v, bend, fit);
-    if (is_curved(c, &v)) {
-        real_t third = v.asymmetry * v.asymmetry / (REAL_C(4.0) * v.level);
-        c->model.doubt += third * third;
-    }
+    note_asymmetry(c, &v);
 }
 
 /* The fit with a drift that turns may stand for the output. */
@@ -275,7 +266,8 @@ static real_t shape_squares(const struct shape_fit *f, real_t *variance)
     }
     *variance = best->squares / (real_t)f->points * (REAL_C(1.0) + best->correlation) /
                 (REAL_C(1.0) - best->correlation);
-    return best->squares;
+    real_t with_tail = shape_tail_squares(f);
+    return with_tail < best->squares ? with_tail : best->squares;
 }
 
 static real_t bend_variance(const struct fopdt_fit_result *bent)
@@ -316,28 +308,16 @@ static void doubt_bend(struct commission *c)
     c->model.doubt += left * left;
 }
 
-/* Takes one lag for an element whose output answers up and down differently: no linear shape fits both ways, and what is left looks
- * like a slow tail. The lag must have been seen to its end; what it leaves counts as an error of its gain. */
-static void take_lag_of_curved(struct commission *c, struct shape_found *f)
+/* An asymmetry counts only where the fit has found terms of second order, because up and down also differ while a slow tail dies
+ * away. The gain is then that at the operating point, but for terms of third order. */
+static void judge_curve(struct commission *c, const struct shape *shape)
 {
-    const struct experiment *x = &c->work->experiment;
-    const struct fopdt_fit_result *one =
-        &experiment_interim_fit(&c->work->experiment)->shape.straight;
-    const struct identified *lag = &one->element;
-    bool open = (flags_of_kind(f) & CERTAINTY_OPEN_FLAGS) != 0;
-    if (!open || c->work->element[c->model.output][inputs_current(&c->inputs)].asymmetry == 0 ||
-        (lag->flags & (CERTAINTY_OPEN_FLAGS | IDENTIFIED_NO_GAIN)))
-        return;
-    real_t left = MISFIT_SHARE * one->misfit / experiment_amplitude(x), within[15] = {0};
-    real_t dead = lag->dead_time_sd_s * lag->dead_time_sd_s;
-    real_t time = lag->time_constant_sd_s * lag->time_constant_sd_s;
-    within[0] = lag->gain_sd * lag->gain_sd + left * left;
-    within[2] = dead;
-    within[5] = dead + time; /* the residence time's */
-    const struct shape s = {
-        .gain = lag->gain, .dead_time_s = lag->dead_time_s, .lag_s = lag->time_constant_s};
-    shape_found_pack(f, &s, 3, &s, 3, REAL_C(0.0), within, time);
-    f->kind = SHAPE_ONE_LAG;
+    struct element *e = &c->work->element[c->model.output][inputs_current(&c->inputs)];
+    if (!shape_curve_is_on(&experiment_interim_fit(&c->work->experiment)->shape.fit))
+        e->asymmetry = 0;
+    real_t share = (real_t)e->asymmetry / ASYMMETRY_UNIT;
+    real_t third = REAL_C(0.25) * share * share * shape->gain;
+    c->model.doubt += third * third;
 }
 
 static void take_shape(struct commission *c)
@@ -352,7 +332,7 @@ static void take_shape(struct commission *c)
     }
     if (c->model.stage == STAGE_RIVAL && bend_stands(c, f))
         return;
-    take_lag_of_curved(c, f);
+    judge_curve(c, &f->shape);
     real_t sd = f->sd[SHAPE_GAIN] > c->model.sd_least ? f->sd[SHAPE_GAIN] : c->model.sd_least;
     f->sd[SHAPE_GAIN] = real_sqrt(sd * sd + c->model.doubt);
     uint16_t flags = flags_of_kind(f);

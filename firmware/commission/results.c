@@ -103,7 +103,7 @@ static bool looks_integrating(const struct commission *c, uint8_t j)
 }
 
 /* Repeats the test with a smaller step where an output responds very differently up and down: it is not linear over this
- * range, its gain is not that at the operating point, and no lag fits both ways. The step grows again where noise hides the
+ * range, and terms of third order make its gain another than that at the operating point. The step grows again where noise hides the
  * response. */
 static bool retry_linear_step(struct commission *c, struct supervisor *s)
 {

@@ -4,8 +4,10 @@
 
 #include "base/assertion.h"
 #include "identify/common.h"
+#include "identify/shape_curve.h"
 #include "identify/shape_response.h"
 #include "identify/shape_search.h"
+#include "identify/shape_tail.h"
 
 #define CORRELATION_MAX REAL_C(0.9)
 /* Share of the whole that no formula meets better: equal lags are kept apart, and no plant is a formula. */
@@ -20,12 +22,20 @@
 #define RAMP_LAGS     REAL_C(4.0) /* least level in slowest lags */
 #define EFFECTIVE_MIN REAL_C(8.0) /* points that count at least */
 #define SDS           REAL_C(2.0)
+#define TAIL_ODDS     REAL_C(0.1)  /* of a slow tail before any record */
+#define TAIL_LEAST    REAL_C(0.15) /* least weight of a tail that counts */
 
 static const uint8_t parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 3};
 
+static uint32_t curve_terms(const struct shape_fit *f)
+{
+    return (f->curve_terms & 1u) + (f->curve_terms >> 1 & 1u) + (uint32_t)(f->curve_terms >> 2);
+}
+
 static uint32_t degrees_of_freedom(const struct shape_fit *f, enum shape_formula formula)
 {
-    uint32_t used = parameter_counts[formula] + (uint32_t)f->line.offset + (uint32_t)f->line.slope;
+    uint32_t used = parameter_counts[formula] + (uint32_t)f->line.offset + (uint32_t)f->line.slope +
+                    curve_terms(f);
     return f->points > used + 4u ? f->points - used : 4u;
 }
 
@@ -173,6 +183,11 @@ void shape_choice_covariance(struct shape_fit *f)
         row[SHAPE_LAG][k] += row[SHAPE_DEAD][k] - row[SHAPE_ZERO][k];
     }
     c->lag_variance = variance * lag;
+    /* Tails stand beside two lags where these are better than one by a point. */
+    if (f->formula == SHAPE_FORMULA_ONE ||
+        (f->formula == SHAPE_FORMULA_TWO &&
+         c->squares < f->candidate[SHAPE_FORMULA_ONE].squares - variance))
+        shape_tail_find(f, row[SHAPE_GAIN], row[SHAPE_LAG], variance);
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++)
         for (uint32_t j = 0; j <= i; j++) {
             real_t sum = ZERO;
@@ -199,6 +214,33 @@ static void weights_of(const real_t *misfit, const bool *redundant, real_t penal
         weight[k] /= sum;
 }
 
+/* Weights of the tails beside the mixture. Two accounts: a tail where none may be has its odds; where a zero is plausible, it is
+ * another place of that formula, as plausible as the squares say. */
+static void weigh_tails(const struct shape_fit *f, real_t effective, real_t floor,
+                        struct shape_weights *w)
+{
+    const struct shape_candidate *zero = &f->candidate[SHAPE_FORMULA_ZERO];
+    const struct shape_candidate *base = &f->candidate[f->tail_base];
+    for (unsigned k = 0; k < SHAPE_TAILS; k++) {
+        const struct shape_tail *t = &f->tail[k];
+        w->tail[k] = ZERO;
+        if (shape_curve_is_on(f) || !(t->odds > ZERO) || !(t->squares > ZERO))
+            continue;
+        real_t left = effective * real_log(t->squares > floor ? t->squares : floor);
+        real_t of_zero = effective * real_log(zero->squares > floor ? zero->squares : floor);
+        real_t of_base = effective * real_log(base->squares > floor ? base->squares : floor);
+        real_t worse = REAL_C(0.5) * (left - of_zero), better = REAL_C(0.5) * (of_base - left);
+        worse = worse > ZERO ? worse : ZERO;
+        better = better < REAL_C(30.0) ? better : REAL_C(30.0);
+        if (worse < REAL_C(30.0))
+            w->tail[k] += w->mixture[SHAPE_FORMULA_ZERO] * real_exp(-worse) / (real_t)SHAPE_TAILS;
+        w->tail[k] +=
+            w->mixture[f->tail_base] * TAIL_ODDS * t->odds * real_exp(better) / (real_t)SHAPE_TAILS;
+        if (w->tail[k] < TAIL_LEAST)
+            w->tail[k] = ZERO;
+    }
+}
+
 void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w)
 {
     real_t floor = SQUARES_LEAST * f->total + REAL_C(1e-37), best = f->total;
@@ -220,8 +262,13 @@ void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w)
     real_t point = (best > floor ? best : floor) / effective;
     for (unsigned k = SHAPE_FORMULA_TWO; k <= SHAPE_FORMULA_ZERO; k++)
         redundant[k] = f->candidate[k].squares > f->candidate[k - 1u].squares - point;
+    /* What the even part leaves of a curve looks like a tail without an end. */
+    const struct shape_place *zero = &f->candidate[SHAPE_FORMULA_ZERO].place;
+    if (shape_curve_is_on(f) && zero->time >= SHAPE_AT_BOUND * f->level)
+        redundant[SHAPE_FORMULA_ZERO] = true;
     weights_of(misfit, redundant, real_log(effective), w->choice);
     weights_of(misfit, redundant, TWO, w->mixture);
+    weigh_tails(f, effective, floor, w);
 }
 
 /* Noise of a point by the median of second differences, which a drift does not enter and a response little. */

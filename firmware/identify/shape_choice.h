@@ -23,6 +23,7 @@ void shape_choice_prepare(struct shape_fit *f);
 struct shape_weights {
     real_t choice[SHAPE_FORMULAS];  /* by BIC */
     real_t mixture[SHAPE_FORMULAS]; /* by AIC */
+    real_t tail[SHAPE_TAILS];       /* of slow tails, beside the sum of the mixture */
 };
 
 void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w);

@@ -5,6 +5,7 @@
 #include "base/assertion.h"
 #include "identify/common.h"
 #include "identify/shape_choice.h"
+#include "identify/shape_curve.h"
 #include "identify/shape_search.h"
 
 #define GRID_SHAPES 7u
@@ -16,7 +17,19 @@
 #define ROUNDING  REAL_C(1e-4)
 #define RAMP_SIZE (RAMP_TIMES * GRID_DEADS)
 
-enum shape_phase { GRID, RAMP, START, SLOPES, STEP, JUDGE, JUDGE_SLOPES, CHOOSE, DONE };
+enum shape_phase {
+    GRID,
+    RAMP,
+    START,
+    SLOPES,
+    STEP,
+    JUDGE,
+    JUDGE_SLOPES,
+    BEST,
+    CURVE,
+    CHOOSE,
+    DONE
+};
 
 enum { NONE_FITTED = -1 };
 
@@ -28,17 +41,29 @@ struct search_run {
 };
 
 static const struct search_run runs[] = {
-    {SHAPE_FORMULA_ONE, FROM_ONE, 0},          {SHAPE_FORMULA_TWO, FROM_GRID, 0},
-    {SHAPE_FORMULA_TWO, FROM_ONE, 0},          {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
-    {SHAPE_FORMULA_ZERO, FROM_GRID, 2},        {SHAPE_FORMULA_ZERO, FROM_GRID, 3},
-    {SHAPE_FORMULA_ZERO, FROM_TWO, 0},         {SHAPE_FORMULA_TWO, FROM_ZERO, 0},
+    {SHAPE_FORMULA_ONE, FROM_ONE, 0},
+    {SHAPE_FORMULA_TWO, FROM_GRID, 0},
+    {SHAPE_FORMULA_TWO, FROM_ONE, 0},
+    {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
+    {SHAPE_FORMULA_ZERO, FROM_GRID, 2},
+    {SHAPE_FORMULA_ZERO, FROM_GRID, 3},
+    {SHAPE_FORMULA_ZERO, FROM_TWO, 0},
+    {SHAPE_FORMULA_TWO, FROM_ZERO, 0},
+    {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
+    /* once more with a curved part, from what the linear ones have come to */
+    {SHAPE_FORMULA_ONE, FROM_ONE, 0},
+    {SHAPE_FORMULA_TWO, FROM_ONE, 0},
+    {SHAPE_FORMULA_TWO, FROM_GRID, 0},
+    {SHAPE_FORMULA_ZERO, FROM_GRID, 1},
+    {SHAPE_FORMULA_ZERO, FROM_TWO, 0},
     {SHAPE_FORMULA_INTEGRATING, FROM_GRID, 4},
 };
 
-#define RUNS ((uint32_t)(sizeof runs / sizeof runs[0]))
+#define RUNS        ((uint32_t)(sizeof runs / sizeof runs[0]))
+#define RUNS_CURVED 6u
 
-_Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) + 4u * SHAPE_FORMULAS +
-                       2u <=
+_Static_assert(GRID_SIZE + RAMP_SIZE + RUNS * (1u + 4u * SHAPE_SEARCH_TRIES) +
+                       2u * (4u * SHAPE_FORMULAS + 2u * SHAPE_TAILS) + 9u <=
                    SHAPE_FIT_UNITS_MAX,
                "the search is bounded");
 
@@ -172,6 +197,7 @@ enum err shape_fit_begin(struct shape_fit *f, const struct record *r, uint32_t o
         f->candidate[k] = (struct shape_candidate){.squares = (real_t)NONE_FITTED};
     f->next = f->tries = f->evaluations = 0;
     f->run = 0;
+    f->curve_terms = 0;
     f->phase = GRID;
     return ERR_OK;
 }
@@ -263,8 +289,10 @@ static void end_run(struct shape_fit *f)
         f->one.time = f->place.time;
         f->one.dead = f->place.dead;
     }
+    if (shape_curve_is_on(f) && f->formula == SHAPE_FORMULA_ONE)
+        shape_curve_place(f, f->curve_terms); /* by the lag as it is with it */
     f->run++;
-    f->phase = f->run < RUNS ? START : JUDGE;
+    f->phase = f->run == RUNS || f->run == RUNS - RUNS_CURVED ? JUDGE : START;
     f->next = 0;
 }
 
@@ -282,7 +310,41 @@ static void judge_slopes(struct shape_fit *f)
     if (!shape_search_slopes(f))
         return;
     shape_choice_covariance(f);
-    f->phase = f->next < SHAPE_FORMULAS ? JUDGE : CHOOSE;
+    f->phase = f->next < SHAPE_FORMULAS ? JUDGE : (shape_curve_is_on(f) ? CHOOSE : BEST);
+}
+
+/* Begins with the columns of the best formula, beside which a curved part is looked for. */
+static void look_at_best(struct shape_fit *f)
+{
+    unsigned best = SHAPE_FORMULA_ONE;
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
+        if (f->candidate[k].squares < f->candidate[best].squares)
+            best = k;
+    f->formula = (uint8_t)best;
+    shape_search_begin(f, &f->candidate[best].place);
+    f->phase = CURVE;
+}
+
+/* Fits all formulas once more with a curved part, where it explains enough. */
+static void look_for_curve(struct shape_fit *f)
+{
+    if (!shape_search_slopes(f))
+        return;
+    f->phase = CHOOSE;
+    uint8_t columns[SHAPE_COLUMNS];
+    uint32_t count = shape_search_columns((enum shape_formula)f->formula, columns);
+    uint8_t terms = shape_curve_terms(f, columns, count);
+    if (terms == 0)
+        return;
+    shape_curve_place(f, terms);
+    if (!shape_curve_is_on(f))
+        return;
+    f->start[0] = f->candidate[SHAPE_FORMULA_TWO].place;
+    f->start[1] = f->candidate[SHAPE_FORMULA_ZERO].place;
+    f->start[4] = f->candidate[SHAPE_FORMULA_INTEGRATING].place;
+    for (unsigned k = 0; k < SHAPE_FORMULAS; k++)
+        f->candidate[k] = (struct shape_candidate){.squares = (real_t)NONE_FITTED};
+    f->phase = START;
 }
 
 static void do_stage(struct shape_fit *f)
@@ -317,6 +379,12 @@ static void do_stage(struct shape_fit *f)
         break;
     case JUDGE_SLOPES:
         judge_slopes(f);
+        break;
+    case BEST:
+        look_at_best(f);
+        break;
+    case CURVE:
+        look_for_curve(f);
         break;
     default:
         shape_choice_prepare(f);

@@ -31,7 +31,7 @@ MUST_CHECK enum err shape_fit_begin(struct shape_fit *f, const struct record *r,
 
 /* Goes on for units evaluations of a model over the record (the last stage takes one more); true when it is finished. An
  * evaluation of a full record with 12 edges takes about 5e4 instructions. Finished after SHAPE_FIT_UNITS_MAX. */
-#define SHAPE_FIT_UNITS_MAX 1000
+#define SHAPE_FIT_UNITS_MAX 1320
 bool shape_fit_run(struct shape_fit *f, uint32_t units);
 
 /* ERR_STATE while it is not finished. */

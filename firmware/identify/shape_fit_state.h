@@ -37,6 +37,19 @@ struct shape_candidate {
     real_t lag_variance;
 };
 
+/* A slow tail beside a formula (shape_tail.h): what gain and residence time change by, and their covariance with it. */
+struct shape_tail {
+    real_t gain, residence_s;
+    real_t gain_variance, residence_variance, product;
+    real_t squares; /* sum that is left */
+    real_t odds;    /* of there being one, by how well the record would show it; 0: none could be */
+};
+
+#define SHAPE_TAILS       3
+#define SHAPE_TAIL_COLUMN 1 /* free with the formulas that have no zero */
+
+#define SHAPE_CURVES 3
+
 #define SHAPE_STARTS  5 /* of formula TWO, three of ZERO, of INTEGRATING */
 #define SHAPE_COLUMNS 5 /* model, its derivative by time; derivatives by dead time, time, ratio */
 
@@ -64,11 +77,17 @@ struct shape_fit {
     real_t triangle[15]; /* upper, by columns, of the orthogonal factors */
     real_t right[SHAPE_COLUMNS];
     struct shape_candidate candidate[SHAPE_FORMULAS];
+    struct shape_tail tail[SHAPE_TAILS];
+    uint8_t tail_base; /* formula that they are beside */
     /* what the choice looks at besides */
     real_t rough_variance;       /* of a point, by second differences */
     real_t plain_gain, plain_sd; /* of a response within a quarter of the level */
     bool ramp_agrees;            /* the slope of the integrator holds to the end of the level */
-    real_t y[FIT_LINE_SIZE];     /* without the line */
+    real_t y[FIT_LINE_SIZE];     /* without line and even part */
+    /* The curved part (shape_curve.h): bits of its terms, what they were in y, and their columns of length 1. */
+    uint8_t curve_terms;
+    real_t curve_part[SHAPE_CURVES];
+    real_t curve[SHAPE_CURVES][FIT_LINE_SIZE];
     real_t column[SHAPE_COLUMNS][FIT_LINE_SIZE];
 };
 

@@ -4,6 +4,7 @@
 
 #include "base/assertion.h"
 #include "identify/common.h"
+#include "identify/shape_curve.h"
 #include "identify/shape_response.h"
 #include "num/solve_small.h"
 
@@ -75,8 +76,15 @@ static void fill_columns(struct shape_fit *f, enum shape_formula formula,
         for (uint32_t i = 0; i < FIT_LINE_ROWS; i++)
             columns[k].value[f->points + i] = ZERO;
         fit_line_remove(&f->line, columns[k].value, NULL, NULL);
+        shape_curve_take_out(f, columns[k].value);
     }
     f->evaluations++;
+}
+
+void shape_search_response(struct shape_fit *f, const struct shape_place *place, real_t *column)
+{
+    const struct shape_column want = {column, ONE, ZERO, false};
+    fill_columns(f, SHAPE_FORMULA_ONE, place, &want, 1);
 }
 
 /* Squares that gain times the model and gain_zero times its derivative leave; computed as such, without cancellation. */

@@ -10,6 +10,9 @@
 #define SHAPE_RATIO_MIN REAL_C(1e-3)
 #define SHAPE_RATIO_MAX REAL_C(30.0)
 
+/* Share of the longest lag with a zero, the longest level, from which on a search has ended there. */
+#define SHAPE_AT_BOUND REAL_C(0.98)
+
 /* Steps of a search; each takes four evaluations at most. */
 #define SHAPE_SEARCH_TRIES 14
 
@@ -21,6 +24,9 @@ void shape_search_lags(const struct shape_fit *f, enum shape_formula formula,
  * second: linear[3]. One evaluation. */
 void shape_search_squares(struct shape_fit *f, enum shape_formula formula,
                           const struct shape_place *place, real_t *squares, real_t *linear);
+
+/* The response of one lag, gain 1, line taken out. One evaluation. */
+void shape_search_response(struct shape_fit *f, const struct shape_place *place, real_t *column);
 
 /* Begins a search of f->formula at a place. One evaluation. */
 void shape_search_begin(struct shape_fit *f, const struct shape_place *place);

@@ -12,11 +12,10 @@
 #define THIRD        REAL_C(0.33333)
 #define PLAUSIBLE    REAL_C(0.1)   /* weight of a formula that makes an element slow */
 #define COUNTED      REAL_C(0.002) /* least weight of a formula in the mixture */
-#define AT_BOUND     REAL_C(0.98)
-#define OPEN         REAL_C(0.1)  /* share still to come with which an unsure gain is a slow one */
-#define TAIL_LEAST   REAL_C(0.05) /* share still to come of a tail that counts */
-#define EXCESS       REAL_C(1.5)  /* variance of noise over its mean that is not surprising */
-#define MISFIT_SHARE REAL_C(1.2)  /* error of the gain, over the misfit */
+#define OPEN         REAL_C(0.1)   /* share still to come with which an unsure gain is a slow one */
+#define TAIL_LEAST   REAL_C(0.05)  /* share still to come of a tail that counts */
+#define EXCESS       REAL_C(1.5)   /* variance of noise over its mean that is not surprising */
+#define MISFIT_SHARE REAL_C(1.2)   /* error of the gain, over the misfit */
 #define UNSEEN_DOUBT                                                                               \
     REAL_C(0.2) /* share of what is still to come, which the formula alone predicts */
 #define MISFIT_MAX REAL_C(0.2) /* over the response, for a shape that means something */
@@ -60,10 +59,41 @@ static real_t gain_misfit(const struct shape_fit *f, enum shape_formula best, bo
     return beyond > ZERO ? MISFIT_SHARE * real_sqrt(beyond) / f->peak : ZERO;
 }
 
+/* Mixes slow tails in. sum: of the weights so far. */
+static void mix_tails(const struct shape_fit *f, const struct shape_weights *w, real_t sum,
+                      const real_t *middle, real_t *within, real_t *lag)
+{
+    const struct shape_candidate *base = &f->candidate[f->tail_base];
+    real_t all = sum;
+    for (unsigned k = 0; k < SHAPE_TAILS; k++)
+        all += w->tail[k];
+    for (unsigned n = 0; n < 15; n++)
+        within[n] *= sum / all;
+    *lag *= sum / all;
+    for (unsigned k = 0; k < SHAPE_TAILS; k++) {
+        const struct shape_tail *t = &f->tail[k];
+        real_t share = w->tail[k] / all, number[SHAPE_PARAMETERS];
+        if (!(share > ZERO))
+            continue;
+        parameters_of(f, (enum shape_formula)f->tail_base, number);
+        real_t gain = number[SHAPE_GAIN] + t->gain - middle[SHAPE_GAIN];
+        real_t residence = number[SHAPE_LAG] + t->residence_s - middle[SHAPE_LAG];
+        unsigned n = 0;
+        for (unsigned i = 0; i < SHAPE_PARAMETERS; i++)
+            for (unsigned j = 0; j <= i; j++, n++)
+                within[n] += share * base->covariance[n];
+        within[0] += share * (gain * gain + t->gain_variance - base->covariance[0]);
+        within[3] += share * (gain * residence + t->product - base->covariance[3]);
+        within[5] += share * (residence * residence + t->residence_variance - base->covariance[5]);
+        *lag += share * (residence * residence + t->residence_variance);
+    }
+}
+
 /* Mixes the plausible formulas about the chosen one, and packs. The integrator mixes with none. */
-static void mix(const struct shape_fit *f, enum shape_formula chosen, const real_t *weight,
+static void mix(const struct shape_fit *f, enum shape_formula chosen, const struct shape_weights *w,
                 real_t misfit, struct shape_found *found)
 {
+    const real_t *weight = w->mixture;
     real_t within[15], middle[SHAPE_PARAMETERS], number[SHAPE_PARAMETERS], sum = ZERO;
     real_t lag = ZERO, part[SHAPE_FORMULAS];
     enum shape_formula other = chosen;
@@ -97,6 +127,8 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const real
                     within[n] += share * (number[i] - middle[i]) * (number[j] - middle[j]);
             }
     }
+    if (chosen != SHAPE_FORMULA_INTEGRATING)
+        mix_tails(f, w, sum, middle, within, &lag);
     real_t doubt = chosen == SHAPE_FORMULA_INTEGRATING ? ZERO : share_to_come(f, chosen);
     doubt *= UNSEEN_DOUBT;
     within[0] += misfit * misfit + doubt * doubt * shape.gain * shape.gain;
@@ -137,7 +169,7 @@ static bool response_stands_out(const struct shape_fit *f, enum shape_formula be
  * anything is to come, beside what has been seen, is noise. */
 static bool tail_is_open(const struct shape_fit *f)
 {
-    return f->candidate[SHAPE_FORMULA_ZERO].place.time >= AT_BOUND * f->level &&
+    return f->candidate[SHAPE_FORMULA_ZERO].place.time >= SHAPE_AT_BOUND * f->level &&
            real_abs(share_to_come(f, SHAPE_FORMULA_ZERO)) > TAIL_LEAST;
 }
 
@@ -186,7 +218,7 @@ void shape_choice_find(const struct shape_fit *f, struct shape_found *found)
     }
     bool hopeless;
     real_t misfit = gain_misfit(f, chosen, &hopeless);
-    mix(f, chosen, weight.mixture, misfit, found);
+    mix(f, chosen, &weight, misfit, found);
     found->kind =
         hopeless ? (uint8_t)SHAPE_UNKNOWN : (uint8_t)kind_found(f, chosen, weight.choice, found);
     if (found->kind == SHAPE_SLOW)

@@ -46,9 +46,8 @@ class Columns(unittest.TestCase):
         self.starts_up("pilot", "pilot-2x2", 38.0, ("T1", "T10"))
 
     def test_the_splitter_within_125_hours(self):
-        """T30 answers up and down so differently that its gains are known to 7 %, and relative gains are about 5: what serves all
-        plants within that is far slower on T30 than what is tuned by hand, so only T19 is compared."""
-        self.starts_up("splitter", "splitter", 125.0, ("T19",))
+        """T30 answers up and down so differently that no linear shape fits both ways."""
+        self.starts_up("splitter", "splitter", 125.0, ("T30", "T19"))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-/* identify/shape_fit.[ch], shape_search.[ch], shape_choice.[ch], shape_verdict.c.
+/* identify/shape_fit.[ch], shape_search.[ch], shape_choice.[ch], shape_verdict.c, shape_tail.[ch], shape_curve.[ch].
  *
  * Contract (both scalar types)
  *   noise-free elements    every shape comes back: gain within 0.5 %, residence time within 1 % of dead time and lag, the whole step
  *                          response within 1 % of the gain; measured: see the message
- *   memory                 at most 1 KiB more than struct fopdt_fit; 72 bytes kept an element
+ *   memory                 at most 2 KiB more than struct fopdt_fit; 72 bytes kept an element
+ *   an output that is not  the gain is the slope at rest, but for terms of third order; a linear one has no such terms
  *   evaluations            at most SHAPE_FIT_UNITS_MAX, in pieces of any size with the same result
  *
  * How honest the deviations are is judged by tests/bench/shape_deviations.py on random elements.
@@ -14,13 +15,15 @@
 
 #include "identify/common.h"
 #include "identify/shape_choice.h"
+#include "identify/shape_curve.h"
 #include "identify/shape_fit.h"
 #include "step_records.h"
 #include "unity.h"
 
 #define SEED 20261129u
 
-_Static_assert(sizeof(struct shape_fit) <= sizeof(struct fopdt_fit) + 1024u, "memory of a fit");
+_Static_assert(sizeof(struct shape_fit) <= sizeof(struct fopdt_fit) + 512u * sizeof(real_t),
+               "memory of a fit");
 _Static_assert(sizeof(struct shape_found) <= 72u || sizeof(real_t) > 4u, "memory of an element");
 
 struct test_shape {
@@ -313,6 +316,94 @@ static void deviations_include_the_choice(void)
     TEST_ASSERT_TRUE(mixed >= 3);
 }
 
+/* ---- outputs that are not linear ---- */
+
+/* T y' + y = K u + a y^2 + b u^2, twenty steps a sample: gain and time depend on the output, and the gain on the input. */
+static void take_curved(double a, double b, double noise, struct random_source *source)
+{
+    const uint32_t before = 5, half = 300, after = 400;
+    double y = 0.0, u = 0.0;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, record_init(&record, 1, 1));
+    for (uint32_t k = 0; k < before + 2 * half + after; k++) {
+        for (int n = 0; n < 20; n++)
+            y += 0.05 / 60.0 * (1.3 * u + a * y * y + b * u * u - y);
+        real_t value = (real_t)(y + noise * normal(source));
+        TEST_ASSERT_EQUAL_INT(ERR_OK, record_step(&record, &value));
+        real_t level = (real_t)(k == before ? 0.05 : k == before + half ? -0.05 : 0.0);
+        if (k == before || k == before + half || k == before + 2 * half) {
+            TEST_ASSERT_EQUAL_INT(ERR_OK, record_move(&record, level));
+            u = (double)level;
+        }
+    }
+}
+
+static void the_gain_of_an_output_that_is_not_linear_is_the_slope_at_rest(void)
+{
+    /* Gains up and down differ by 10 to 20 % of the mean. */
+    static const double second[][2] = {{0.6, 0}, {-0.6, 0}, {0, 2}, {0.6, 1.5}};
+    struct random_source source = {SEED};
+    for (unsigned n = 0; n < 4; n++) {
+        take_curved(second[n][0], second[n][1], 2e-4, &source);
+        struct shape_found r = run(NULL);
+        double residence = (double)shape_residence_s(&r.shape);
+        TEST_ASSERT_TRUE(shape_curve_is_on(&fit));
+        TEST_ASSERT_TRUE(r.kind == SHAPE_ONE_LAG || r.kind == SHAPE_TWO_LAGS);
+        /* But for terms of third order, 1 % at 20 %. */
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1.3, 1.3, (double)r.shape.gain);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * 60.0, 60.0, residence);
+    }
+}
+
+static void a_linear_output_has_no_curve(void)
+{
+    struct random_source source = {SEED};
+    int curves = 0;
+    for (int i = 0; i < 60; i++) {
+        const struct test_shape e = {1, 10, 60, i % 2 ? 0 : 700, i % 3 ? 0 : 20};
+        const struct test_levels t = {5, 300, 300, 0.05, 0.001 * (1 + i % 5), 0, 1.0};
+        take(shape_step, &e, &t, &source);
+        (void)run(NULL);
+        curves += shape_curve_is_on(&fit);
+    }
+    TEST_ASSERT_TRUE(curves <= 1);
+}
+
+static void a_step_one_way_says_nothing_of_a_curve(void)
+{
+    struct random_source source = {SEED};
+    const struct test_shape e = {1, 10, 60, 0, 0};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, record_init(&record, 1, 1));
+    for (uint32_t k = 0; k < 805; k++) {
+        double y = 0.05 * (shape_step(&e, k - 5.0) - shape_step(&e, k - 405.0));
+        real_t value = (real_t)(y + 4.0 * y * y + 1e-4 * normal(&source));
+        TEST_ASSERT_EQUAL_INT(ERR_OK, record_step(&record, &value));
+        if (k == 5 || k == 405)
+            TEST_ASSERT_EQUAL_INT(ERR_OK, record_move(&record, (real_t)(k == 5 ? 0.05 : 0.0)));
+    }
+    (void)run(NULL);
+    TEST_ASSERT_FALSE(shape_curve_is_on(&fit));
+}
+
+/* A tenth of the gain, 1.6 levels long: the formula with a zero fits it as well with a lag of half a level. */
+static void deviations_include_a_slow_tail_that_the_record_does_not_exclude(void)
+{
+    struct random_source source = {SEED};
+    const struct test_shape e = {1, 10, 860, 48000, 726};
+    const struct test_levels t = {5, 500, 1000, 0.08, 0.001, 0, 1.0};
+    int known = 0, far = 0;
+    for (int i = 0; i < 20; i++) {
+        take(shape_step, &e, &t, &source);
+        const struct fopdt_fit_options rest = {.baseline = {.noise_sd = (real_t)0.001}};
+        struct shape_found r = run(&rest);
+        if (r.kind == SHAPE_SLOW || r.kind == SHAPE_PERHAPS_SLOW)
+            continue;
+        known++;
+        far += fabs((double)(r.shape.gain - 1)) > 3.0 * (double)r.sd[SHAPE_GAIN];
+    }
+    TEST_ASSERT_TRUE(known >= 10);
+    TEST_ASSERT_TRUE(far <= known / 5);
+}
+
 static void too_little_and_bad_numbers_are_refused(void)
 {
     const struct test_shape e = {1, 10, 60, 0, 0};
@@ -399,6 +490,10 @@ int main(void)
     RUN_TEST(a_record_without_any_change_is_unknown);
     RUN_TEST(a_response_that_no_formula_has_is_unknown);
     RUN_TEST(deviations_include_the_choice);
+    RUN_TEST(the_gain_of_an_output_that_is_not_linear_is_the_slope_at_rest);
+    RUN_TEST(a_linear_output_has_no_curve);
+    RUN_TEST(a_step_one_way_says_nothing_of_a_curve);
+    RUN_TEST(deviations_include_a_slow_tail_that_the_record_does_not_exclude);
     RUN_TEST(too_little_and_bad_numbers_are_refused);
     RUN_TEST(rubbish_of_any_size_ends_and_gives_finite_numbers);
     return UNITY_END();

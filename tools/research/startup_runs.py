@@ -214,7 +214,7 @@ def deviations(out: Said, plant: Linear) -> list[tuple[str, str, float, float, b
     for (y, u), e in out.elements.items():
         i, j = plant.outputs.index(y), plant.inputs.index(u)
         time = math.nan
-        if math.isfinite(times[i, j]) and "residence" in e:
+        if math.isfinite(times[i, j]) and "residence" in e and "no_gain" not in out.flags[y, u]:  # of no response there is no time
             time = _over(e["residence"] - times[i, j], e["residence_sd"])
         found.append((y, u, _over(e["gain"] - gains[i, j], e["gain_sd"]), time, bool(out.flags[y, u] & (SLOW_FLAGS | {"integrating"}))))
     return found
