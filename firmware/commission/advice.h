@@ -19,14 +19,18 @@ enum advice_kind {
     ADVICE_ROUNDS,  /* test.rounds */
     ADVICE_WINDOW,  /* test.window, ticks */
     ADVICE_LEAVE,   /* mv.test off */
-    ADVICE_RELAY    /* set the loop of a pair by a relay test */
+    ADVICE_RELAY,   /* set the loop of a pair by a relay test */
+    /* Inputs that act nearly alike: start up all but this pair, and then this one while those loops are closed. */
+    ADVICE_OTHERS_FIRST,
+    ADVICE_THEN_THIS
 };
 
 struct advice {
     enum advice_kind kind;
-    uint8_t input;         /* index of the manipulated variable, where it is about one */
-    uint8_t measurement;   /* index of the measurement that asks for it; CHANNEL_MAX: none */
-    real_t value, present; /* of the setting */
+    uint8_t input;       /* index of the manipulated variable, where it is about one */
+    uint8_t measurement; /* index of the measurement that asks for it; CHANNEL_MAX: none */
+    real_t value,
+        present; /* of the setting; ADVICE_THEN_THIS: hours that the tests take at least */
 };
 
 /* Fills in at most ADVICE_MOST and returns their number; 0 where there is nothing to say or the results are no longer there. */

@@ -72,6 +72,7 @@ static enum err end_gains(struct analysis *a)
 {
     const struct gains *g = &a->work.gains;
     memcpy(a->singular, g->singular, sizeof a->singular);
+    memcpy(a->weakest, g->weakest, sizeof a->weakest);
     a->condition = g->condition;
     a->condition_scaled = g->condition_scaled;
     a->rank = g->rank;

@@ -3,8 +3,10 @@
 #include "commission/analysis.h"
 #include "commission/analysis_structure.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
+#include "interact/direction.h"
 
 #include <string.h>
 
@@ -55,15 +57,22 @@ static void draw_plant(const void *context, uint16_t member, struct interact_pla
     *plant = a->plant;
     if (member + 1u == a->left_out)
         member = MEMBERS;
-    for (uint8_t n = 0; n < a->plant.inputs; n++) {
-        if (drives_inner_loop(a, n))
-            continue;
-        for (uint8_t j = 0; j < a->plant.outputs; j++) {
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        real_t error[INTERACT_MAX] = {REAL_C(0.0)};
+        for (uint8_t n = 0; n < a->plant.inputs; n++) {
             struct shape s;
-            shape_found_draw(&c->work->element[j][c->analysis_job.column[n]].found,
-                             (uint32_t)j * INTERACT_MAX + n, member, &s);
+            if (drives_inner_loop(a, n))
+                continue;
+            const struct shape_found *f = &c->work->element[j][c->analysis_job.column[n]].found;
+            shape_found_draw(f, (uint32_t)j * INTERACT_MAX + n, member, &s);
             (void)put_shape(plant, j, n, s);
+            error[n] = s.gain - f->shape.gain;
         }
+        if (!(a->plant.along_sd[j] > REAL_C(0.0)))
+            continue;
+        direction_correct(&a->plant, j, REAL_C(0.0), error);
+        for (uint8_t n = 0; n < a->plant.inputs; n++)
+            plant->element[j][n].gain = a->plant.element[j][n].gain + error[n];
     }
 }
 
@@ -98,6 +107,7 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
         c->analysis_job.column[n++] = k;
     }
     a->plant.inputs = n;
+    direction_condition(c, GAIN_FLOOR);
     c->analysis_job.config =
         (struct analysis_config){.h_s = h_s,
                                  .confidence = config->test.confidence,

@@ -91,7 +91,8 @@ struct analysis {
     real_t singular[INTERACT_MAX], condition, condition_scaled;
     uint8_t rank, rank_exact, n_null;
     real_t null_input[INTERACT_MAX], null_output[INTERACT_MAX]; /* the first null directions */
-    struct matrix lambda; /* relative gains; valid where `has_lambda` */
+    real_t weakest[INTERACT_MAX]; /* direction of the inputs that the outputs answer least */
+    struct matrix lambda;         /* relative gains; valid where `has_lambda` */
     bool has_lambda;
 
     /* pairing */

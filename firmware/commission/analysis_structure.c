@@ -152,7 +152,8 @@ static void close_inner(struct analysis *a, struct interact_plant *plant, uint8_
     const struct fopdt inner = plant->element[c->inner][j];
     real_t part = plant->gain_sd[c->inner][j] / inner.gain, tau_c_s;
     if (tune_inner(a, &inner, &a->layout.inner_tuning[k], &tau_c_s) != ERR_OK)
-        return; /* usable() has tried it */
+        return;                                         /* usable() has tried it */
+    memset(plant->along_sd, 0, sizeof plant->along_sd); /* it was about other gains */
     for (uint8_t i = 0; i < plant->outputs; i++) {
         real_t *gain = &plant->element[i][j].gain, *sd = &plant->gain_sd[i][j];
         *gain /= inner.gain;

@@ -17,11 +17,11 @@
  *     results                                 a fit or the analysis is done: repeat, go on, another round, or ready
  *     tests  by_relay  acceptance             a phase each, in the tick
  *     proposal  trial_plan  expected          main loop: the proposal as settings, its trial planned, what tests would take
- *     next_test  model  analysis_job  blocking  start_stop      helpers that see several parts
+ *     next_test  direction  model  analysis_job  blocking  start_stop      helpers that see several parts
  *     status requests lease background test_outputs test_inputs origin adoption     a part each, with its own state
  *     experiment  analysis  certainty ...     methods that know nothing of start-up
  *
- * In the tick run results, tests, by_relay, analysis_single, acceptance, next_test, start_stop, status, test_outputs, test_inputs,
+ * In the tick run results, tests, by_relay, analysis_single, acceptance, next_test, direction, start_stop, status, test_outputs, test_inputs,
  * origin, adoption, trial_step, swing, experiment, limits, progress and combine. In the main loop run interim_fit, analysis,
  * analysis_structure, certainty, test_verdict, words, expected, lease, proposal, proposal_loops, proposal_structure and trial_plan.
  * Both use commission, model, analysis_job, background, blocking, channels, requests and reasons, as the heads of these say. Only
@@ -35,6 +35,7 @@
 #include "commission/by_relay.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/next_test.h"
 #include "commission/requests.h"
 #include "commission/startup_results.h"

@@ -23,6 +23,7 @@
 struct commission_work {
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [output][input] */
     struct sensor_watch sensor[CHANNEL_MAX];          /* by output */
+    real_t share[CHANNEL_MAX]; /* of the direction under test, by input: 1 the largest */
     union {
         struct experiment experiment;
         struct relay_test relay;

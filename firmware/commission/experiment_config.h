@@ -7,6 +7,9 @@
 
 /* First amplitude over a limit where no gain is known: a gain of 100 spans per span ends at the limit. */
 #define FIRST_OF_LIMIT REAL_C(0.01)
+#define AMPLITUDE_MOST REAL_C(0.25) /* of span: largest step where the test finds it */
+/* Limit for tests of an input that are repeated with a smaller step, because the guard has cut them; over all rounds. */
+#define RETRIES_MAX 3u
 
 struct origin;
 

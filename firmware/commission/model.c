@@ -4,6 +4,7 @@
 #include "commission/certainty.h"
 #include "commission/combine.h"
 #include "commission/commission_state.h"
+#include "commission/direction_sum.h"
 #include "commission/experiment.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
@@ -320,6 +321,23 @@ static void judge_curve(struct commission *c, const struct shape *shape)
     c->model.doubt += third * third;
 }
 
+/* Takes the end of a direction's response from its plateaus where they say more than the shape. */
+static void take_plateau(struct commission *c, struct shape_found *f)
+{
+    real_t gain, sd, within[15] = {0};
+    bool straight = !(c->model.sd_least > REAL_C(0.0)); /* else the record was straightened */
+    if (!straight || !direction_plateau(c, c->model.output, &gain, &sd))
+        return;
+    bool open = (flags_of_kind(f) & CERTAINTY_OPEN_FLAGS) != 0;
+    if (!open && f->sd[SHAPE_GAIN] < sd)
+        return;
+    within[0] = sd * sd;
+    const struct shape s = {
+        .gain = gain, .dead_time_s = f->shape.dead_time_s, .lag_s = f->shape.lag_s};
+    shape_found_pack(f, &s, 3, &s, 3, REAL_C(0.0), within, REAL_C(0.0));
+    f->kind = SHAPE_ONE_LAG;
+}
+
 static void take_shape(struct commission *c)
 {
     uint8_t j = c->model.output;
@@ -333,6 +351,8 @@ static void take_shape(struct commission *c)
     if (c->model.stage == STAGE_RIVAL && bend_stands(c, f))
         return;
     judge_curve(c, &f->shape);
+    if (inputs_is_direction(&c->inputs))
+        take_plateau(c, f);
     real_t sd = f->sd[SHAPE_GAIN] > c->model.sd_least ? f->sd[SHAPE_GAIN] : c->model.sd_least;
     f->sd[SHAPE_GAIN] = real_sqrt(sd * sd + c->model.doubt);
     uint16_t flags = flags_of_kind(f);

@@ -4,6 +4,7 @@
 #include "commission/certainty.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
 
@@ -66,7 +67,7 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     uint32_t half_least = inputs_half_least(&c->inputs);
     uint8_t outputs = outputs_count(&c->outputs);
     real_t longest_s = REAL_C(0.0);
-    for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
+    for (unsigned p = 0; p < CONFIG_PAIRS && !inputs_is_direction(&c->inputs); p++) {
         const struct pair_config *pair = &config->pair[p];
         if (!pair->measurement[0] || config_find_mv(config, pair->mv) != in->output)
             continue;
@@ -187,6 +188,8 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
         if (in->rounds > 0)
             x->dead_time_s[j] = c->work->element[j][k].found.shape.dead_time_s;
     }
+    if (inputs_is_direction(&c->inputs))
+        direction_config(c, s, x);
     /* The window for a drift is as long as the responses are. */
     uint32_t wider = half_least / 4u;
     if (wider > x->window)
@@ -197,12 +200,13 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
         x->amplitude = x->amplitude_max;
     if (x->amplitude <= REAL_C(0.0)) {
         real_t small = inputs_small_step(&c->inputs);
-        x->gains_unknown = in->rounds == 0 && !(in->amplitude_wanted > REAL_C(0.0));
+        bool direction = inputs_is_direction(&c->inputs);
+        x->gains_unknown = in->rounds == 0 && !(in->amplitude_wanted > REAL_C(0.0)) && !direction;
         if (in->rounds > 0)
             x->amplitude_first = amplitude_by_model(c, k, x);
         else if (in->amplitude_wanted > REAL_C(0.0))
             x->amplitude_first = in->amplitude_wanted;
-        else if (small > REAL_C(0.0) && small < AMPLITUDE_FIRST)
+        else if (!direction && small > REAL_C(0.0) && small < AMPLITUDE_FIRST)
             x->amplitude_first = small;
         if (x->amplitude_max > AMPLITUDE_MOST)
             x->amplitude_max = AMPLITUDE_MOST;
@@ -221,6 +225,11 @@ void next_test_config(struct commission *c, const struct supervisor *s, struct e
     if (x->half_most <= x->window)
         x->half_most = x->window + 1u;
     x->half_least = least_half(c, s, k, x);
+    if (inputs_is_direction(&c->inputs)) {
+        uint32_t shows = direction_half(c, s);
+        x->half_least = x->half_least > shows ? x->half_least : shows;
+        x->half_most = LONGEST_SHARE * x->half_least < all ? LONGEST_SHARE * x->half_least : all;
+    }
     if (x->half_most < x->half)
         x->half_most = x->half;
     if (x->half_least < x->window)

@@ -8,12 +8,10 @@
 
 #define NOISE_FLOOR     REAL_C(7e-5)  /* of span: resolution of a 12-bit converter */
 #define AMPLITUDE_FIRST REAL_C(0.005) /* of span: first step where the test finds it */
-#define AMPLITUDE_MOST  REAL_C(0.25)  /* of span: largest step where the test finds it */
 
 /* Limits for repeated tests of an input, over all rounds. */
 #define LONGER_RETRIES_MAX 3u /* with longer halves, where an output did not come to rest */
 #define LINEAR_RETRIES_MAX 1u /* with a smaller step, because an output is not linear */
-#define RETRIES_MAX        3u /* with a smaller step, because the guard has cut the test */
 
 struct commission;
 

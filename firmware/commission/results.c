@@ -5,6 +5,7 @@
 #include "commission/certainty.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/experiment.h"
 #include "commission/limits.h"
 #include "commission/model.h"
@@ -175,7 +176,8 @@ static void take_fit(struct commission *c, struct supervisor *s)
         return;
     }
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
-        if (!looks_integrating(c, j))
+        /* The lags of the inputs nearly cancel in a direction; what is left may climb for long. */
+        if (inputs_is_direction(&c->inputs) || !looks_integrating(c, j))
             continue;
         if (retry_longer_halves(c, s, j) || retry_smaller_step(c, s))
             return;
@@ -189,6 +191,11 @@ static void take_fit(struct commission *c, struct supervisor *s)
     if (retry_smaller_step(c, s) || retry_linear_step(c, s))
         return;
     const struct experiment *x = &c->work->experiment;
+    if (experiment_is_one_sided(x) && inputs_is_direction(&c->inputs)) {
+        inputs_skip(&c->inputs); /* the inputs are known without it */
+        commission_next_input(c, s);
+        return;
+    }
     if (experiment_is_one_sided(x)) {
         commission_end_by_output(c, s, REASON_REVERSAL, experiment_culprit(x),
                                  experiment_predicted(x));
@@ -196,24 +203,34 @@ static void take_fit(struct commission *c, struct supervisor *s)
     }
     model_keep(c);
     inputs_count_round(&c->inputs);
+    if (inputs_is_direction(&c->inputs)) {
+        commission_next_input(c, s);
+        return;
+    }
     uint32_t lasts = commission_samples(s, commission_lasts(c, inputs_current(&c->inputs)));
     if (lasts > inputs_half_least(&c->inputs) && inputs_round(&c->inputs) == 1)
         inputs_set_half_least(&c->inputs, lasts);
     commission_next_input(c, s);
 }
 
-/* More tests would help. Not where the gains are as certain as a first-order model can be, nor where a response is not that
- * of a lag. */
+/* More tests would help. Not where the gains, and what was measured along a direction, are as certain as a first-order model can
+ * be, nor where a response is not that of a lag. */
 static bool more_would_help(const struct analysis *a)
 {
     if (certainty_is_final(a))
         return false;
     if (certainty_doubts(&a->certainty) & DOUBT_SHAPE)
         return true;
-    for (uint8_t j = 0; j < a->plant.outputs; j++)
-        for (uint8_t k = 0; k < a->plant.inputs; k++)
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        real_t along = REAL_C(0.0);
+        for (uint8_t k = 0; k < a->plant.inputs; k++) {
+            along += a->plant.share[k] * a->plant.element[j][k].gain;
             if (a->plant.gain_sd[j][k] > a->config.floor * real_abs(a->plant.element[j][k].gain))
                 return true;
+        }
+        if (a->plant.along_sd[j] > a->config.floor * real_abs(along))
+            return true;
+    }
     return false;
 }
 
@@ -232,6 +249,13 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                 (!a->designed && a->design_error == ERR_TIMEOUT &&
                  inputs_round(&c->inputs) < s->plan->config.test.rounds);
     uint8_t round = inputs_round(&c->inputs);
+    if (open && direction_is_wanted(c)) {
+        want_longer_tests(c);
+        direction_line_up(c);
+        commission_say(c, s, EVENT_TEST_EXTENDED, DIRECTION_NAME, a->probability);
+        commission_start_input(c, s);
+        return;
+    }
     if (open && round < s->plan->config.test.rounds && more_would_help(a)) {
         commission_say_of_all(c, s, EVENT_TEST_EXTENDED, a->probability, (uint8_t)(round + 1u));
         next_round(c, s);

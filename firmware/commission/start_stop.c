@@ -2,6 +2,7 @@
 
 #include "commission/background.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/lease.h"
 #include "commission/status.h"
 #include "commission/test_inputs.h"
@@ -74,10 +75,12 @@ void commission_say_of_all(const struct commission *c, const struct supervisor *
     put_event(c, s, code, NULL, value, detail);
 }
 
-/* Name of the input whose turn it is. */
+/* Name of the input whose turn it is, or of the direction. */
 static const char *present_input_name(const struct commission *c, const struct supervisor *s)
 {
-    return s->plan->config.mv[inputs_under_test(&c->inputs)->output].name;
+    return inputs_is_direction(&c->inputs)
+               ? DIRECTION_NAME
+               : s->plan->config.mv[inputs_under_test(&c->inputs)->output].name;
 }
 
 void commission_fail(struct commission *c, struct supervisor *s, real_t value)

@@ -16,9 +16,19 @@ void inputs_add(struct test_inputs *t, uint8_t output, real_t test_base)
     t->input[t->n++].test_base = test_base;
 }
 
+void inputs_line_up_direction(struct test_inputs *t, uint8_t largest)
+{
+    REFLUX_ASSERT(t->n < CHANNEL_MAX && largest < t->n && !t->direction);
+    t->input[t->n] = (struct tested_input){.output = t->input[largest].output,
+                                           .test_base = t->input[largest].test_base};
+    t->order[t->n] = t->n;
+    t->turn = t->n;
+    t->direction = true;
+}
+
 NOT_INLINE static struct tested_input *present(struct test_inputs *t)
 {
-    REFLUX_ASSERT(t->turn < t->n && t->order[t->turn] < t->n);
+    REFLUX_ASSERT(t->turn < inputs_slots(t) && t->order[t->turn] < inputs_slots(t));
     return &t->input[t->order[t->turn]];
 }
 
@@ -30,14 +40,14 @@ const struct tested_input *inputs_under_test(const struct test_inputs *t)
 
 bool inputs_is_due(const struct test_inputs *t, uint8_t k)
 {
-    REFLUX_ASSERT(k < t->n);
+    REFLUX_ASSERT(k < inputs_slots(t));
     return !t->input[k].skipped && (t->input[k].unsettled || !t->only_unsettled);
 }
 
 uint8_t inputs_due_from(const struct test_inputs *t, uint8_t turn)
 {
     uint8_t n = 0;
-    for (; turn < t->n; turn++)
+    for (; turn < inputs_slots(t); turn++)
         n = (uint8_t)(n + inputs_is_due(t, t->order[turn]));
     return n;
 }
@@ -46,8 +56,8 @@ bool inputs_next(struct test_inputs *t)
 {
     do
         t->turn++;
-    while (t->turn < t->n && !inputs_is_due(t, t->order[t->turn]));
-    return t->turn < t->n;
+    while (t->turn < inputs_slots(t) && !inputs_is_due(t, t->order[t->turn]));
+    return t->turn < inputs_slots(t);
 }
 
 bool inputs_next_round(struct test_inputs *t, bool only_unsettled)
@@ -144,7 +154,7 @@ uint8_t inputs_want_uncut(struct test_inputs *t, real_t amplitude)
 real_t inputs_small_step(const struct test_inputs *t)
 {
     real_t least = REAL_C(0.0);
-    for (uint8_t k = 0; k < t->n; k++) {
+    for (uint8_t k = 0; k < inputs_slots(t); k++) {
         real_t wanted = t->input[k].amplitude_wanted;
         if (wanted > REAL_C(0.0) && (!(least > REAL_C(0.0)) || wanted < least))
             least = wanted;

@@ -10,6 +10,9 @@ struct test_inputs;
 /* The first round begins; all is 0 before, and the inputs are added next. */
 void inputs_begin(struct test_inputs *t);
 void inputs_add(struct test_inputs *t, uint8_t output, real_t test_base);
+/* Adds a direction behind the inputs, of whose shares that of input `largest` is the largest; its turn is next. Fewer than
+ * CHANNEL_MAX inputs, and none yet. */
+void inputs_line_up_direction(struct test_inputs *t, uint8_t largest);
 
 /* The input whose turn it is. */
 const struct tested_input *inputs_under_test(const struct test_inputs *t);

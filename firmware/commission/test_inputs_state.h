@@ -13,6 +13,7 @@ struct test_inputs {
     uint8_t turn;        /* index in order[] */
     uint8_t round;       /* from 1 */
     bool only_unsettled; /* this round is for inputs that want longer tests */
+    bool direction;      /* one is lined up behind the inputs */
     uint16_t tests;      /* tests that are over, repeated ones included */
     real_t tested_s;     /* duration of all of them, with their rests */
     uint32_t half_least; /* samples that the slowest known response takes */
@@ -29,10 +30,22 @@ static inline const struct tested_input *inputs_get(const struct test_inputs *t,
     return &t->input[k];
 }
 
+/* A direction of the inputs is tested as well: direction.h. Its number is inputs_count(). */
+static inline bool inputs_has_direction(const struct test_inputs *t)
+{
+    return t->direction;
+}
+
+/* Number of turns in a round: inputs, and the direction. */
+static inline uint8_t inputs_slots(const struct test_inputs *t)
+{
+    return (uint8_t)(t->n + t->direction);
+}
+
 /* Number of the input whose turn it is. */
 static inline uint8_t inputs_current(const struct test_inputs *t)
 {
-    REFLUX_ASSERT(t->turn < t->n);
+    REFLUX_ASSERT(t->turn < inputs_slots(t));
     return t->order[t->turn];
 }
 
@@ -51,6 +64,12 @@ static inline void inputs_line_up(struct test_inputs *t, unsigned turn, uint8_t 
 {
     REFLUX_ASSERT(turn < CHANNEL_MAX && k < CHANNEL_MAX);
     t->order[turn] = k;
+}
+
+/* It is the direction's turn. */
+static inline bool inputs_is_direction(const struct test_inputs *t)
+{
+    return t->direction && t->turn < inputs_slots(t) && t->order[t->turn] == t->n;
 }
 
 /* There is an input before this one. */

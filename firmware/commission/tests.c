@@ -4,6 +4,7 @@
 #include "commission/blocking.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/experiment.h"
 #include "commission/model.h"
 #include "commission/next_test.h"
@@ -98,8 +99,11 @@ void commission_test(struct commission *c, struct supervisor *s)
         commission_fail(c, s, REAL_C(0.0));
         return;
     }
-    supervisor_excite(s, inputs_under_test(&c->inputs)->output,
-                      num_from_float(experiment_level(x)));
+    if (inputs_is_direction(&c->inputs))
+        direction_excite(c, s, experiment_level(x));
+    else
+        supervisor_excite(s, inputs_under_test(&c->inputs)->output,
+                          num_from_float(experiment_level(x)));
     if (experiment_wants_interim_fit(x) && !background_is_asked(&c->background) &&
         requests_pending(&c->requests) == COMMISSION_ASK_NONE)
         ask_for_fit(c, s, TASK_INTERIM_FIT);

@@ -17,6 +17,7 @@
 #define ROOM_SHARE    REAL_C(0.8)
 #define OTHERS_SHARE  REAL_C(0.7) /* share of a limit that a step may use of other measurements */
 #define WINDOW_MOST   10000u
+#define WAY_MARGIN    REAL_C(0.05) /* of span, from its ends */
 #define STEP_NEVER    REAL_C(1e-4) /* of span: smallest step of a setpoint */
 
 /* Returns the largest setpoint step of loop k for which, by the model, every input stays within its room and every
@@ -52,6 +53,36 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
     return most;
 }
 
+/* Largest share of its room that an input uses in the step of loop k, where the inputs are still as far away as the steps before
+ * have taken them. That is so where they act nearly alike: they come back as slowly as they went. */
+static real_t room_used(const struct commission *c, const struct supervisor *s, uint8_t k,
+                        real_t step)
+{
+    const struct analysis *a = &c->work->analysis;
+    real_t most = REAL_C(0.0);
+    for (uint8_t l = 0; l < a->pairs.n; l++) {
+        if (analysis_inner_of(a, l) != INTERACT_NONE)
+            continue;
+        uint8_t j = proposal_input(c, l)->output;
+        real_t room = commission_room(s, j, num_to_float(s->mv[j].manual));
+        real_t moves = step * a->tried[k].input[l];
+        for (uint8_t before = 0; before < k; before++)
+            moves += adoption_loop(&c->adoption, before)->step * a->tried[before].input[l];
+        if (real_abs(moves) > most * room * a->config.step)
+            most = real_abs(moves) / (room * a->config.step);
+    }
+    return most;
+}
+
+/* Way of a step: towards the middle of the span, or the other one where the inputs have no room left for it. */
+static real_t choose_way(const struct commission *c, const struct supervisor *s, uint8_t k,
+                         real_t y, real_t step)
+{
+    real_t way = y > REAL_C(0.5) ? -step : step, used = room_used(c, s, k, way);
+    bool fits = y - way > WAY_MARGIN && y - way < REAL_C(1.0) - WAY_MARGIN;
+    return used > REAL_C(1.0) && fits && room_used(c, s, k, -way) < used ? -way : way;
+}
+
 /* Chooses the setpoint step of a loop: above the noise, inside the limit, and no larger than the model allows for inputs and
  * other measurements. */
 static real_t choose_step(const struct commission *c, const struct supervisor *s, uint8_t k)
@@ -69,8 +100,7 @@ static real_t choose_step(const struct commission *c, const struct supervisor *s
         step = most;
     if (step < STEP_NEVER)
         step = STEP_NEVER;
-    real_t y = num_to_float(s->measurement[m->measurement].value);
-    return y > REAL_C(0.5) ? -step : step;
+    return choose_way(c, s, k, num_to_float(s->measurement[m->measurement].value), step);
 }
 
 /* Adds a measurement, by its index in the tests. */

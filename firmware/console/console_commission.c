@@ -45,6 +45,7 @@ static void test_line(const struct commission *c, const struct config *config, s
     uint8_t turn = inputs_turn(&c->inputs);
     /* When the last input is through, none is under test. */
     const struct tested_input *in = testing ? inputs_under_test(&c->inputs) : NULL;
+    bool direction = inputs_is_direction(&c->inputs);
     struct {
         enum experiment_phase phase;
         uint8_t worst_output;
@@ -57,9 +58,9 @@ static void test_line(const struct commission *c, const struct config *config, s
     REFLUX_ASSERT((unsigned)reached.phase < sizeof stages / sizeof stages[0]);
     const struct mv_config *o = &config->mv[in->output];
     text_str(line, "input ");
-    text_str(line, o->name);
+    text_str(line, direction ? DIRECTION_NAME : o->name);
     text_quantity(line, " (", (float)(turn + 1u), " of ");
-    text_u32(line, inputs_count(&c->inputs));
+    text_u32(line, inputs_slots(&c->inputs));
     text_str(line, "), round ");
     text_u32(line, inputs_round(&c->inputs));
     put_reason(line, stages[reached.phase]);

@@ -15,6 +15,8 @@ static const char *const settings[] = {
     [ADVICE_WINDOW] = "test.window",
     [ADVICE_LEAVE] = "test",
     [ADVICE_RELAY] = "",
+    [ADVICE_OTHERS_FIRST] = "",
+    [ADVICE_THEN_THIS] = "",
 };
 
 static const char *const because[] = {
@@ -27,7 +29,44 @@ static const char *const because[] = {
     [ADVICE_WINDOW] = "slow waves are normal here",
     [ADVICE_LEAVE] = "it does not settle: leave this input out",
     [ADVICE_RELAY] = "",
+    [ADVICE_OTHERS_FIRST] = "",
+    [ADVICE_THEN_THIS] = "",
 };
+
+static void set_test(const char *group, unsigned i, bool on, struct text *line)
+{
+    text_str(line, " `set ");
+    text_str(line, group);
+    text_u32(line, i + 1u);
+    text_str(line, on ? ".test on`" : ".test off`");
+}
+
+/* Inputs that act nearly alike: the others first, and then this pair while their loops are closed. */
+static void turn_words(const struct config *config, const struct advice *a, struct text *line)
+{
+    bool then = a->kind == ADVICE_THEN_THIS;
+    text_str(line, then ? "then" : "first");
+    set_test("mv", a->input, then, line);
+    set_test("meas", a->measurement, then, line);
+    for (unsigned i = 0; then && i < CHANNEL_MAX; i++) {
+        if (i != a->input && config->mv[i].name[0] && config->mv[i].start_up.test)
+            set_test("mv", i, false, line);
+        if (i != a->measurement && config->measurement[i].name[0] &&
+            config->measurement[i].start_up.test)
+            set_test("meas", i, false, line);
+    }
+    text_str(line, then ? ": start up and accept " : ": start up and accept all but ");
+    text_str(line, config->measurement[a->measurement].name);
+    text_str(line, " by ");
+    text_str(line, config->mv[a->input].name);
+    if (!then) {
+        text_str(line, ", because the inputs act nearly alike");
+        return;
+    }
+    text_str(line, " while the other loops are closed; both together at least ");
+    text_float4(line, (float)a->value);
+    text_str(line, " h");
+}
 
 static void set_words(const struct config *config, const struct advice *a, struct text *line)
 {
@@ -61,6 +100,10 @@ void commission_advice_text(const struct config *config, const struct advice *a,
         text_str(line, " by ");
         text_str(line, config->mv[a->input].name);
         text_str(line, " by relay: `commission relay LOOP`, once a loop has this pair");
+        return;
+    }
+    if (a->kind == ADVICE_OTHERS_FIRST || a->kind == ADVICE_THEN_THIS) {
+        turn_words(config, a, line);
         return;
     }
     set_words(config, a, line);

@@ -7,15 +7,11 @@
 #include "console/commission_words.h"
 #include "console/phrases.h"
 
-static bool input_line(const struct client *c, unsigned k, struct text *line)
+/* What the tests of an input, or of a direction, were like. */
+static void tests_of_input(const struct client *c, const struct tested_input *in,
+                           const struct mv_config *o, struct text *line)
 {
-    const struct tested_input *in = inputs_get(&c->service->commission->inputs, k);
-    const struct mv_config *o = commission_output(c, k);
-    float span = o->hi - o->lo;
-    text_str(line, "input ");
-    text_str(line, o->name);
-    text_named_float(line, "held", o->lo + (float)in->test_base * span);
-    text_named_float(line, "amplitude", (float)in->amplitude * span);
+    text_named_float(line, "amplitude", (float)in->amplitude * (o->hi - o->lo));
     text_char(line, ' ');
     commission_unit(line, o->unit);
     text_named_float(line, "half", (float)in->half_s);
@@ -30,6 +26,17 @@ static bool input_line(const struct client *c, unsigned k, struct text *line)
     }
     if (in->small)
         text_str(line, " small");
+}
+
+static bool input_line(const struct client *c, unsigned k, struct text *line)
+{
+    const struct tested_input *in = inputs_get(&c->service->commission->inputs, k);
+    const struct mv_config *o = commission_output(c, k);
+    float span = o->hi - o->lo;
+    text_str(line, "input ");
+    text_str(line, o->name);
+    text_named_float(line, "held", o->lo + (float)in->test_base * span);
+    tests_of_input(c, in, o, line);
     return true;
 }
 
@@ -70,6 +77,42 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
     text_named_float(line, "sd", (float)f->residence_sd_s);
     text_str(line, " s");
     commission_flags(line, e->flags);
+}
+
+/* The direction that was tested: its inputs with their shares, in spans, and then what output n - 1 answers to it, in spans as well,
+ * beside what the tests of the single inputs say of that. False past the last. */
+static bool direction_line(const struct client *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    unsigned k = inputs_count(&m->inputs);
+    if (!inputs_has_direction(&m->inputs) || n > outputs_count(&m->outputs))
+        return false;
+    const struct tested_input *in = inputs_get(&m->inputs, k);
+    if (n == 0) {
+        text_str(line, "direction");
+        for (unsigned i = 0; i < k; i++)
+            text_named_float(line, commission_output(c, i)->name, (float)m->work->share[i]);
+        tests_of_input(c, in, &client_settings(c)->mv[in->output], line);
+        return true;
+    }
+    if (in->rounds == 0)
+        return true;
+    const struct element *e = &m->work->element[n - 1u][k];
+    real_t sum = REAL_C(0.0), variance = REAL_C(0.0);
+    for (unsigned i = 0; i < k; i++) {
+        const struct shape_found *f = &m->work->element[n - 1u][i].found;
+        real_t sd = m->work->share[i] * f->sd[SHAPE_GAIN];
+        sum += m->work->share[i] * f->shape.gain;
+        variance += sd * sd;
+    }
+    text_str(line, "along ");
+    text_str(line, commission_measurement(c, n - 1u)->name);
+    text_named_float(line, "gain", (float)e->found.shape.gain);
+    text_named_float(line, "sd", (float)e->found.sd[SHAPE_GAIN]);
+    text_named_float(line, "of single inputs", (float)sum);
+    text_named_float(line, "sd", (float)real_sqrt(variance));
+    commission_flags(line, e->flags);
+    return true;
 }
 
 /* Gives the estimates from moments and plateaus of the same test. */
@@ -123,7 +166,7 @@ bool commission_model_line(struct client *c, unsigned n, struct text *line)
     n -= outputs;
     unsigned j = n / 2u % outputs, k = n / 2u / outputs;
     if (k >= inputs)
-        return false;
+        return direction_line(c, n - 2u * outputs * inputs, line);
     if (inputs_get(&m->inputs, k)->rounds == 0)
         return true;
     if (n % 2u == 0)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/assertion.h"
+#include "interact/direction.h"
 
 enum { STAGE_GAINS, STAGE_NEXT, STAGE_SUBSETS, STAGE_BRANCH, STAGE_DRAWS, STAGE_DONE };
 
@@ -140,14 +141,12 @@ static void look_at_candidate(struct candidates *c)
 
 static void draw_gains(struct candidates *c)
 {
-    for (size_t i = 0; i < c->channels.n; i++)
-        for (size_t j = 0; j < c->channels.n; j++) {
-            uint8_t row = c->channels.output[i], col = c->channels.input[j];
-            real_t gain = c->plant->element[row][col].gain, sd = c->plant->gain_sd[row][col];
-            real_t part = c->config.floor * gain;
-            c->gains.value[i][j] =
-                gain + real_sqrt(sd * sd + part * part) * random_normal(&c->random);
-        }
+    for (size_t i = 0; i < c->channels.n; i++) {
+        real_t row[INTERACT_MAX];
+        direction_draw(c->plant, c->channels.output[i], c->config.floor, &c->random, row);
+        for (size_t j = 0; j < c->channels.n; j++)
+            c->gains.value[i][j] = row[c->channels.input[j]];
+    }
 }
 
 /* The pairs of a candidate would do if the gains were those of the draw. */

@@ -8,6 +8,10 @@
 #define interact_gains               interact_gains_double
 #define interact_response            interact_response_double
 #define fopdt_response               fopdt_response_double
+#define direction_take               direction_take_double
+#define direction_correct            direction_correct_double
+#define direction_common             direction_common_double
+#define direction_draw               direction_draw_double
 #define rga_compute                  rga_compute_double
 #define rga_at                       rga_at_double
 #define rga_number                   rga_number_double

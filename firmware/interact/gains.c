@@ -2,6 +2,8 @@
 
 #include <stddef.h>
 
+#include "interact/direction.h"
+
 #define FLOOR_MAX REAL_C(0.5)
 #define QUANTILE  REAL_C(1.6449) /* of the normal law, 95 % */
 
@@ -34,13 +36,13 @@ enum err gains_begin(struct gains *g, const struct interact_plant *plant, real_t
     if (floor < REAL_C(0.0) || floor > FLOOR_MAX)
         return ERR_RANGE;
     interact_gains(plant, NULL, &g->k);
+    g->plant = plant;
+    g->floor = floor;
     g->sd.rows = g->k.rows;
     g->sd.cols = g->k.cols;
     for (size_t i = 0; i < g->k.rows; i++)
-        for (size_t j = 0; j < g->k.cols; j++) {
-            real_t part = floor * g->k.value[i][j], sd = plant->gain_sd[i][j];
-            g->sd.value[i][j] = real_sqrt(sd * sd + part * part);
-        }
+        for (size_t j = 0; j < g->k.cols; j++)
+            g->sd.value[i][j] = direction_sd(plant, i, j, floor);
     g->rank = g->rank_exact = 0;
     g->condition = g->condition_scaled = g->smallest_in_sd = REAL_C(0.0);
     g->stage = STAGE_SPANS;
@@ -79,12 +81,34 @@ static void rotate_variances(struct gains *g)
     }
 }
 
+/* Takes off them what is known along a direction: the covariance of row i is diag(sd_i^2) - q_i q_i'. */
+static void know_direction(struct gains *g)
+{
+    size_t p = g->k.rows, m = g->k.cols;
+    for (size_t i = 0; i < p; i++) {
+        real_t q[INTERACT_MAX];
+        if (!direction_common(g->plant, i, g->floor, q))
+            continue;
+        for (size_t l = 0; l < m; l++) {
+            real_t along = REAL_C(0.0);
+            for (size_t j = 0; j < m; j++)
+                along += q[j] * g->row_scale[i] * g->col_scale[j] * g->svd.v.value[j][l];
+            for (size_t k = 0; k < p; k++) {
+                real_t part = g->svd.u.value[i][k] * along;
+                real_t left = g->scaled.value[k][l] - part * part;
+                g->scaled.value[k][l] = left > REAL_C(0.0) ? left : REAL_C(0.0);
+            }
+        }
+    }
+}
+
 /* The least r for which what is left past r is no more than errors would leave: weighted chi-square, its degrees of
  * freedom after Satterthwaite (1946). */
 static void rank_in_noise(struct gains *g)
 {
     size_t n = smaller_side(g);
     rotate_variances(g);
+    know_direction(g);
     real_t variance = g->scaled.value[n - 1][n - 1];
     if (variance > REAL_C(0.0))
         g->smallest_in_sd = g->svd.s[n - 1] / real_sqrt(variance);
@@ -134,6 +158,8 @@ enum err gains_step(struct gains *g)
     case STAGE_SPANS:
         for (size_t k = 0; k < n; k++)
             g->singular[k] = g->svd.s[k];
+        for (size_t j = 0; j < g->k.cols; j++)
+            g->weakest[j] = g->svd.v.value[j][n - 1u];
         g->condition = svd_condition(&g->svd);
         matrix_equilibrate(&g->k, true, g->row_scale, g->col_scale);
         g->stage = STAGE_EQUILIBRATED;

@@ -10,6 +10,8 @@ struct gains {
     /* Results. k = min(outputs, inputs) singular values. */
     real_t singular[INTERACT_MAX]; /* of the gains in spans, largest first */
     real_t condition;              /* of them; infinite when numerically singular */
+    /* Combination of inputs, in spans, unit length, that moves the outputs least: right singular vector of the smallest value. */
+    real_t weakest[INTERACT_MAX];
     /* With rows and columns equilibrated: about the least over all scalings. */
     real_t condition_scaled;
     uint8_t rank;       /* directions that stand out of the gains' uncertainty */
@@ -19,6 +21,8 @@ struct gains {
     /* Work, and what the null vectors are read from. */
     struct svd svd;
     struct matrix k, sd, scaled;
+    const struct interact_plant *plant;
+    real_t floor;
     real_t row_scale[INTERACT_MAX], col_scale[INTERACT_MAX];
     uint8_t stage;
 };
@@ -29,7 +33,8 @@ struct gains {
  * Rank: rows and columns are weighted so that the gains' errors have about unit variance; the rank is the least r for
  * which the energy of the singular values past r is no more than noise would leave in so many directions: sum of s^2
  * below the 95 % point of chi-square with (p - r)(m - r) degrees of freedom (Wilson and Hilferty 1931); idea of the
- * test: Kleibergen and Paap, J. Econometrics 133 (2006) 97. Without errors (all 0): rank_exact. */
+ * test: Kleibergen and Paap, J. Econometrics 133 (2006) 97. Without errors (all 0): rank_exact. Rows that were measured along a
+ * direction have smaller errors there (interact/direction.h). plant must live and stay as it is until the end. */
 MUST_CHECK enum err gains_begin(struct gains *g, const struct interact_plant *plant, real_t floor);
 MUST_CHECK enum err gains_step(struct gains *g);
 

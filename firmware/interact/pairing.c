@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/assertion.h"
+#include "interact/direction.h"
 
 /* Relative errors drawn where the gains themselves give no relative gains. */
 #define TO_REVEAL REAL_C(1e-3)
@@ -64,16 +65,9 @@ static enum err check_pairing(const struct pairing_config *c, struct interact_re
 /* The gains to look at: the estimates before the first draw, then draws about them. Channels left out become 0. */
 static void take_gains(struct pairing *p)
 {
-    for (size_t i = 0; i < p->plant->outputs; i++)
-        for (size_t j = 0; j < p->plant->inputs; j++) {
-            real_t gain = p->plant->element[i][j].gain, sd = p->plant->gain_sd[i][j];
-            real_t part = p->floor * gain;
-            if (p->drawing)
-                gain += real_sqrt(sd * sd + part * part) * random_normal(&p->random);
-            p->gains.value[i][j] = gain;
-        }
-    p->gains.rows = p->plant->outputs;
-    p->gains.cols = p->plant->inputs;
+    interact_gains(p->plant, NULL, &p->gains);
+    for (size_t i = 0; p->drawing && i < p->plant->outputs; i++)
+        direction_draw(p->plant, i, p->floor, &p->random, p->gains.value[i]);
     p->stage = STAGE_CHOOSE;
 }
 
@@ -277,14 +271,18 @@ static void next_matrix(struct pairing *p)
 /* Judges the estimates, once their pairs are known. */
 static void judge_determinant(struct pairing *p)
 {
-    struct matrix *sds = &p->lambda_all;
-    for (uint8_t i = 0; i < p->kept.n; i++)
+    struct matrix *sds = &p->lambda_all, *common = &p->gains; /* drawn anew afterwards */
+    *common = *sds;
+    for (uint8_t i = 0; i < p->kept.n; i++) {
+        real_t q[INTERACT_MAX];
+        (void)direction_common(p->plant, p->kept.output[i], p->floor, q);
         for (uint8_t j = 0; j < p->kept.n; j++) {
-            real_t sd = p->plant->gain_sd[p->kept.output[i]][p->kept.input[j]];
-            real_t part = p->floor * p->square.value[i][j];
-            sds->value[i][j] = real_sqrt(sd * sd + part * part);
+            uint8_t input = p->kept.input[j];
+            sds->value[i][j] = direction_sd(p->plant, p->kept.output[i], input, p->floor);
+            common->value[i][j] = q[input];
         }
-    if (rga_determinant_sds(&p->square, sds, &p->work.rga, &p->determinant))
+    }
+    if (rga_determinant_sds(&p->square, sds, common, &p->work.rga, &p->determinant))
         p->determinant = REAL_C(0.0);
 }
 

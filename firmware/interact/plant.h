@@ -35,6 +35,10 @@ struct interact_plant {
     /* Standard deviation of each gain, same unit, 0 or more; errors are taken as normal and independent. An error
      * common to an input's whole column (a wrong step size) changes no relative gain and need not be counted. */
     real_t gain_sd[INTERACT_MAX][INTERACT_MAX];
+    /* A direction of the inputs along which gains were measured together, too, by input; and by output the standard deviation of
+     * that sum, 0: it was not measured. interact/direction.h. */
+    real_t share[INTERACT_MAX];
+    real_t along_sd[INTERACT_MAX];
 };
 
 /* Rows and columns of a plant, in the order wanted. As a pairing: output[k] is controlled by input[k]. */

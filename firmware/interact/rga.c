@@ -139,7 +139,7 @@ real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t 
 }
 
 enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd,
-                             struct rga_work *work, real_t *sds)
+                             const struct matrix *common, struct rga_work *work, real_t *sds)
 {
     if (gains->rows != gains->cols || sd->rows != gains->rows || sd->cols != gains->cols)
         return ERR_RANGE;
@@ -150,11 +150,17 @@ enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd
     err = invert_scaled(gains, work, r, c);
     if (err)
         return err;
-    for (size_t i = 0; i < gains->rows; i++)
+    for (size_t i = 0; i < gains->rows; i++) {
+        real_t together = REAL_C(0.0);
         for (size_t j = 0; j < gains->cols; j++) {
-            real_t part = work->inverse.value[j][i] * r[i] * c[j] * sd->value[i][j];
+            real_t slope = work->inverse.value[j][i] * r[i] * c[j];
+            real_t part = slope * sd->value[i][j];
             variance += part * part;
+            if (common)
+                together += slope * common->value[i][j];
         }
+        variance -= together * together;
+    }
     *sds = variance > REAL_C(0.0) ? REAL_C(1.0) / real_sqrt(variance) : INFINITY;
     return ERR_OK;
 }

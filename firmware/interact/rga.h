@@ -39,10 +39,12 @@ real_t rga_number(const struct matrix *lambda, const struct pairs *pairs);
 real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t *input);
 
 /* Certainty of the sign of det K: |det K| over its standard deviation, to first order. d ln|det K| is the sum of (K^-1)_ji dK_ij
- * over all gains, sd their standard deviations, independent. Infinite where no gain has one. ERR_RANGE: not square, or
- * another size; ERR_SINGULAR. */
+ * over all gains, sd their standard deviations; the errors of row i have the covariance diag(sd_i^2) - common_i common_i'
+ * (interact/direction.h), NULL: they are independent. Infinite where no gain has one. ERR_RANGE: not square, or another size;
+ * ERR_SINGULAR. */
 MUST_CHECK enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd,
-                                        struct rga_work *work, real_t *sds);
+                                        const struct matrix *common, struct rga_work *work,
+                                        real_t *sds);
 
 /* NI = det K / product of K[output k][input k]: Niederlinski, Automatica 7 (1971) 691. Below 0 the loops with integral
  * action are unstable together, however slow (Grosdidier, Morari and Holt 1985, for proper open loops). May overflow to

@@ -3,7 +3,7 @@ foreach(kind "" _double)
   foreach(part matrix real_trig ceigen polynomial)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_num${kind})
   endforeach()
-  foreach(part interact pairing candidates integrity structure ina ina_search)
+  foreach(part interact direction pairing candidates integrity structure ina ina_search)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
   foreach(part loops shapes detune robust interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules

@@ -171,17 +171,17 @@ static void a_determinant_is_as_sure_as_draws_of_the_gains_say(void)
         squares += det * det;
     }
     double mean = sum / 20000.0, deviation = sqrt(squares / 20000.0 - mean * mean);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, &work, &sds));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, NULL, &work, &sds));
     TEST_ASSERT_DOUBLE_WITHIN(0.03, 1.0, (double)sds * deviation / fabs(mean));
 
     memset(&sd.value, 0, sizeof sd.value);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, &work, &sds));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, rga_determinant_sds(&gains, &sd, NULL, &work, &sds));
     TEST_ASSERT_TRUE(isinf(sds));
     for (unsigned j = 0; j < 3; j++)
         gains.value[2][j] = 2 * gains.value[0][j];
-    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_determinant_sds(&gains, &sd, &work, &sds));
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_determinant_sds(&gains, &sd, NULL, &work, &sds));
     gains.cols = sd.cols = 2;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_determinant_sds(&gains, &sd, &work, &sds));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_determinant_sds(&gains, &sd, NULL, &work, &sds));
 }
 
 int main(void)

@@ -220,7 +220,7 @@ static void says_measures(void)
         return;
     }
     real_t error = rga_smallest_error(&lambda, &output, &input), index = REAL_C(0.0);
-    enum err of_sds = rga_determinant_sds(&values, &sd, &rga, &sds);
+    enum err of_sds = rga_determinant_sds(&values, &sd, NULL, &rga, &sds);
     enum err of_index = niederlinski_index(&values, &own, &rga, &index);
     kept_line("number %.6g error %.6g at %u %u sds %d %.6g index %d %.6g",
               (double)rga_number(&lambda, &own), (double)error, output, input, of_sds, (double)sds,

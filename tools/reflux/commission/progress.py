@@ -13,6 +13,7 @@ from reflux.commission.keyboard import Keyboard
 from reflux.session import Refused
 
 LOOK_S = 0.2
+DIRECTION = "direction"  # where an input has its name: all of them are moved together
 QUIET = ("OUTPUT", "MODE", "SETPOINT", "FOLLOWING", "NOT_FOLLOWING")  # of our own doing
 
 
@@ -40,7 +41,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "TEST_DONE": lambda: f"{name}: tested, half a double step took {span_of_time(x)}",
         "TEST_LONGER": lambda: f"{name}: an output was not at rest; testing again, {span_of_time(x)} for each half",
         "TEST_SMALLER": lambda: f"{name}: the step was too large; testing again with about {amount(x)}",
-        "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): testing every input again",
+        "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): testing {what_next(name)}",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"the pairing is not determined, probability {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
@@ -55,6 +56,10 @@ def in_words(event: Event, answers: Answers) -> str | None:
     if event.code in QUIET or event.level == "action" or event.code == "CONFIG_APPLIED":
         return None
     return f"{event.level}: {'' if name == '-' else name + ' '}{event.text} {x:.4g}"
+
+
+def what_next(name: str) -> str:
+    return "all inputs together, because they act nearly alike" if name == DIRECTION else "every input again"
 
 
 def reason(event: Event) -> str:

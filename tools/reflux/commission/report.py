@@ -68,7 +68,13 @@ def model_part(r: Record) -> list[Content]:
     return [element("h2", "Model"),
             note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard "
                  "deviations; beside it what weighted moments and the plateaus make of the last round. docs/identification.md "
-                 "says how."), grid(header, rows, text_columns=2), flags_used(r)]
+                 "says how."), grid(header, rows, text_columns=2), flags_used(r), *direction_part(r)]
+
+
+def direction_part(r: Record) -> list[Content]:
+    if not r.model.direction:
+        return []
+    return [note(results.direction_words(r.model)), grid(*results.direction_rows(r.model), text_columns=1)]
 
 
 def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:

@@ -67,6 +67,7 @@ class Model:
     inputs: list[TestedInput] = field(default_factory=list)
     noise: dict[str, tuple[float, str]] = field(default_factory=dict)
     elements: dict[tuple[str, str], Element] = field(default_factory=dict)
+    direction: list[str] = field(default_factory=list)  # lines about the test of all inputs together
 
     def measurements(self) -> list[str]:
         return list(self.noise)
@@ -198,6 +199,8 @@ def model_of(lines: list[str]) -> Model:
                 e.zero_s = number(found[1])
             if found := re.search(r" residence (\S+) sd (\S+)", line):
                 e.residence = number(found[1]), number(found[2])
+        elif words[0] in ("direction", "along"):
+            m.direction.append(line)
         elif words[0] == "moments" and len(words) >= 12 and (words[1], words[2]) in m.elements:
             e, v = m.elements[words[1], words[2]], pairs_of(words[3:11])
             e.moments = (number(v["gain"]), number(v["T"]), number(v["L"]))
@@ -378,6 +381,23 @@ def input_rows(m: Model) -> tuple[list[str], list[list[str]]]:
     header = ["input", "held", "amplitude", "unit", "half a double step [s]", "rounds", "nearest a limit", "remarks"]
     return header, [[i.name, f"{i.held:.4g}", table.figure(i.amplitude), i.unit, table.figure(i.half_s), str(i.rounds),
                      f"{100 * i.worst:.0f} %", i.remarks or "-"] for i in m.inputs]
+
+
+def direction_rows(m: Model) -> tuple[list[str], list[list[str]]]:
+    """What all inputs together do, beside the sum of what each of them does."""
+    header = ["measurement", "answer to all together [span]", "+-", "sum of the single tests [span]", "+-", "flags"]
+    found = [re.match(r"along (\S+) gain (\S+) sd (\S+) of single inputs (\S+) sd (\S+) flags (.*)", line) for line in m.direction]
+    return header, [[f[1], *(table.figure(number(f[k])) for k in range(2, 6)), f[6]] for f in found if f]
+
+
+def direction_words(m: Model) -> str:
+    """Shares of the inputs, as the board lists them."""
+    shares = re.match(r"direction (.*) amplitude (\S+ \S+) half (\S+) s", m.direction[0]) if m.direction else None
+    if not shares:
+        return ""
+    words = shares[1].split()
+    parts = ", ".join(f"{name} by {number(share):.4g}" for name, share in zip(words[::2], words[1::2], strict=True))
+    return f"The inputs act nearly alike. All of them were moved together, in shares of their spans: {parts}; up to {shares[2]}."
 
 
 def rga_rows(g: Gains) -> tuple[list[str], list[list[str]]]:

@@ -269,6 +269,9 @@ class Startup:
         pairing, proposal = results.pairing_of(said["pairing"]), results.proposal_of(said["proposal"])
         heading("Model")
         say(table.columns(*results.model_rows(model)))
+        if model.direction:
+            say("\n" + results.direction_words(model))
+            say(table.columns(*results.direction_rows(model)))
         heading("Gains")
         for words in results.gains_words(gains):
             say(words)

@@ -1,0 +1,139 @@
+#include "commission/direction_sum.h"
+
+#include "base/assertion.h"
+#include "commission/commission_state.h"
+#include "commission/experiment.h"
+#include "commission/test_inputs.h"
+
+#define POINTS_LEAST     6u
+#define CORRELATION_MOST REAL_C(0.9)
+
+real_t direction_response(const struct commission *c, uint8_t j, real_t t_s)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    real_t sum = REAL_C(0.0);
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        const struct identified f = element_fit(&c->work->element[j][k]);
+        real_t gone_s = t_s - f.dead_time_s, part = REAL_C(0.0);
+        if (gone_s > REAL_C(0.0))
+            part = f.time_constant_s > REAL_C(0.0)
+                       ? REAL_C(1.0) - real_exp(-gone_s / f.time_constant_s)
+                       : REAL_C(1.0);
+        sum += c->work->share[k] * f.gain * part;
+    }
+    return sum;
+}
+
+real_t direction_end(const struct commission *c, uint8_t j)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    real_t sum = REAL_C(0.0);
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++)
+        sum += c->work->share[k] * c->work->element[j][k].found.shape.gain;
+    return sum;
+}
+
+real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    real_t longest_s = REAL_C(0.0);
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        const struct identified f = element_fit(&c->work->element[j][k]);
+        real_t over_s = f.dead_time_s + lags * f.time_constant_s;
+        if (real_abs(c->work->share[k]) > REAL_C(0.0) && over_s > longest_s)
+            longest_s = over_s;
+    }
+    return longest_s;
+}
+
+/* Variance of what the model says is still to come after so many lags, by the errors of the time constants. */
+static real_t variance_to_come(const struct commission *c, uint8_t j)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    real_t sum = REAL_C(0.0), left = DIRECTION_LAGS * real_exp(-DIRECTION_LAGS);
+    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        const struct identified f = element_fit(&c->work->element[j][k]);
+        if (!(f.time_constant_s > REAL_C(0.0)))
+            continue;
+        real_t part = c->work->share[k] * f.gain * left * f.time_constant_sd_s / f.time_constant_s;
+        sum += part * part;
+    }
+    return sum;
+}
+
+/* Level at point i of the record, and what the model says is still to come of the response to all edges. False: an edge is too
+ * near. */
+static bool level_of_point(const struct commission *c, uint8_t j, uint32_t i, real_t *level,
+                           real_t *to_come)
+{
+    const struct record *r = experiment_record(&c->work->experiment);
+    real_t over_s = direction_over_s(c, j, DIRECTION_LAGS), ends = direction_end(c, j);
+    real_t half_s = REAL_C(0.5) * (real_t)r->block * r->h_s, at_s = record_time(r, i);
+    *level = *to_come = REAL_C(0.0);
+    for (uint32_t k = 0; k < r->input.edges; k++) {
+        real_t since_s = at_s - (real_t)r->input.edge[k].sample * r->h_s;
+        if (since_s + half_s <= REAL_C(0.0))
+            continue;
+        if (since_s - half_s < over_s)
+            return false;
+        *level += r->input.edge[k].change;
+        *to_come += r->input.edge[k].change * (direction_response(c, j, since_s) - ends);
+    }
+    return true;
+}
+
+/* Sums over the points at which the responses are over. */
+struct sums {
+    real_t uu, u, ut, uy, rr, r1;
+    uint32_t n;
+};
+
+static void add_points(const struct commission *c, uint8_t j, const struct baseline *b, real_t gain,
+                       struct sums *s)
+{
+    const struct record *r = experiment_record(&c->work->experiment);
+    real_t before = REAL_C(0.0);
+    *s = (struct sums){0};
+    for (uint32_t i = 0; i < r->points; i++) {
+        real_t level, to_come, at_s = record_time(r, i);
+        if (!level_of_point(c, j, i, &level, &to_come) || !(real_abs(level) > REAL_C(0.0)))
+            continue;
+        real_t y = r->y[j][i] - b->offset - b->slope_per_s * at_s - to_come;
+        real_t left = y - gain * level;
+        s->uu += level * level;
+        s->u += level;
+        s->ut += level * at_s;
+        s->uy += level * y;
+        s->rr += left * left;
+        s->r1 += left * before;
+        before = left;
+        s->n++;
+    }
+}
+
+bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain, real_t *sd)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct record *r = experiment_record(&c->work->experiment);
+    struct baseline b;
+    struct sums s;
+    if (experiment_baseline(&c->work->experiment, j, &b) != ERR_OK)
+        return false;
+    add_points(c, j, &b, REAL_C(0.0), &s);
+    if (s.n < POINTS_LEAST)
+        return false;
+    *gain = s.uy / s.uu;
+    add_points(c, j, &b, *gain, &s);
+    real_t noise = b.noise_sd * b.noise_sd / (real_t)r->block;
+    real_t variance = s.rr / (real_t)(s.n - 1u), together = s.r1 / s.rr;
+    if (!(variance > noise))
+        variance = noise;
+    if (!(together > REAL_C(0.0))) /* also where nothing is left */
+        together = REAL_C(0.0);
+    if (together > CORRELATION_MOST)
+        together = CORRELATION_MOST;
+    variance *= (REAL_C(1.0) + together) / (REAL_C(1.0) - together);
+    real_t offset = b.offset_sd * s.u / s.uu, slope = b.slope_sd_per_s * s.ut / s.uu;
+    *sd = real_sqrt(variance / s.uu + offset * offset + slope * slope + variance_to_come(c, j));
+    return real_is_finite(*gain) && real_is_finite(*sd);
+}
