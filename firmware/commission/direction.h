@@ -2,7 +2,7 @@
  * direction is the one that the outputs answer least, so that what the inputs do not have in common is measured by itself, with
  * steps far larger than those of one input. It is a test like that of an input, behind them in the order of turns: the slot
  * inputs_count() of test_inputs, and the same column of commission_work.element. A plant of CHANNEL_MAX inputs has no slot free, and
- * no such test. Tick, but for direction_condition(). */
+ * no such test. Tick. */
 #ifndef REFLUX_COMMISSION_DIRECTION_H
 #define REFLUX_COMMISSION_DIRECTION_H
 

@@ -1,6 +1,7 @@
 #include "commission/direction_sum.h"
 
 #include "base/assertion.h"
+#include "base/error.h"
 #include "commission/commission_state.h"
 #include "commission/experiment.h"
 #include "commission/test_inputs.h"
@@ -8,38 +9,41 @@
 #define POINTS_LEAST     6u
 #define CORRELATION_MOST REAL_C(0.9)
 
+static const struct shape *shape_of(const struct commission *c, uint8_t j, uint8_t k)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
+    return &c->work->element[j][k].found.shape;
+}
+
 real_t direction_response(const struct commission *c, uint8_t j, real_t t_s)
 {
-    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t sum = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct identified f = element_fit(&c->work->element[j][k]);
-        real_t gone_s = t_s - f.dead_time_s, part = REAL_C(0.0);
-        if (gone_s > REAL_C(0.0))
-            part = f.time_constant_s > REAL_C(0.0)
-                       ? REAL_C(1.0) - real_exp(-gone_s / f.time_constant_s)
-                       : REAL_C(1.0);
-        sum += c->work->share[k] * f.gain * part;
+        const struct shape *s = shape_of(c, j, k);
+        real_t gone_s = t_s - s->dead_time_s, left = REAL_C(0.0);
+        if (gone_s <= REAL_C(0.0))
+            continue;
+        if (s->lag_s > REAL_C(0.0))
+            left = real_exp(-gone_s / s->lag_s);
+        sum += c->work->share[k] * s->gain * (REAL_C(1.0) - left);
     }
     return sum;
 }
 
 real_t direction_end(const struct commission *c, uint8_t j)
 {
-    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t sum = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++)
-        sum += c->work->share[k] * c->work->element[j][k].found.shape.gain;
+        sum += c->work->share[k] * shape_of(c, j, k)->gain;
     return sum;
 }
 
-real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags)
+NOT_INLINE real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags)
 {
-    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t longest_s = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct identified f = element_fit(&c->work->element[j][k]);
-        real_t over_s = f.dead_time_s + lags * f.time_constant_s;
+        const struct shape *s = shape_of(c, j, k);
+        real_t over_s = s->dead_time_s + lags * s->lag_s;
         if (real_abs(c->work->share[k]) > REAL_C(0.0) && over_s > longest_s)
             longest_s = over_s;
     }
@@ -49,13 +53,13 @@ real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags)
 /* Variance of what the model says is still to come after so many lags, by the errors of the time constants. */
 static real_t variance_to_come(const struct commission *c, uint8_t j)
 {
-    REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t sum = REAL_C(0.0), left = DIRECTION_LAGS * real_exp(-DIRECTION_LAGS);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct identified f = element_fit(&c->work->element[j][k]);
-        if (!(f.time_constant_s > REAL_C(0.0)))
+        const struct shape *s = shape_of(c, j, k);
+        if (!(s->lag_s > REAL_C(0.0)))
             continue;
-        real_t part = c->work->share[k] * f.gain * left * f.time_constant_sd_s / f.time_constant_s;
+        real_t sd_s = element_lag_sd_s(&c->work->element[j][k].found);
+        real_t part = c->work->share[k] * s->gain * left * sd_s / s->lag_s;
         sum += part * part;
     }
     return sum;
@@ -88,8 +92,8 @@ struct sums {
     uint32_t n;
 };
 
-static void add_points(const struct commission *c, uint8_t j, const struct baseline *b, real_t gain,
-                       struct sums *s)
+NOT_INLINE static void add_points(const struct commission *c, uint8_t j, const struct baseline *b,
+                                  real_t gain, struct sums *s)
 {
     const struct record *r = experiment_record(&c->work->experiment);
     real_t before = REAL_C(0.0);

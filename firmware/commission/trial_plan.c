@@ -1,6 +1,7 @@
 #include "commission/trial_plan.h"
 
 #include "base/assertion.h"
+#include "base/error.h"
 #include "commission/adoption.h"
 #include "commission/analysis_job.h"
 #include "commission/analysis_structure.h"
@@ -55,8 +56,8 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
 
 /* Largest share of its room that an input uses in the step of loop k, where the inputs are still as far away as the steps before
  * have taken them. That is so where they act nearly alike: they come back as slowly as they went. */
-static real_t room_used(const struct commission *c, const struct supervisor *s, uint8_t k,
-                        real_t step)
+NOT_INLINE static real_t room_used(const struct commission *c, const struct supervisor *s,
+                                   uint8_t k, real_t step)
 {
     const struct analysis *a = &c->work->analysis;
     real_t most = REAL_C(0.0);

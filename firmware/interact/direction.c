@@ -1,10 +1,18 @@
 #include "interact/direction.h"
 
 #include "base/assertion.h"
+#include "base/error.h"
+
+NOT_INLINE real_t direction_sd(const struct interact_plant *plant, size_t output, size_t input,
+                               real_t floor)
+{
+    real_t sd = plant->gain_sd[output][input], part = floor * plant->element[output][input].gain;
+    return real_sqrt(sd * sd + part * part);
+}
 
 /* Variance of the sum along the direction before the test; *error: of the measured sum, squared. */
-static real_t variance_along(const struct interact_plant *plant, size_t output, real_t floor,
-                             real_t *error)
+NOT_INLINE static real_t variance_along(const struct interact_plant *plant, size_t output,
+                                        real_t floor, real_t *error)
 {
     REFLUX_ASSERT(output < INTERACT_MAX && plant->inputs <= INTERACT_MAX);
     real_t variance = REAL_C(0.0), sum = REAL_C(0.0);

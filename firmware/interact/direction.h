@@ -28,12 +28,7 @@ void direction_correct(const struct interact_plant *plant, size_t output, real_t
 bool direction_common(const struct interact_plant *plant, size_t output, real_t floor, real_t *q);
 
 /* Standard deviation of a gain by itself, the floor included. */
-static inline real_t direction_sd(const struct interact_plant *plant, size_t output, size_t input,
-                                  real_t floor)
-{
-    real_t sd = plant->gain_sd[output][input], part = floor * plant->element[output][input].gain;
-    return real_sqrt(sd * sd + part * part);
-}
+real_t direction_sd(const struct interact_plant *plant, size_t output, size_t input, real_t floor);
 
 /* Draws the gains of a row about their means, by input: one normal deviate each, in ascending order. */
 void direction_draw(const struct interact_plant *plant, size_t output, real_t floor,

@@ -8,6 +8,7 @@
 #define interact_gains               interact_gains_double
 #define interact_response            interact_response_double
 #define fopdt_response               fopdt_response_double
+#define direction_sd                 direction_sd_double
 #define direction_take               direction_take_double
 #define direction_correct            direction_correct_double
 #define direction_common             direction_common_double

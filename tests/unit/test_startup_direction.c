@@ -108,12 +108,12 @@ static void a_plant_whose_inputs_take_all_places_has_none(void)
 
 static void there_is_one_direction_and_a_new_round_tests_it_again(void)
 {
-    struct analysis *a = analysed();
+    (void)analysed();
     direction_line_up(&c);
     c.inputs.turn = 3;
     goes_on(); /* every gain is as sure as it can be */
     TEST_ASSERT_EQUAL_INT(COMMISSION_READY, c.status.phase);
-    a = analysed();
+    struct analysis *a = analysed();
     direction_line_up(&c);
     c.inputs.turn = 3;
     a->plant.along_sd[1] = REAL_C(1e-3); /* but what they do together is not */
