@@ -89,7 +89,11 @@
     START_UP(NOT_DETERMINED, "pairing not determined, see `commission pairing`; probability",      \
              WARNING)                                                                              \
     START_UP(TRIAL_BEGUN, "proposed loops on trial; loops", INFO)                                  \
-    START_UP(TRIAL_KEPT, "proposed loops matched the prediction and stay; loops", INFO)            \
+    START_UP(                                                                                      \
+        TRIAL_KEPT,                                                                                \
+        "proposed loops matched the prediction and stay, `commission watch` watches them for "     \
+        "a day; loops",                                                                            \
+        INFO)                                                                                      \
     START_UP(TRIAL_FAILED, "trial failed, the old settings return", ALARM)                         \
     JOB(JOB_LATE, "job not done at its tick; ticks it was given", WARNING)                         \
     START_UP(BLOCK_GAVE_UP, "a block gave up, its loops go on without it; block", ALARM)           \
@@ -132,7 +136,14 @@
     BLOCK(DO_PROPOSAL, "proposal of a block accepted, rejected or taken back; its values", ACTION) \
     BLOCK(SWITCHED_OFF, "adds nothing until its settings change; block that switched it off",      \
           WARNING)                                                                                 \
-    BLOCK(PROPOSAL_WITHDRAWN, "a block withdraws its proposal; block", INFO)
+    BLOCK(PROPOSAL_WITHDRAWN, "a block withdraws its proposal; block", INFO)                       \
+    START_UP(WATCH_BEGUN, "the kept loops are watched; hours", INFO)                               \
+    START_UP(WATCH_LOOP, "watched, see `commission watched`; largest error", INFO)                 \
+    START_UP(WATCH_ENDED, "the watch of the kept loops is over; hours", INFO)                      \
+    START_UP(WATCH_FAILED, "a kept loop went wrong, the old settings return", ALARM)               \
+    START_UP(WATCH_SIGN,                                                                           \
+             "a kept loop went wrong, its settings stay: put it into manual, or lower its gain",   \
+             ALARM)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS). */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0

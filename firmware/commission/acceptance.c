@@ -8,6 +8,8 @@
 #include "commission/status.h"
 #include "commission/test_outputs.h"
 
+#include <string.h>
+
 void commission_back_to_old(struct commission *c, struct supervisor *s,
                             enum commission_reason reason, const char *subject, real_t value)
 {
@@ -71,6 +73,7 @@ void commission_acceptance(struct commission *c, struct supervisor *s)
         [ADOPTION_RESTLESS] = REASON_TRIAL_REST,
         [ADOPTION_SWINGS] = REASON_TRIAL_SWINGS,
         [ADOPTION_BLOCKED] = REASON_TRIAL_ROOM,
+        [ADOPTION_MARGIN] = REASON_TRIAL_MARGIN,
         [ADOPTION_HAND] = REASON_HAND,
         [ADOPTION_LEFT] = REASON_LEFT,
     };
@@ -78,6 +81,7 @@ void commission_acceptance(struct commission *c, struct supervisor *s)
     if (r == ADOPTION_RUNNING)
         return;
     if (r == ADOPTION_PASSED) {
+        memset(&c->work->analysis.work.after.watch, 0, sizeof c->work->analysis.work.after.watch);
         status_kept(&c->status, s->time_ms);
         commission_say(c, s, EVENT_TRIAL_KEPT, NULL, (float)adoption_loops(&c->adoption));
         return;

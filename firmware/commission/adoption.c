@@ -2,6 +2,7 @@
 
 #include "base/assertion.h"
 #include "commission/adoption_state.h"
+#include "commission/swing.h"
 #include "commission/trial_step.h"
 
 #include <string.h>
@@ -72,6 +73,7 @@ static uint32_t longest(const struct adoption *a, const struct supervisor *s)
 static void enter_stage(struct adoption *a, enum stage stage, uint32_t ticks)
 {
     a->stage = (uint8_t)stage;
+    a->raised = (a->raised && stage == STAGE_RETURN) || (a->probing && stage != STAGE_REST);
     a->ticks = 0;
     a->stage_ticks = ticks;
     trial_step_begin(&a->trial_step);
@@ -115,7 +117,7 @@ enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct o
     a->steady = work;
     a->result = a->doubt = ADOPTION_RUNNING;
     a->turn = a->culprit = a->repeats = 0;
-    a->drifting = a->placed = false;
+    a->drifting = a->placed = a->probing = false;
     a->since = 0;
     a->patience = PATIENCE;
     for (uint8_t k = 0; k < a->n; k++)
@@ -226,6 +228,8 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
             return fail_trial(a, a->doubt, a->turn);
         a->repeats++;
         a->drifting = true;
+        a->probing =
+            a->doubt == ADOPTION_MARGIN; /* the step has passed, its way back is in doubt */
         a->doubt = ADOPTION_RUNNING;
     }
     for (uint8_t k = 0; k < a->n; k++)
@@ -343,7 +347,7 @@ static void begin_stage(struct adoption *a, struct supervisor *s, enum stage sta
 {
     REFLUX_ASSERT(a->turn < a->n);
     enter_stage(a, stage, duration(&a->loop[a->turn], s));
-    if (stage == STAGE_STEP)
+    if (stage == STAGE_STEP && !a->probing)
         a->loop[a->turn].iae = a->loop[a->turn].peak = REAL_C(0.0);
     place_setpoints(a, s);
     say_setpoint(a, s);
@@ -360,8 +364,23 @@ static void look_at_step(struct adoption *a, const struct supervisor *s)
     for (uint8_t k = 0; k < all_loops(a); k++)
         if (output_of(a, s, k) != PLAN_NONE)
             trial_step_watch_output(&a->trial_step, s, k, output_of(a, s, k));
-    trial_step_sample(&a->trial_step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
-                      a->ticks > a->stage_ticks - a->stage_ticks / 4u);
+    bool ends = a->ticks > a->stage_ticks - a->stage_ticks / 4u;
+    if (a->probing)
+        trial_step_rest(&a->trial_step, setpoint_error(a, s), ends);
+    else
+        trial_step_sample(&a->trial_step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
+                          ends);
+}
+
+/* The verdict on a step there or back with the raised gain. */
+static enum adoption_result verdict_of_probe(const struct adoption *a)
+{
+    REFLUX_ASSERT(a->turn < a->n);
+    real_t step = a->loop[a->turn].step, direction = a->stage == STAGE_RETURN ? -step : step;
+    bool fails = trial_step_swings(&a->trial_step) ||
+                 trial_step_is_restless(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
+                                        direction, a->probe[a->turn].left);
+    return fails ? ADOPTION_MARGIN : ADOPTION_RUNNING;
 }
 
 /* Steps the next loop, or ends the trial. */
@@ -378,8 +397,12 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
     REFLUX_ASSERT(a->turn < a->n);
-    a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
-                                  all_loops(a), a->stage_ticks, s->plan->tick_s);
+    if (a->probing)
+        a->doubt = verdict_of_probe(a);
+    else
+        a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
+                                      all_loops(a), a->stage_ticks, s->plan->tick_s);
+    a->probing = false;
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
         return ADOPTION_RUNNING;
@@ -390,16 +413,48 @@ static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
     return ADOPTION_RUNNING;
 }
 
+/* The way back of this loop is its margin probe. A plant that drifts has no way back. */
+static bool is_probed(const struct adoption *a)
+{
+    REFLUX_ASSERT(a->turn < a->n);
+    return a->probe && a->probe[a->turn].planned && !a->drifting;
+}
+
+/* Raises the gain just before the way back, because the controller has to make the setpoint's step with it. */
+static void raise_in_time(struct adoption *a, const struct supervisor *s)
+{
+    uint32_t turn = s->plan->config.loop[a->loop[a->turn].loop].divisor;
+    if (is_probed(a) && a->ticks + turn >= a->stage_ticks)
+        a->raised = true;
+}
+
 static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 {
     REFLUX_ASSERT(a->turn < a->n);
-    if (trial_step_swings(&a->trial_step)) {
+    if (a->raised)
+        a->doubt = verdict_of_probe(a);
+    else if (trial_step_swings(&a->trial_step))
         a->doubt = ADOPTION_SWINGS;
+    if (a->doubt != ADOPTION_RUNNING) {
         rest_again(a, s);
         return ADOPTION_RUNNING;
     }
     a->turn++;
     return next_turn(a, s);
+}
+
+/* A stage ends after its time; with a raised gain at the first sign, because the gain must go back to normal. */
+static bool is_over(const struct adoption *a)
+{
+    bool probes = a->probing || a->stage == STAGE_RETURN;
+    return a->ticks >= a->stage_ticks || (probes && a->raised && trial_step_swings(&a->trial_step));
+}
+
+static enum adoption_result end_stage(struct adoption *a, struct supervisor *s)
+{
+    if (a->stage == STAGE_STEP)
+        return end_step(a, s);
+    return a->stage == STAGE_RETURN ? end_return(a, s) : next_turn(a, s);
 }
 
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
@@ -412,18 +467,23 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
         listen(a, s);
     enum adoption_result r = watch_trial(a, s);
+    if (r == ADOPTION_PAST_LIMIT && a->raised && a->culprit == a->turn)
+        return fail_trial(a, ADOPTION_MARGIN, a->turn);
     if (r != ADOPTION_RUNNING)
         return r;
     if (a->stage == STAGE_STEP)
         look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
         trial_step_swing(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
-                         setpoint_error(a, s), a->ticks >= a->stage_ticks);
-    if (a->ticks >= a->stage_ticks) {
-        if (a->stage == STAGE_STEP)
-            return end_step(a, s);
-        return a->stage == STAGE_RETURN ? end_return(a, s) : next_turn(a, s);
-    }
+                         setpoint_error(a, s), a->raised ? &swing_raised : &swing_accepted,
+                         a->ticks >= a->stage_ticks);
+    if (a->stage == STAGE_RETURN)
+        trial_step_rest(&a->trial_step, setpoint_error(a, s),
+                        a->ticks > a->stage_ticks - a->stage_ticks / 4u);
+    if (is_over(a))
+        return end_stage(a, s);
+    if (a->stage == STAGE_STEP)
+        raise_in_time(a, s);
     place_setpoints(a, s);
     return ADOPTION_RUNNING;
 }

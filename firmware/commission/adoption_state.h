@@ -5,6 +5,7 @@
 #include "base/assertion.h"
 #include "commission/trial_records.h"
 #include "commission/trial_step_state.h"
+#include "exchange/plan.h"
 
 struct adoption {
     uint8_t n;        /* loops with a setpoint to step */
@@ -21,11 +22,14 @@ struct adoption {
     uint8_t stage, repeats, patience;
     bool drifting; /* a measurement has drifted: rest between any two steps */
     bool placed;   /* the setpoints are written */
+    bool probing;  /* a margin probe is made again, as a step away */
+    bool raised;   /* the loop under trial is to have its gain raised */
     uint32_t ticks, stage_ticks;
-    uint32_t since;               /* ticks since the lines were fitted */
-    real_t asked[CONFIG_LOOPS];   /* setpoints, as written */
-    struct trial_step trial_step; /* of the loop under trial */
-    struct steady *steady;        /* work */
+    uint32_t since;                  /* ticks since the lines were fitted */
+    real_t asked[CONFIG_LOOPS];      /* setpoints, as written */
+    struct trial_step trial_step;    /* of the loop under trial */
+    const struct trial_probe *probe; /* one for each loop; NULL: none is probed */
+    struct steady *steady;           /* work */
     struct origin *origin;
 };
 
@@ -34,6 +38,19 @@ static inline void adoption_set_step(struct adoption *a, unsigned k, real_t step
 {
     REFLUX_ASSERT(k < a->n);
     a->loop[k].step = step;
+}
+
+/* Predictions for the ways back with a raised gain, one for each loop; they must stay until the trial ends. */
+static inline void adoption_probe_with(struct adoption *a, const struct trial_probe *probe)
+{
+    a->probe = probe;
+}
+
+/* The loop, an index in the plan, that is to have its gain raised now; PLAN_NONE: none. */
+static inline uint8_t adoption_raised(const struct adoption *a)
+{
+    REFLUX_ASSERT(a->turn <= a->n);
+    return a->raised ? a->loop[a->turn].loop : PLAN_NONE;
 }
 
 /* Number of loops with a setpoint to step. */

@@ -352,6 +352,52 @@ static bool decoupler_pays(const struct analysis *a)
     return with->setpoints * with->loads < PAYS * without->setpoints * without->loads;
 }
 
+/* Predicts the step of the next loop with its gain raised, or ends the analysis. */
+static enum err begin_probe(struct analysis *a)
+{
+    if (a->turn >= a->pairs.n) {
+        a->stage = ANALYSIS_DONE;
+        return ERR_OK;
+    }
+    struct trial_config c = {.loop = a->turn,
+                             .size = a->config.step,
+                             .duration_s = a->horizon_s,
+                             .mark_s = a->horizon_s,
+                             .setpoint_weight = REAL_C(1.0),
+                             .raise = a->config.probe};
+    enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
+    if (!err)
+        return ERR_BUSY;
+    a->stage = ANALYSIS_DONE; /* the loops are not probed then */
+    return ERR_OK;
+}
+
+static enum err end_probe(struct analysis *a)
+{
+    REFLUX_ASSERT(a->turn < a->pairs.n);
+    const struct trial *t = &a->work.trial;
+    const struct trial_mark *before = &a->tried[a->turn];
+    struct trial_probe *p = &a->probe[a->turn];
+    for (uint8_t l = 0; l < a->pairs.n && t->bounded; l++) {
+        real_t ratio =
+            before->moved[l] > REAL_C(0.0) ? t->mark.moved[l] / before->moved[l] : REAL_C(1.0);
+        p->moved = ratio > p->moved ? ratio : p->moved;
+    }
+    p->others = t->mark.others;
+    p->left = t->mark.left / a->config.step;
+    a->turn++;
+    return begin_probe(a);
+}
+
+/* The settings are chosen. */
+static enum err begin_probes(struct analysis *a)
+{
+    bool wanted = a->designed && a->config.probe > REAL_C(0.0);
+    a->stage = wanted ? ANALYSIS_PROBES : ANALYSIS_DONE;
+    a->turn = 0;
+    return wanted ? begin_probe(a) : ERR_OK;
+}
+
 /* Chooses between two designs: the one with decoupler is made first, then the one without. */
 static enum err choose(struct analysis *a)
 {
@@ -367,8 +413,7 @@ static enum err choose(struct analysis *a)
     }
     if (a->has_decoupled && (!a->designed || decoupler_pays(a)))
         take_decoupled(a);
-    a->stage = ANALYSIS_DONE;
-    return ERR_OK;
+    return begin_probes(a);
 }
 
 /* Result of a stage that may have begun another one: ERR_BUSY while there is more to do. */
@@ -417,7 +462,13 @@ enum err analysis_step(struct analysis *a)
             return err;
         return more(a, a->load ? end_load(a) : end_prediction(a));
     case ANALYSIS_ALTERNATIVE:
-        return more(a, choose(a));
+        err = choose(a);
+        return err == ERR_BUSY ? err : more(a, err);
+    case ANALYSIS_PROBES:
+        err = trial_step(&a->work.trial);
+        if (!err)
+            err = end_probe(a);
+        return err;
     default:
         return ERR_OK;
     }

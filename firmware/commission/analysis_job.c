@@ -113,6 +113,7 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
                                  .confidence = config->test.confidence,
                                  .floor = GAIN_FLOOR,
                                  .step = STEP,
+                                 .probe = config->test.probe,
                                  .loops_max = CONFIG_LOOPS,
                                  .last = inputs_round(&c->inputs) >= config->test.rounds,
                                  .members = MEMBERS,

@@ -6,6 +6,8 @@
 #include "commission/analysis_choice_state.h"
 #include "commission/analysis_structure_state.h"
 #include "commission/certainty_state.h"
+#include "commission/kept_watch_state.h"
+#include "commission/trial_records.h"
 #include "design/detune.h"
 #include "design/robust.h"
 #include "design/static_decoupler.h"
@@ -30,6 +32,7 @@ enum analysis_stage {
     ANALYSIS_ROBUST,
     ANALYSIS_PREDICTION,
     ANALYSIS_ALTERNATIVE, /* with and without a decoupler: the better of the two */
+    ANALYSIS_PROBES,      /* each loop's setpoint step again, with its gain raised */
     ANALYSIS_DONE
 };
 
@@ -38,6 +41,7 @@ struct analysis_config {
     real_t confidence; /* least probability of a determined pairing, 0.5 to 1 */
     real_t floor;      /* least relative standard deviation of a gain */
     real_t step;       /* setpoint step of the prediction, fraction of span */
+    real_t probe;      /* factor on the gain of a loop that is probed; 0: no loop is */
     uint8_t loops_max; /* number of loops that the board can run */
     bool last; /* there are no more rounds: doubts that only more tests could mend do not count */
     /* Plants that the true one may be: struct robust_config. The context must live as long as the analysis. */
@@ -127,6 +131,7 @@ struct analysis {
     bool has_decoupled, compares;
     bool load; /* the prediction steps the load, not the setpoint */
     bool bounded;
+    struct trial_probe probe[INTERACT_MAX];
     uint8_t turn;     /* loop under prediction */
     uint8_t extended; /* how often its prediction was made longer */
 
@@ -157,6 +162,7 @@ struct analysis {
         struct {
             struct steady rest;
             struct config old; /* settings before the trial */
+            struct kept_watch watch;
         } after;
     } work;
 };

@@ -8,6 +8,8 @@
 #include "commission/results.h"
 #include "commission/start_stop.h"
 #include "commission/tests.h"
+#include "commission/watching.h"
+#include "supervise/raise_gain.h"
 
 #include <string.h>
 
@@ -91,7 +93,11 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
         break;
     case COMMISSION_ASK_ABORT:
         *wanted = "start-up is not running";
-        possible = testing || trial;
+        possible = testing || trial || phase == COMMISSION_WATCHING;
+        break;
+    case COMMISSION_ASK_WATCH:
+        *wanted = "only after a trial that kept its loops, while its results are there";
+        possible = commission_may_watch(c) && !old;
         break;
     case COMMISSION_ASK_TRIAL:
         *wanted = "there is no proposal; `commission` shows the progress";
@@ -108,7 +114,8 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
 static bool needs_workspace(const struct commission *c)
 {
     return requests_begin(&c->requests) || commission_is_on_trial(c) ||
-           status_is_testing(&c->status);
+           status_is_testing(&c->status) || status_phase(&c->status) == COMMISSION_WATCHING ||
+           requests_pending(&c->requests) == COMMISSION_ASK_WATCH;
 }
 
 /* The command that frees the workspace; NULL: nobody needs the results. */
@@ -243,11 +250,16 @@ static void take_ask(struct commission *c, struct supervisor *s)
     case COMMISSION_ASK_ABORT:
         if (status_phase(&c->status) == COMMISSION_TRIAL)
             commission_back_to_old(c, s, REASON_ASKED, NULL, REAL_C(0.0));
+        else if (status_phase(&c->status) == COMMISSION_WATCHING)
+            commission_end_watch(c, s, REASON_ASKED, NULL);
         else
             commission_end(c, s, REASON_ASKED, NULL, REAL_C(0.0));
         break;
     case COMMISSION_ASK_TRIAL:
         commission_begin_trial(c, s);
+        break;
+    case COMMISSION_ASK_WATCH:
+        commission_begin_watch(c, s);
         break;
     default:
         status_rejected(&c->status);
@@ -291,6 +303,9 @@ static void act(struct commission *c, struct supervisor *s)
     case COMMISSION_TRIAL:
         commission_acceptance(c, s);
         break;
+    case COMMISSION_WATCHING:
+        commission_watch(c, s);
+        break;
     default:
         break;
     }
@@ -299,6 +314,10 @@ static void act(struct commission *c, struct supervisor *s)
 void commission_tick(struct commission *c, struct supervisor *s)
 {
     act(c, s);
-    s->testing = status_is_testing(&c->status) || status_phase(&c->status) == COMMISSION_TRIAL;
+    bool trial = status_phase(&c->status) == COMMISSION_TRIAL;
+    /* Whatever has ended the trial has ended the probe, too. */
+    uint8_t raised = trial ? adoption_raised(&c->adoption) : PLAN_NONE;
+    supervisor_raise_gain(s, raised, (float)c->work->analysis.config.probe);
+    s->testing = status_is_testing(&c->status) || trial;
     update_lease(c);
 }

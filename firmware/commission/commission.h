@@ -2,7 +2,7 @@
  *
  *     idle -> testing -> fitting -> (next input ...) -> analysing -> ready -> accepted -> trial -> kept
  *                 ^                                        |                                 \--> old set returns
- *                 +--- another round, while not determined-+
+ *                 +--- another round, while not determined-+                    kept -> watching -> kept, or old set returns
  *
  * The tick moves everything: it asks for a task (background.h) when there is something to work out, the main loop does it in
  * pieces, and its result is taken a declared number of ticks later whatever the processor's speed.
@@ -15,14 +15,15 @@
  *
  *     commission                              requests are taken, phases get their tick; the one that others include
  *     results                                 a fit or the analysis is done: repeat, go on, another round, or ready
- *     tests  by_relay  acceptance             a phase each, in the tick
+ *     tests  by_relay  acceptance  watching   a phase each, in the tick
  *     proposal  trial_plan  expected          main loop: the proposal as settings, its trial planned, what tests would take
  *     next_test  direction  model  analysis_job  blocking  start_stop      helpers that see several parts
  *     status requests lease background test_outputs test_inputs origin adoption     a part each, with its own state
- *     experiment  analysis  certainty ...     methods that know nothing of start-up
+ *     experiment  analysis  kept_watch ...    methods that know nothing of start-up
  *
- * In the tick run results, tests, by_relay, analysis_single, acceptance, next_test, direction, start_stop, status, test_outputs, test_inputs,
- * origin, adoption, trial_step, swing, experiment, limits, progress and combine. In the main loop run interim_fit, analysis,
+ * In the tick run results, tests, by_relay, analysis_single, acceptance, watching, kept_watch, next_test, direction, start_stop, status,
+ * test_outputs, test_inputs, origin, adoption, trial_step, swing, experiment, limits, progress and combine. In the main loop run
+ * interim_fit, analysis,
  * analysis_structure, certainty, test_verdict, words, expected, lease, proposal, proposal_loops, proposal_structure and trial_plan.
  * Both use commission, model, analysis_job, background, blocking, channels, requests and reasons, as the heads of these say. Only
  * analysis.c, in the main loop, uses plan/. */

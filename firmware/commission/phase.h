@@ -13,7 +13,8 @@ enum commission_phase {
     COMMISSION_TRIAL, /* the accepted settings are in force, and the trial runs */
     COMMISSION_KEPT,
     COMMISSION_RETURNED, /* the old settings are, or soon will be, back in force */
-    COMMISSION_ENDED     /* before its end, for a reason */
+    COMMISSION_ENDED,    /* before its end, for a reason */
+    COMMISSION_WATCHING  /* kept, and the loops are watched */
 };
 
 enum commission_ask {
@@ -26,7 +27,8 @@ enum commission_ask {
     COMMISSION_ASK_REPEAT,
     COMMISSION_ASK_ABORT,
     COMMISSION_ASK_TRIAL, /* a plan with the proposal is on its way */
-    COMMISSION_ASK_REJECT
+    COMMISSION_ASK_REJECT,
+    COMMISSION_ASK_WATCH
 };
 
 enum background_task { TASK_INTERIM_FIT, TASK_FIT, TASK_ANALYSIS };

@@ -34,6 +34,12 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",
     [REASON_ACTION] = "its action is wrong, the measurement went the other way: change `action`",
+    [REASON_TRIAL_MARGIN] =
+        "oscillated with its gain raised: less than `test.probe` times the gain is left",
+    [REASON_WATCH_LIMIT] = "went further from its setpoint than its test limit",
+    [REASON_WATCH_SWINGS] = "oscillates without decaying",
+    [REASON_WATCH_STUCK] = "its output stands at a limit",
+    [REASON_WATCH_MANUAL] = "was in manual for more than a tenth of the watch",
     [REASON_NO_CYCLE] = "no steady cycle under the relay",
 };
 

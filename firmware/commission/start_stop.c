@@ -34,7 +34,8 @@ void commission_release(struct commission *c, struct supervisor *s)
 void commission_end(struct commission *c, struct supervisor *s, enum commission_reason reason,
                     const char *subject, real_t value)
 {
-    bool in_trial = status_phase(&c->status) == COMMISSION_TRIAL;
+    enum commission_phase phase = status_phase(&c->status);
+    bool in_trial = phase == COMMISSION_TRIAL || phase == COMMISSION_WATCHING;
     commission_release(c, s);
     /* Outputs go back to where they were held, because an interlock or the operator may have moved them; unless somebody
      * else decides now. */

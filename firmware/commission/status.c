@@ -36,6 +36,27 @@ void status_kept(struct startup_status *st, uint64_t time_ms)
     st->ended_ms = time_ms;
 }
 
+static void set_subject(struct startup_status *st, const char *subject)
+{
+    memset(st->subject, 0, sizeof st->subject);
+    for (unsigned i = 0; subject && subject[i] && i + 1 < sizeof st->subject; i++)
+        st->subject[i] = subject[i];
+}
+
+void status_watch(struct startup_status *st, uint64_t time_ms)
+{
+    status_enter(st, COMMISSION_WATCHING, time_ms);
+    st->reason = REASON_NOT;
+}
+
+void status_watched(struct startup_status *st, enum commission_reason reason, const char *subject)
+{
+    st->phase = COMMISSION_KEPT;
+    st->reason = reason;
+    st->unseen = true;
+    set_subject(st, subject);
+}
+
 void status_rejected(struct startup_status *st)
 {
     st->phase = COMMISSION_IDLE;
@@ -45,16 +66,15 @@ void status_rejected(struct startup_status *st)
 void status_end(struct startup_status *st, enum commission_reason reason, const char *subject,
                 real_t value, uint64_t time_ms)
 {
-    bool in_trial = st->phase == COMMISSION_TRIAL;
+    enum event_code code = st->phase == COMMISSION_TRIAL      ? EVENT_TRIAL_FAILED
+                           : st->phase == COMMISSION_WATCHING ? EVENT_WATCH_FAILED
+                                                              : EVENT_COMMISSION_ENDED;
     st->phase = COMMISSION_ENDED;
     st->reason = reason;
     st->value = value;
-    memset(st->subject, 0, sizeof st->subject);
-    for (unsigned i = 0; subject && subject[i] && i + 1 < sizeof st->subject; i++)
-        st->subject[i] = subject[i];
+    set_subject(st, subject);
     st->ended_ms = time_ms;
-    event_put(st->events, time_ms, in_trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED, subject,
-              value, (uint8_t)reason);
+    event_put(st->events, time_ms, code, subject, value, (uint8_t)reason);
 }
 
 static real_t seconds_since(uint64_t then_ms, uint64_t time_ms)

@@ -23,9 +23,12 @@ void status_enter_trial(struct startup_status *st, uint64_t time_ms);
 void status_ready(struct startup_status *st, uint64_t time_ms);
 /* The trial was passed. */
 void status_kept(struct startup_status *st, uint64_t time_ms);
+/* The kept loops are watched from now on; and no longer, for that reason, which is REASON_NOT at the end of the time. The settings stay. */
+void status_watch(struct startup_status *st, uint64_t time_ms);
+void status_watched(struct startup_status *st, enum commission_reason reason, const char *subject);
 /* The operator rejected the proposal. */
 void status_rejected(struct startup_status *st);
-/* Start-up or the trial ends before its time; subject may be NULL. Puts the event. */
+/* Start-up, the trial or the watch ends before its time; subject may be NULL. Puts the event. */
 void status_end(struct startup_status *st, enum commission_reason reason, const char *subject,
                 real_t value, uint64_t time_ms);
 

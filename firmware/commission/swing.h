@@ -11,14 +11,21 @@
 
 #include "num/real.h"
 
-#define SWING_DECAY REAL_C(0.7) /* largest ratio of half cycles that decay: a damping of 0.11 */
+/* When two half cycles decay. */
+struct swing_rule {
+    real_t decay; /* largest ratio of the second to the first */
+    real_t sds;   /* standard deviations of the noise in both areas that do not count */
+};
+extern const struct swing_rule swing_accepted; /* with the gain of the settings */
+extern const struct swing_rule swing_raised;   /* with a raised gain */
 
 struct swing;
 
 /* Takes a sample. noise_sd: of the error; constant: part of the error that may be constant, such as an unforeseen drift, magnitude.
  * The area that these two can explain does not count. */
-void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant);
+void swing_step(struct swing *w, real_t error, const struct swing_rule *rule, real_t noise_sd,
+                real_t constant);
 /* After the last sample: the half cycle that has not ended counts as far as it has come. */
-void swing_end(struct swing *w, real_t noise_sd, real_t constant);
+void swing_end(struct swing *w, const struct swing_rule *rule, real_t noise_sd, real_t constant);
 
 #endif

@@ -28,4 +28,16 @@ static inline bool swing_grows(const struct swing *w)
     return w->grows;
 }
 
+/* Number of half cycles in a row, up to 255, that were not smaller than the one before by that factor. */
+static inline unsigned swing_in_a_row(const struct swing *w)
+{
+    return w->larger;
+}
+
+/* Mean height of the last whole half cycle; 0 before the first. */
+static inline real_t swing_height(const struct swing *w)
+{
+    return w->took > 0 ? w->area / (real_t)w->took : REAL_C(0.0);
+}
+
 #endif

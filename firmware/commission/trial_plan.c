@@ -20,10 +20,15 @@
 #define WINDOW_MOST   10000u
 #define WAY_MARGIN    REAL_C(0.05) /* of span, from its ends */
 #define STEP_NEVER    REAL_C(1e-4) /* of span: smallest step of a setpoint */
+#define PROBE_SHARE                                                                                \
+    REAL_C(0.5) /* least share of its step that a loop may be left with for its probe */
+#define GAIN_MOST REAL_C(100.0) /* of a controller: signal/pid.h */
 
 /* Returns the largest setpoint step of loop k for which, by the model, every input stays within its room and every
- * other measurement within its limit. */
-static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
+ * other measurement within its limit. more: factor on the moves of the inputs; others: largest error of another loop, in units of the
+ * step. */
+static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k,
+                            real_t more, real_t others)
 {
     REFLUX_ASSERT(k < c->work->analysis.pairs.n);
     const struct analysis *a = &c->work->analysis;
@@ -34,13 +39,13 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
             continue; /* keep_in_reach() */
         uint8_t j = proposal_input(c, l)->output;
         real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->mv[j].manual));
-        if (by->moved[l] * most > room * a->config.step)
-            most = room * a->config.step / by->moved[l];
+        if (more * by->moved[l] * most > room * a->config.step)
+            most = room * a->config.step / (more * by->moved[l]);
     }
     for (uint8_t l = 0; l < a->pairs.n; l++) {
         real_t limit = OTHERS_SHARE * adoption_channel(&c->adoption, l)->limit;
-        if (l != k && by->others * most > limit)
-            most = limit / by->others;
+        if (l != k && others * most > limit)
+            most = limit / others;
     }
     for (uint8_t j = a->pairs.n; j < adoption_channels(&c->adoption); j++) {
         const struct adoption_channel *m = adoption_channel(&c->adoption, j);
@@ -84,9 +89,31 @@ static real_t choose_way(const struct commission *c, const struct supervisor *s,
     return used > REAL_C(1.0) && fits && room_used(c, s, k, -way) < used ? -way : way;
 }
 
+/* Returns the step of a loop of which its margin probe allows `most`: shorter, or as it is without the probe where too little would be
+ * left of it. */
+static real_t fit_probe(struct trial_probe *p, real_t step, real_t most)
+{
+    if (!p->planned || most >= step)
+        return step;
+    p->planned = most >= PROBE_SHARE * step;
+    return p->planned ? most : step;
+}
+
+/* Plans the margin probe of loop k, and returns its step. */
+static real_t plan_probe(struct commission *c, const struct supervisor *s,
+                         const struct config *config, uint8_t k, real_t step)
+{
+    struct analysis *a = &c->work->analysis;
+    struct trial_probe *p = &a->probe[k];
+    p->planned = p->moved > REAL_C(0.0) && (real_t)config->test.probe > REAL_C(0.0) &&
+                 a->config.probe * a->loops.tuning[k].gain <= GAIN_MOST;
+    return fit_probe(p, step, step_by_model(c, s, k, p->moved, p->others));
+}
+
 /* Chooses the setpoint step of a loop: above the noise, inside the limit, and no larger than the model allows for inputs and
  * other measurements. */
-static real_t choose_step(const struct commission *c, const struct supervisor *s, uint8_t k)
+static real_t choose_step(struct commission *c, const struct supervisor *s,
+                          const struct config *config, uint8_t k)
 {
     const struct adoption_channel *m = adoption_channel(&c->adoption, k);
     real_t step = STEP_IN_NOISE * m->noise_sd;
@@ -96,11 +123,12 @@ static real_t choose_step(const struct commission *c, const struct supervisor *s
         step = STEP_SHARE * m->limit;
     if (step > STEP_MOST * m->limit)
         step = STEP_MOST * m->limit;
-    real_t most = step_by_model(c, s, k);
+    real_t most = step_by_model(c, s, k, REAL_C(1.0), c->work->analysis.tried[k].others);
     if (step > most)
         step = most;
     if (step < STEP_NEVER)
         step = STEP_NEVER;
+    step = plan_probe(c, s, config, k, step);
     return choose_way(c, s, k, num_to_float(s->measurement[m->measurement].value), step);
 }
 
@@ -155,6 +183,11 @@ static void keep_in_reach(struct commission *c, const struct supervisor *s, uint
             step = STEP_NEVER;
         adoption_set_step(&c->adoption, k, outer->step < REAL_C(0.0) ? -step : step);
     }
+    struct trial_probe *p = &c->work->analysis.probe[k];
+    real_t step = real_abs(outer->step), raised = outer->predicted.moved * p->moved;
+    step = fit_probe(p, step,
+                     raised * step > reach * outer->size ? reach * outer->size / raised : step);
+    adoption_set_step(&c->adoption, k, outer->step < REAL_C(0.0) ? -step : step);
 }
 
 /* Adds the inner loops behind the pairs, and limits setpoint steps to those that they can follow. */
@@ -190,6 +223,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
     if (window > WINDOW_MOST)
         window = WINDOW_MOST;
     adoption_prepare(&c->adoption, window, back);
+    adoption_probe_with(&c->adoption, a->probe);
     take_channels(c, config);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         struct adoption_loop l = {.loop = proposal_loop(c, config, k),
@@ -201,7 +235,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
         l.duration_s = ADOPTION_DURATION * l.predicted.settled_s;
         if (l.duration_s > a->horizon_s)
             l.duration_s = a->horizon_s;
-        l.step = choose_step(c, s, k);
+        l.step = choose_step(c, s, config, k);
         if (l.loop == PLAN_NONE || adoption_add_loop(&c->adoption, &l, false) != ERR_OK)
             return ERR_UNKNOWN;
     }

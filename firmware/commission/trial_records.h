@@ -21,6 +21,15 @@ struct adoption_channel {
     bool drifts; /* significantly and by a relevant amount */
 };
 
+/* Prediction for the step of a loop whose gain is raised: its way back in the trial. */
+struct trial_probe {
+    /* Largest |u| of any input over that of the step with the accepted gain; 0: not predicted, and the loop is not probed. */
+    real_t moved;
+    real_t others; /* largest |e| of any other loop, in units of the step */
+    real_t left;   /* error left in the last quarter, in units of the step, in its direction */
+    bool planned;  /* it fits into the limits */
+};
+
 /* A loop on trial; an inner loop uses `loop` and `test_base` alone. */
 struct adoption_loop {
     uint8_t loop;      /* index in the plan */
@@ -43,6 +52,7 @@ enum adoption_result {
     ADOPTION_RESTLESS,
     ADOPTION_SWINGS,  /* half cycles of the error that do not decay */
     ADOPTION_BLOCKED, /* an output stood at its limit */
+    ADOPTION_MARGIN,  /* the loop does not bear a raised gain */
     ADOPTION_LEFT,    /* at rest too far from the operating point */
     ADOPTION_HAND /* a loop did not go to automatic, or somebody moved a mode, a setpoint or an output */
 };

@@ -6,6 +6,12 @@
 
 /* `commission relay [LOOP]` */
 void commission_relay_command(struct client *c, unsigned n, char **word);
+/* `commission watch [HOURS]` */
+void commission_watch_command(struct client *c, unsigned n, char **word);
+/* The watch under way; nothing while none is. */
+void watch_progress_line(struct client *c, struct text *line);
+/* `commission watched` */
+bool commission_watched_line(struct client *c, unsigned n, struct text *line);
 /* The relay test under way; nothing while none is. */
 void relay_progress_line(struct client *c, struct text *line);
 bool commission_relay_line(struct client *c, unsigned n, struct text *line);

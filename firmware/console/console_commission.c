@@ -15,7 +15,7 @@ static const char *const phases[] = {
     [COMMISSION_ANALYSING] = "analysing", [COMMISSION_PAUSED] = "paused",
     [COMMISSION_READY] = "ready",         [COMMISSION_TRIAL] = "trial",
     [COMMISSION_KEPT] = "kept",           [COMMISSION_RETURNED] = "returned",
-    [COMMISSION_ENDED] = "ended",
+    [COMMISSION_ENDED] = "ended",         [COMMISSION_WATCHING] = "watching",
 };
 
 static const char *const stages[] = {
@@ -121,6 +121,8 @@ static bool commission_status_line(struct client *c, unsigned n, struct text *li
         test_line(m, config, line);
     } else if (phase == COMMISSION_RELAY) {
         relay_progress_line(c, line);
+    } else if (phase == COMMISSION_WATCHING) {
+        watch_progress_line(c, line);
     } else if (phase == COMMISSION_READY) {
         text_str(line, commission_has_proposal(m)
                            ? "a proposal waits: `commission proposal`, then accept, edit or reject"
@@ -147,7 +149,8 @@ static const struct {
     {"model", commission_model_line},       {"gains", commission_gains_line},
     {"pairing", commission_pairing_line},   {"structure", commission_structure_line},
     {"proposal", commission_proposal_line}, {"trial", commission_trial_line},
-    {"advice", commission_advice_line},
+    {"advice", commission_advice_line},     {"status", commission_status_line},
+    {"watched", commission_watched_line},
 };
 
 static reply_listing listing_of(const char *word)
@@ -178,6 +181,10 @@ void command_commission(struct client *c, unsigned n, char **word)
     }
     if (strcmp(word[0], "relay") == 0) {
         commission_relay_command(c, n, word);
+        return;
+    }
+    if (strcmp(word[0], "watch") == 0) {
+        commission_watch_command(c, n, word);
         return;
     }
     if (n > 1) {

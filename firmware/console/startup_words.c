@@ -4,7 +4,8 @@
 
 void startup_event_words(const struct event *e, struct text *line)
 {
-    if (e->code != EVENT_COMMISSION_ENDED && e->code != EVENT_TRIAL_FAILED)
+    if (e->code != EVENT_COMMISSION_ENDED && e->code != EVENT_TRIAL_FAILED &&
+        (e->code < EVENT_WATCH_ENDED || e->code > EVENT_WATCH_SIGN || e->detail == REASON_NOT))
         return;
     put_reason(line, commission_reason_text((enum commission_reason)e->detail));
 }

@@ -20,7 +20,8 @@ static enum err check_trial(const struct loops *loops, const struct trial_config
 {
     if (c->loop >= loops->pairs.n || !real_within(c->mark_s, REAL_C(0.0), REAL_C(1e7)) ||
         !real_within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
-        !real_within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)))
+        !real_within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)) ||
+        !real_within(c->raise, REAL_C(0.0), REAL_C(10.0)))
         return ERR_RANGE;
     if (!real_within(c->duration_s, REAL_C(0.0), REAL_C(0.0)) &&
         !real_within(c->duration_s, REAL_C(1e-2), REAL_C(1e7)))
@@ -84,6 +85,8 @@ static void control(struct trial *t)
     for (size_t k = 0; k < n; k++) {
         const struct tuning *s = &loops->tuning[k];
         real_t gain = s->action == TUNING_DIRECT ? -s->gain : s->gain, sp = setpoint(t, k);
+        if (k == t->config.loop && t->config.raise > REAL_C(0.0))
+            gain *= t->config.raise;
         v[k] = gain * (t->config.setpoint_weight * sp - t->y[k]) + t->integral[k];
         t->integral[k] += gain * t->step_s / s->ti_s * (sp - t->y[k]);
     }

@@ -19,7 +19,9 @@ struct trial_config {
     real_t size;       /* fraction of span, 1e-6 to 1e6, either sign */
     real_t duration_s; /* 1e-2 to 1e7; 0: fifteen times the largest integral time plus dead time */
     real_t setpoint_weight; /* b of the PID, 0 to 1 */
-    real_t mark_s;          /* how far it has come by then is remembered: 0, never, to 1e7 */
+    real_t
+        raise; /* factor on the gain of the loop that is stepped, 0 to 10; 0: as in the settings */
+    real_t mark_s; /* how far it has come by then is remembered: 0, never, to 1e7 */
 };
 
 struct trial_loop {

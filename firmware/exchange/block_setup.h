@@ -11,6 +11,7 @@ struct block_instance {
     union {
         struct matrix_settings matrix;
         struct feedforward_settings element;
+        struct loop_settings own; /* where they differ from those of the plan */
     } settings;
 };
 

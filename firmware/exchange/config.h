@@ -221,6 +221,7 @@ struct test_config {
     float blank_s;   /* time after a step during which the guard is off, s: for inverse responses */
     float longest_s; /* longest half of a double step, s; 0 = as responses ask */
     float confidence; /* least probability of a pairing that counts as determined */
+    float probe;      /* factor on a loop's gain while the trial probes its margin; 0 = no probe */
     uint16_t rounds;  /* most tests of each input, with repeats */
     uint16_t window;  /* base ticks over which rest is judged */
     uint8_t guard;    /* enum test_guard */

@@ -354,6 +354,9 @@ MUST_CHECK enum err operate_accept(struct session *session, struct answer *answe
 /* Engineer. Opens a transaction with the proposal in it. */
 MUST_CHECK enum err operate_edit(struct session *session, struct answer *answer);
 
+/* Engineer. The kept loops are watched for so many hours. ERR_RANGE: hours, above 0 to KEPT_WATCH_HOURS_MOST; ERR_STATE: no trial has
+ * kept loops, or its results are gone. */
+MUST_CHECK enum err operate_watch(struct session *session, float hours, struct answer *answer);
 /* Engineer. Discards the results: the workspace is free. ERR_STATE: under way, or there are no results. */
 MUST_CHECK enum err operate_discard(struct session *session, struct answer *answer);
 /* A client calls it when it has shown some of the results: others may have their place in the workspace then. */

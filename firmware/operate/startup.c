@@ -4,6 +4,7 @@
 #include "commission/commission.h"
 #include "commission/proposal.h"
 #include "commission/trial_plan.h"
+#include "commission/watching.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
 #include "storage/storage.h"
@@ -198,6 +199,33 @@ enum err operate_edit(struct session *session, struct answer *answer)
     s->staging = s->staged_proposal = true;
     session->door->editor = session;
     return startup_done(session, "edit");
+}
+
+enum err operate_watch(struct session *session, float hours, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    const char *wanted = "";
+    enum err err = admit_to_startup(session, true, answer);
+    if (err)
+        return err;
+    if (!(hours > 0.0f) || hours > (float)KEPT_WATCH_HOURS_MOST)
+        return operate_refuse(answer, ERR_RANGE, "hours", "above 0, 1000 at most");
+    service_flush(s); /* what was applied before counts */
+    float samples = hours * 3600.0f / service_plan(s)->tick_s;
+    hal_tick_lock();
+    err = commission_may(s->commission, COMMISSION_ASK_WATCH, &wanted);
+    if (!err && !outputs_plan_in_force(&s->commission->outputs, s->supervisor)) {
+        err = ERR_STATE;
+        wanted = "other settings are in force since the trial";
+    }
+    if (!err)
+        commission_set_watch(s->commission, samples < 1.0f   ? 1u
+                                            : samples > 4e9f ? 4000000000u
+                                                             : (uint32_t)samples);
+    if (!err)
+        err = commission_put(s->commission, COMMISSION_ASK_WATCH, &wanted);
+    hal_tick_unlock();
+    return err ? refuse_startup(answer, err, NULL, wanted) : startup_done(session, "watch");
 }
 
 enum err operate_discard(struct session *session, struct answer *answer)

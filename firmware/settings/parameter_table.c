@@ -15,7 +15,7 @@
     V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
-    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x)
+    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x) V(31, 1.5f, x)
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
@@ -311,7 +311,10 @@ OPTIONAL_FIELDS test_fields[] = {START_UP_ROWS(
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
       "predicts the peak of a response by a straight line, or by a model of it so far"),
     W(config, test.pairs, 8, "pairs", "found|given", TEST_PAIRS_FOUND,
-      "pairing: found by the tests, or given by pair<i>"))};
+      "pairing: found by the tests, or given by pair<i>"),
+    F(config, test.probe, 9, "probe", "-", 0, 2, 1.5f,
+      "the trial raises each loop's gain by this factor on the way back, because so much must be "
+      "left; 0 = off"))};
 
 OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
     N(pair_config, measurement, 1, "meas", "measurement; - = unused"),

@@ -10,6 +10,7 @@
 #include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
 #include "supervise/numbered_place.h"
+#include "supervise/raise_gain.h"
 #include "supervise/sampling.h"
 #include "supervise/sequence.h"
 #include "supervise/setpoint.h"
@@ -226,6 +227,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     const struct plan *old = s->plan;
     uint8_t n[PLACED_KINDS];
     excitation_meet_plan(s, plan);
+    supervisor_raise_gain(s, PLAN_NONE, 0.0f);
     s->plan = plan;
     arena_count(plan, n);
     /* States that lose their places report events first. */

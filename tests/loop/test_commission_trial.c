@@ -372,12 +372,47 @@ static void accepted_it_is_tried_and_kept(void)
     ask_refused("commission begin", "STATE"); /* they act */
 }
 
+static void kept_it_is_watched_for_as_long_as_was_asked_for(void)
+{
+    ask_ok("commission accept");
+    until("TRIAL_KEPT", 4000);
+    TEST_ASSERT_TRUE(said("`commission watch`"));
+    ask_refused("commission watch 0", "RANGE");
+    ask_ok("commission watch 5");
+    until("WATCH_BEGUN", 2);
+    ask_ok("commission status");
+    TEST_ASSERT_TRUE(said("phase watching"));
+    TEST_ASSERT_TRUE(said("left"));
+    ask_refused("commission begin", "STATE");
+    until("WATCH_ENDED", 400);
+    TEST_ASSERT_TRUE(said("WATCH_LOOP xD"));
+    TEST_ASSERT_TRUE(said("WATCH_LOOP xB"));
+    TEST_ASSERT_TRUE(phase_is("kept"));
+    ask_ok("commission watched");
+    TEST_ASSERT_TRUE(said("watched xD largest"));
+    TEST_ASSERT_FALSE(settings_are_as_before());
+}
+
+static void a_hand_ends_the_watch_and_keeps_the_settings(void)
+{
+    ask_ok("commission accept");
+    until("TRIAL_KEPT", 4000);
+    ask_ok("commission watch");
+    until("WATCH_BEGUN", 2);
+    ask_ok("mode xD manual");
+    until("WATCH_ENDED", 3);
+    TEST_ASSERT_TRUE(said("moved by somebody else"));
+    TEST_ASSERT_FALSE(settings_are_as_before());
+}
+
 static void left_alone_it_is_tested_tried_and_kept(void)
 {
     wood_berry(NULL);
     proposal();
     remember_settings();
     CASE(accepted_it_is_tried_and_kept);
+    CASE(kept_it_is_watched_for_as_long_as_was_asked_for);
+    CASE(a_hand_ends_the_watch_and_keeps_the_settings);
 }
 
 int main(void)

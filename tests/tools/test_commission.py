@@ -16,9 +16,10 @@ from reflux.errors import RunFailed, UserError
 PLANT = ["plant tick s 60 name oven", "output T unit degC lo 0 hi 200", "output x unit - lo 0 hi 1",
          "input h unit kW lo 0 hi 4 safe 0", "input c unit l/h lo 0 hi 10 safe 5"]
 PARAMETERS = {"test.guard": "model", "test.blank": "0", "test.noise": "20", "test.window": "30", "test.longest": "0",
-              "test.confidence": "0.975", "test.rounds": "4", "test.pairs": "found"}
+              "test.confidence": "0.975", "test.rounds": "4", "test.pairs": "found",
+              "test.probe": "1.5"}
 ROOM = Room(16, 4, {"blank": (0, 1e5), "noise": (2, 1000), "window": (10, 1000), "longest": (0, 1e6),
-                    "confidence": (0.5, 0.9999), "rounds": (1, 16)})
+                    "confidence": (0.5, 0.9999), "rounds": (1, 16), "probe": (0, 2)})
 SAFE = board.State(True, "ready", 0.0, False, False, {}, {})
 
 MODEL = ["input h held 1 amplitude 0.2 kW half 600 s rounds 1 worst 0.25",

@@ -103,6 +103,21 @@ static void every_plant_gets_its_pairing_and_settings_that_settle(void)
     }
 }
 
+static void every_loop_gets_a_prediction_with_its_gain_raised_where_that_is_wanted(void)
+{
+    take_plant(PLANT_WOOD_BERRY, 0.005, 60);
+    config.probe = REAL_C(1.5);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    config.probe = 0;
+    for (unsigned n = 0; n < a.pairs.n; n++) {
+        TEST_ASSERT_TRUE(a.probe[n].moved >= REAL_C(1.0) && a.probe[n].moved <= REAL_C(2.0));
+        TEST_ASSERT_TRUE(a.probe[n].others > 0);
+        TEST_ASSERT_FALSE(a.probe[n].planned);
+    }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_FALSE(a.probe[0].moved > 0);
+}
+
 static void wood_berry_is_what_the_books_say(void)
 {
     take_plant(PLANT_WOOD_BERRY, 0.005, 60);
@@ -491,6 +506,7 @@ int main(void)
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(every_plant_gets_its_pairing_and_settings_that_settle);
+    RUN_TEST(every_loop_gets_a_prediction_with_its_gain_raised_where_that_is_wanted);
     RUN_TEST(wood_berry_is_what_the_books_say);
     RUN_TEST(luyben_vinante_has_its_relative_gain);
     RUN_TEST(the_furnace_is_one_block_of_four_on_its_diagonal);

@@ -290,6 +290,28 @@ static void a_mark_remembers_how_far_a_step_had_come(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, -0.01, (double)trial.mark.input[0]);
 }
 
+static real_t error_of_the_other(double gain, double raise)
+{
+    double gains[2] = {gain, 0.3}, ti[2] = {600, 600};
+    set_loops(gains, ti, 10.0);
+    struct trial_config c = {
+        .size = REAL_C(0.01), .duration_s = 3000, .setpoint_weight = 1, .raise = (real_t)raise};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &known.plant, &loops, &c));
+    while (trial_step(&trial) == ERR_BUSY)
+        ;
+    return trial.loop[1].iae;
+}
+
+static void a_raised_gain_is_that_of_the_stepped_loop_alone(void)
+{
+    known_plant(PLANT_WOOD_BERRY, &known);
+    TEST_ASSERT_EQUAL_FLOAT((float)error_of_the_other(0.75, 0),
+                            (float)error_of_the_other(0.5, 1.5));
+    TEST_ASSERT_TRUE(error_of_the_other(0.5, 0) < error_of_the_other(0.5, 1.5));
+    struct trial_config c = {.size = REAL_C(0.01), .setpoint_weight = 1, .raise = 11};
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, trial_begin(&trial, &known.plant, &loops, &c));
+}
+
 static void an_unstable_trial_is_cut_off(void)
 {
     known_plant(PLANT_FURNACE, &known);
@@ -420,6 +442,7 @@ int main(void)
     RUN_TEST(decoupled_loops_are_seen_with_their_decoupler);
     RUN_TEST(steps_are_those_of_an_exact_simulation);
     RUN_TEST(a_mark_remembers_how_far_a_step_had_come);
+    RUN_TEST(a_raised_gain_is_that_of_the_stepped_loop_alone);
     RUN_TEST(an_unstable_trial_is_cut_off);
     RUN_TEST(a_long_dead_time_lengthens_the_samples_and_is_said);
     RUN_TEST(the_controllers_response_is_that_of_the_ideal_form);

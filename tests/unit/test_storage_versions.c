@@ -157,6 +157,14 @@ static void test_a_measurement_of_an_earlier_set_is_calibrated_by_nothing(void)
     TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_CLIPPED]);
 }
 
+static void test_an_earlier_set_probes_the_margin_of_loops_on_trial(void)
+{
+    load_image("plain");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(1.5f, bench_get("test.probe"));
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_CLIPPED]);
+}
+
 static void test_values_out_of_range_are_clipped_one_by_one(void)
 {
     struct config expected;
@@ -263,6 +271,7 @@ int main(void)
     RUN_TEST(test_only_newer_settings_are_no_damage_and_load_says_so);
     RUN_TEST(test_unknown_ids_are_carried_over_by_every_save);
     RUN_TEST(test_a_measurement_of_an_earlier_set_is_calibrated_by_nothing);
+    RUN_TEST(test_an_earlier_set_probes_the_margin_of_loops_on_trial);
     RUN_TEST(test_values_out_of_range_are_clipped_one_by_one);
     RUN_TEST(test_clipping_names_parameter_and_value);
     RUN_TEST(test_types_that_have_changed_are_converted);

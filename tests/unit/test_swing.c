@@ -31,9 +31,9 @@ static bool grows(double damping, double noise_sd, unsigned samples)
         double error = exp(-damping * t) * (cos(root * t) + damping / root * sin(root * t));
         if (noise_sd > 0.0)
             error += noise_sd * normal(&noise);
-        swing_step(&w, (real_t)error, (real_t)noise_sd, 0);
+        swing_step(&w, (real_t)error, &swing_accepted, (real_t)noise_sd, 0);
     }
-    swing_end(&w, (real_t)noise_sd, 0);
+    swing_end(&w, &swing_accepted, (real_t)noise_sd, 0);
     return w.grows;
 }
 
@@ -66,8 +66,8 @@ static bool half_cycles(const double *height, unsigned n, unsigned last)
     memset(&w, 0, sizeof w);
     for (unsigned k = 0; k < n; k++)
         for (unsigned i = 0; i < (k + 1 < n ? 20u : last); i++)
-            swing_step(&w, (real_t)height[k], 0, 0);
-    swing_end(&w, 0, 0);
+            swing_step(&w, (real_t)height[k], &swing_accepted, 0, 0);
+    swing_end(&w, &swing_accepted, 0, 0);
     return w.grows;
 }
 
@@ -91,8 +91,8 @@ static void two_half_cycles_in_a_row_are_held_against_those_before(void)
 static void a_slow_tail_is_no_oscillation(void)
 {
     for (unsigned n = 0; n < 400; n++) /* at the setpoint after 20, past it by a tenth for long */
-        swing_step(&w, n < 20 ? REAL_C(1.0) : REAL_C(-0.1), 0, 0);
-    swing_end(&w, 0, 0);
+        swing_step(&w, n < 20 ? REAL_C(1.0) : REAL_C(-0.1), &swing_accepted, 0, 0);
+    swing_end(&w, &swing_accepted, 0, 0);
     TEST_ASSERT_FALSE(w.grows);
 }
 
@@ -100,10 +100,10 @@ static void a_constant_part_that_may_be_there_is_left_out(void)
 {
     memset(&w, 0, sizeof w);
     for (unsigned i = 0; i < 20; i++)
-        swing_step(&w, REAL_C(1.0), 0, REAL_C(0.1));
+        swing_step(&w, REAL_C(1.0), &swing_accepted, 0, REAL_C(0.1));
     for (unsigned i = 0; i < 20; i++)
-        swing_step(&w, REAL_C(-0.85), 0, REAL_C(0.1));
-    swing_end(&w, 0, REAL_C(0.1));
+        swing_step(&w, REAL_C(-0.85), &swing_accepted, 0, REAL_C(0.1));
+    swing_end(&w, &swing_accepted, 0, REAL_C(0.1));
     TEST_ASSERT_FALSE(w.grows); /* 0.85 20 - 0.1 40 < 0.7 20 */
 }
 

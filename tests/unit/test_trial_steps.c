@@ -175,6 +175,49 @@ static void a_step_leaves_what_no_loop_holds_within_07_of_its_limit(void)
     NEAR(0.07 * 0.05 / 0.15, step());
 }
 
+/* The raised gain moves the inputs by 1.25 times as much. */
+static void probed(void)
+{
+    cf->test.probe = 1.5f;
+    a->config.probe = REAL_C(1.5);
+    a->loops.tuning[0].gain = 2;
+    a->probe[0].moved = REAL_C(1.25);
+}
+
+static void a_probe_shortens_the_step_to_half_or_is_left_out(void)
+{
+    probed();
+    a->tried[0].moved[0] = REAL_C(0.319); /* by 0.05; 0.8 times 0.5 are there */
+    NEAR(0.05, step());
+    TEST_ASSERT_TRUE(a->probe[0].planned);
+    a->tried[0].moved[0] = REAL_C(0.4);
+    NEAR(0.04, step());
+    TEST_ASSERT_TRUE(a->probe[0].planned);
+    a->tried[0].moved[0] = REAL_C(0.001);
+    a->probe[0].others = REAL_C(5.5); /* of the limit of 0.2 up to 0.14 */
+    NEAR(0.14 / 5.5, step());
+    TEST_ASSERT_TRUE(a->probe[0].planned);
+    a->probe[0].others = 6;
+    NEAR(0.05, step());
+    TEST_ASSERT_FALSE(a->probe[0].planned);
+}
+
+static void no_probe_is_planned_without_a_prediction_a_setting_or_a_gain_that_a_loop_takes(void)
+{
+    for (unsigned n = 0; n < 4; n++) {
+        probed();
+        if (n == 1)
+            a->probe[0].moved = 0;
+        else if (n == 2)
+            cf->test.probe = 0;
+        else if (n == 3)
+            a->loops.tuning[0].gain = 67;
+        prepare();
+        TEST_ASSERT_EQUAL(n == 0, a->probe[0].planned);
+    }
+    TEST_ASSERT_EQUAL_PTR(a->probe, t->probe);
+}
+
 static void other_channels_and_loops_that_are_not_there_have_no_trial(void)
 {
     c.outputs.channels++;
@@ -230,6 +273,8 @@ int main(void)
     RUN_TEST(a_step_goes_towards_the_middle_of_the_span);
     RUN_TEST(a_step_leaves_a_fifth_of_the_room_of_every_input);
     RUN_TEST(a_step_leaves_what_no_loop_holds_within_07_of_its_limit);
+    RUN_TEST(a_probe_shortens_the_step_to_half_or_is_left_out);
+    RUN_TEST(no_probe_is_planned_without_a_prediction_a_setting_or_a_gain_that_a_loop_takes);
     RUN_TEST(other_channels_and_loops_that_are_not_there_have_no_trial);
     RUN_TEST(loops_on_other_outputs_keep_their_places_however_short_their_names);
     return UNITY_END();
