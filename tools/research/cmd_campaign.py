@@ -78,6 +78,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--starts", type=int, metavar="N", help="startup: up to N start-ups of a run, each with the changes that the board advises")
     p.add_argument("--set", action="append", default=[], metavar="'NAME VALUE'", help="startup: a setting of the firmware besides channels and limits")
     p.add_argument("--iae", action="store_true", help="startup: compare kept settings with the best of equal sensitivity instead")
+    p.add_argument("--week", action="store_true", help="startup: let a sample of the kept runs in the folder run for a week, beside a plain PI")
     p.add_argument("--table", action="store_true", help="startup: run nothing; print the tables of the runs in the folder")
     options = p.parse_args(arguments)
     if not 0 < options.fraction <= 1:
@@ -88,8 +89,9 @@ def main(arguments: list[str]) -> int:
         raise UserError("--keep keeps a whole campaign, and goes without --out, --check and --fraction")
     campaign = load(options.name)
     if not isinstance(campaign, startup_campaign.Startup) and (
-            options.sample is not None or options.starts is not None or options.only or options.set or options.iae or options.table):
-        raise UserError("--sample, --only, --starts, --set, --iae and --table belong to the campaign startup")
+            options.sample is not None or options.starts is not None or options.only or options.set or options.iae or options.table or
+            options.week):
+        raise UserError("--sample, --only, --starts, --set, --iae, --week and --table belong to the campaign startup")
     options.results = CAMPAIGNS / "results" if options.keep else options.out or out_root() / "campaign"
     if not options.check:
         options.results.mkdir(parents=True, exist_ok=True)

@@ -24,7 +24,7 @@ from reflux import build, table
 from reflux.errors import UserError
 from reflux.paths import CAMPAIGNS, out_root, shown
 from reflux.schema import Table
-from research import startup_engineer, startup_iae, startup_plants, startup_runs, startup_table
+from research import startup_engineer, startup_iae, startup_plants, startup_runs, startup_table, startup_week
 from research.startup_judge import Judge, Verdict
 
 FIELDS = ("plant", "kind", "seed", "noise", "program", "outcome", "reason", "doubts", "events", "starts", "hours_tests", "hours", "proposed",
@@ -258,6 +258,8 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
         return check(start)
     if options.iae:
         return compare(start, options.jobs)
+    if options.week:
+        return weeks(start, options)
     folder = out_root() / "campaign" if options.keep else options.results
     folder.mkdir(parents=True, exist_ok=True)
     files = folder / f"{start.name}.csv", folder / f"{start.name}-engineer.csv"
@@ -280,6 +282,33 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
         keep_engineers([engineers.done[key] for key in sorted(keys)])
     print("\n" + page)
     return 0 if not startup_table.harmful(rows.done[key] for key in keys) else 1
+
+
+def weeks(start: Startup, options: argparse.Namespace) -> int:
+    """A week alone of every n-th kept run in the folder. What has rows in startup-week.csv there is not run again."""
+    folder = out_root() / "campaign" if options.keep else options.results
+    kept = startup_week.sample(read_rows(folder / f"{start.name}.csv"))
+    if not kept:
+        raise UserError(f"{shown(folder)} holds no kept runs: run the campaign first")
+    path = folder / f"{start.name}-week.csv"
+    if options.again:
+        path.unlink(missing_ok=True)
+    done = startup_week.whole(read_rows(path))
+    # The second of two is run first, so that what an interrupted campaign has is a sample of all classes, too.
+    missing = [row for row in [*kept[1::2], *kept[::2]] if startup_week.key(row) not in done]
+    with single_threaded(options.jobs) as pool:
+        progress = build.Progress(f"{start.name}: weeks")
+        waiting = [pool.submit(startup_week.week_of, row) for row in missing]
+        for count, future in enumerate(as_completed(waiting), 1):
+            found = future.result()
+            startup_week.add(path, found)
+            done[startup_week.key(found[0])] = found
+            progress.show(f"{count} of {len(missing)}")
+        progress.end(f"{len(missing)}")
+    page = startup_week.text([week for row in kept for week in done[startup_week.key(row)]])
+    (options.results / f"{start.name}-week.md").write_text(page, encoding="utf-8")
+    print("\n" + page)
+    return 0
 
 
 def compare(start: Startup, workers: int) -> int:
