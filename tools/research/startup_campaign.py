@@ -294,8 +294,7 @@ def weeks(start: Startup, options: argparse.Namespace) -> int:
     if options.again:
         path.unlink(missing_ok=True)
     done = startup_week.whole(read_rows(path))
-    # The second of two is run first, so that what an interrupted campaign has is a sample of all classes, too.
-    missing = [row for row in [*kept[1::2], *kept[::2]] if startup_week.key(row) not in done]
+    missing = [row for row in kept if startup_week.key(row) not in done]
     with single_threaded(options.jobs) as pool:
         progress = build.Progress(f"{start.name}: weeks")
         waiting = [pool.submit(startup_week.week_of, row) for row in missing]

@@ -27,7 +27,7 @@ from reflux import build, table
 from research import startup_engineer, startup_judge, startup_plants
 from research.startup_judge import PI
 
-EVERY = 6  # kept run of a class
+EVERY = 12  # kept run of a class
 WEEK_S = 7 * 86400.0
 BEGIN_S = 6 * 3600.0  # until the figures count
 APART_S, APART_TIMES = 4 * 3600.0, 10.0  # least mean time between steps; and in slowest time constants
@@ -68,10 +68,10 @@ def sample(rows: Iterable[Row], every: int = EVERY) -> list[Row]:
 def with_loads(case: startup_plants.PlantCase) -> tuple[dict[str, Any], list[tuple[str, float, float]]]:
     """The simulator's file with a load beside every input, and the loads: name, value at rest, size of a whole step. A column has its feed."""
     data = json.loads(startup_plants.text(case))
-    if data["model"] == "transfer":
+    if data.get("model") == "transfer":
         data["disturbances"] = [{"name": f"load_{u['name']}", "unit": "%", "lo": -100, "hi": 100, "nominal": 0} for u in data["inputs"]]
         data["elements"] = [row + row for row in data["elements"]]
-    elif data["model"] == "state_space":
+    elif data.get("model") == "state_space":
         data["disturbances"] = [{"name": f"load_{u['name']}", "unit": "%", "lo": -100, "hi": 100, "nominal": 0} for u in data["inputs"]]
         data["E"] = data["B"]
     else:
@@ -181,14 +181,16 @@ def _skipped(log: Path) -> int:
 
 
 def lasting(error: np.ndarray, h: float) -> float:
-    """Period of an oscillation that takes more than half of the last two days' variance of a loop, in s; 0: there is none."""
+    """Period of an oscillation that takes more than half of the last two days' variance of a loop, in s; 0: there is none. Slower ones than the
+    steps of a busy week are those steps."""
     worst, period = 0.5, 0.0
     tail = error[-max(64, int(2 * 86400.0 / h)):]
     for e in (tail - tail.mean(axis=0)).T:
         power = np.abs(np.fft.rfft(e * np.hanning(len(e))))**2
-        if len(power) < 16 or power.sum() <= 0.0:
+        if len(power) < 32 or power.sum() <= 0.0:
             continue
-        top = 4 + int(np.argmax(power[4:]))
+        first = max(4, math.ceil(len(e) * h / APART_S))
+        top = first + int(np.argmax(power[first:]))
         near = power[max(top - 2, 0):top + 3].sum() / power.sum()
         if near > worst:
             worst, period = near, len(e) * h / top
@@ -231,8 +233,8 @@ def week_of(row: Row) -> list[Row]:
                 w = alone(case, noise, seed, controllers, d, week)
                 made.update({f"iae_{name}": f"{w.iae:.5g}", f"moves_{name}": f"{w.moves:.5g}", f"beyond_{name}": f"{w.beyond:.4g}",
                              f"late_{name}": f"{w.late:.3g}", f"manual_{name}": str(w.manual), f"swings_{name}": f"{w.period_s:.4g}"})
-        except (RuntimeError, ValueError, subprocess.TimeoutExpired) as fault:
-            made["error"] = str(fault)[-120:]
+        except (RuntimeError, ValueError, KeyError, subprocess.TimeoutExpired) as fault:
+            made["error"] = repr(fault)[-120:]
         out.append({**made, "clock_s": f"{time.monotonic() - begun:.1f}"})
     return out
 
@@ -283,9 +285,8 @@ def to_look_at(rows: Iterable[Row]) -> list[list[str]]:
     found = []
     for row in rows:
         words = []
-        for what, text in (("iae", "error"), ("moves", "moves")):
-            if ratio(row, what) > ASKED:
-                words.append(f"{text} {ratio(row, what):.2f}")
+        if ratio(row, "iae") > ASKED:
+            words.append(f"error {ratio(row, 'iae'):.2f}")
         if row["beyond_kept"] and float(row["beyond_kept"]) > 0.0:
             words.append(f"beyond the limit {float(row['beyond_kept']):.2%}, PI {float(row['beyond_pi'] or 'nan'):.2%}")
         if row["manual_kept"] not in ("", "0"):
