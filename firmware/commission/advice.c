@@ -4,6 +4,7 @@
 
 #include "base/assertion.h"
 #include "commission/analysis_job.h"
+#include "commission/by_relay.h"
 #include "commission/certainty.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
@@ -15,18 +16,24 @@
 #include "commission/test_outputs.h"
 
 #define TIME_MORE    REAL_C(1.25) /* for the error of the time constant */
+#define LONGEST_SET  REAL_C(1e6)  /* s, largest test.longest and test_time */
 #define STEP_SMALLER REAL_C(0.5) /* of the step that went past a limit, over the share it reached */
 #define ROOM_USED    REAL_C(0.7) /* share of a limit that larger steps may use */
-#define NOISE_LEAST  REAL_C(1.3) /* smallest change of test.noise that is worth a start-up */
-#define NOISE_MORE   REAL_C(4.0)
+#define WORTH        REAL_C(1.3) /* smallest factor for a setting that is worth a start-up */
+#define STEPS_MORE   REAL_C(4.0) /* factor for steps that noise hides */
+#define NOISE_SDS    REAL_C(4.0) /* how far noise alone takes a measurement */
 #define NOISE_MOST   REAL_C(1000.0)
+#define ROUNDS_MORE  4u /* costs nothing where fewer do */
 #define ROUNDS_MOST  16u
+#define WINDOW_MORE                                                                                \
+    16u /* a window must see many waves, and a start-up that waits in vain takes long */
 #define WINDOW_MOST  1000u
 #define LARGER       REAL_C(2.0) /* of the least step that a coarse sensor shows */
 #define STEPS_WANTED REAL_C(6.0) /* steps of a coarse sensor that a response must have */
 /* A response below so many times the noise floor is lost in a span that is too wide; a span of that share would show it. */
 #define LOST_FLOORS REAL_C(20.0)
 #define SHOWN_SHARE REAL_C(0.1)
+#define MOVED_SDS   REAL_C(3.0) /* a gain nearer to 0 may be none */
 
 static bool results_are_there(const struct commission *c)
 {
@@ -54,9 +61,19 @@ static bool longer_half(const struct supervisor *s, uint8_t mv, uint8_t measurem
     *a = (struct advice){.kind = timed ? ADVICE_TIME : ADVICE_LONGEST,
                          .input = mv,
                          .measurement = measurement,
-                         .value = needed_s < most_s ? needed_s : REAL_C(0.0),
+                         .value =
+                             needed_s < most_s && needed_s < LONGEST_SET ? needed_s : REAL_C(0.0),
                          .present = timed ? given_s : longest_s};
     return a->present > REAL_C(0.0) && needed_s > a->present;
+}
+
+/* The input under test has no place in a start-up; the others go on without it. */
+static unsigned leave_input(const struct commission *c, uint8_t measurement, struct advice *a)
+{
+    *a = (struct advice){.kind = ADVICE_LEAVE,
+                         .input = inputs_under_test(&c->inputs)->output,
+                         .measurement = measurement};
+    return inputs_count(&c->inputs) > 1;
 }
 
 /* Output j was still climbing when the longest half of the present input ended. */
@@ -72,7 +89,32 @@ static unsigned after_slow(const struct commission *c, const struct supervisor *
         needed_s = TIME_MORE * identified_over_s(f);
     if (longer_half(s, in->output, measurement, needed_s, a))
         return 1;
-    *a = (struct advice){.kind = ADVICE_LEAVE, .input = in->output, .measurement = measurement};
+    return leave_input(c, measurement, a);
+}
+
+/* A step past the limit of measurement j, by what was reached and what the guard foresaw. Below the noise floor no step is seen. */
+static unsigned after_limit(const struct commission *c, const struct supervisor *s, uint8_t j,
+                            struct advice *a)
+{
+    const struct tested_input *in = inputs_under_test(&c->inputs);
+    const struct mv_config *o = &s->plan->config.mv[in->output];
+    uint8_t measurement = outputs_measurement(&c->outputs, j);
+    bool by_relay = by_relay_is_latest(&c->by_relay);
+    real_t step =
+        by_relay ? c->work->relay.relay.amplitude : experiment_amplitude(&c->work->experiment);
+    real_t foreseen =
+        real_abs(in->cut_predicted) / commission_limit(&s->plan->config.measurement[measurement]);
+    real_t reached = in->worst > foreseen ? in->worst : foreseen;
+    real_t smaller = STEP_SMALLER * step / (reached > REAL_C(1.0) ? reached : REAL_C(1.0));
+    if (!(step > REAL_C(0.0)))
+        return 0;
+    if (!(smaller > NOISE_FLOOR))
+        return by_relay ? 0 : leave_input(c, measurement, a);
+    *a = (struct advice){.kind = ADVICE_STEP,
+                         .input = in->output,
+                         .measurement = measurement,
+                         .value = smaller * (o->hi - o->lo),
+                         .present = step * (o->hi - o->lo)};
     return 1;
 }
 
@@ -83,31 +125,20 @@ static unsigned after_end(const struct commission *c, const struct supervisor *s
     int j = output_named(c, s, status_subject(&c->status));
     if (j < 0 || inputs_turn(&c->inputs) >= inputs_count(&c->inputs))
         return 0;
-    const struct tested_input *in = inputs_under_test(&c->inputs);
-    const struct mv_config *o = &config->mv[in->output];
-    uint8_t measurement = outputs_measurement(&c->outputs, (uint8_t)j);
-    real_t step = experiment_amplitude(&c->work->experiment) * (o->hi - o->lo);
+    unsigned window = WINDOW_MORE * config->test.window;
     switch (reason) {
     case REASON_TOO_SLOW:
     case REASON_INTEGRATES:
         return after_slow(c, s, (uint8_t)j, a);
     case REASON_LIMIT:
     case REASON_REVERSAL:
-        *a = (struct advice){.kind = ADVICE_STEP,
-                             .input = in->output,
-                             .measurement = measurement,
-                             .value = STEP_SMALLER * step /
-                                      (in->worst > REAL_C(1.0) ? in->worst : REAL_C(1.0)),
-                             .present = step};
-        return step > REAL_C(0.0);
+        return after_limit(c, s, (uint8_t)j, a);
     case REASON_RESTLESS:
         *a = (struct advice){.kind = ADVICE_WINDOW,
-                             .measurement = measurement,
-                             .value = (real_t)(4u * config->test.window < WINDOW_MOST
-                                                   ? 4u * config->test.window
-                                                   : WINDOW_MOST),
+                             .measurement = outputs_measurement(&c->outputs, (uint8_t)j),
+                             .value = (real_t)(window < WINDOW_MOST ? window : WINDOW_MOST),
                              .present = (real_t)config->test.window};
-        return a->value > a->present;
+        return a->value > WORTH * a->present;
     default:
         return 0;
     }
@@ -153,26 +184,87 @@ static unsigned after_longest(const struct commission *c, const struct superviso
     return 0;
 }
 
-/* Larger steps of all inputs, as far as their limits leave room. */
-static unsigned larger_steps(const struct commission *c, const struct supervisor *s,
-                             struct advice *a)
+static bool has_line(const struct advice *a, unsigned n, uint8_t input)
 {
-    real_t now = s->plan->config.test.noise_multiple, more = NOISE_MORE;
+    for (unsigned i = 0; i < n; i++)
+        if ((a[i].kind == ADVICE_LARGER || a[i].kind == ADVICE_STRONGER) && a[i].input == input)
+            return true;
+    return false;
+}
+
+/* Share of a limit that the tests of an input have used, without what noise takes. */
+static real_t share_moved(const struct commission *c, const struct supervisor *s,
+                          const struct tested_input *in)
+{
+    real_t by_noise = REAL_C(0.0);
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
+        uint8_t i = outputs_measurement(&c->outputs, j);
+        real_t share = NOISE_SDS * outputs_noise(&c->outputs)[j] /
+                       commission_limit(&s->plan->config.measurement[i]);
+        by_noise = share > by_noise ? share : by_noise;
+    }
+    return in->worst > by_noise ? in->worst - by_noise : REAL_C(0.0);
+}
+
+/* Largest step of input k that range and limits leave room for, fraction of span. */
+static real_t step_most(const struct commission *c, const struct supervisor *s, uint8_t k)
+{
+    const struct tested_input *in = inputs_get(&c->inputs, k);
+    real_t most = commission_room(s, in->output, in->test_base);
+    real_t moved = share_moved(c, s, in);
+    if (moved * most > ROOM_USED * in->amplitude)
+        most = ROOM_USED * in->amplitude / moved;
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
+        const struct shape_found *f = &c->work->element[j][k].found;
+        real_t gain = real_abs(f->shape.gain) + REAL_C(2.0) * f->sd[SHAPE_GAIN];
+        real_t limit =
+            commission_limit(&s->plan->config.measurement[outputs_measurement(&c->outputs, j)]);
+        if (gain * most > ROOM_USED * limit)
+            most = ROOM_USED * limit / gain;
+    }
+    return most;
+}
+
+/* Larger steps of all inputs that have none of the n lines yet, as far as their limits leave room: of those whose step is given one by
+ * one, of the others by the multiple of noise. Returns the number of lines then. */
+static unsigned larger_steps(const struct commission *c, const struct supervisor *s,
+                             struct advice *a, unsigned n)
+{
+    real_t now = s->plan->config.test.noise_multiple, more = STEPS_MORE;
+    bool grows = false;
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
         const struct tested_input *in = inputs_get(&c->inputs, k);
-        if (in->rounds > 0 && in->worst * more > ROOM_USED)
-            more = ROOM_USED / in->worst;
+        const struct mv_config *o = &s->plan->config.mv[in->output];
+        real_t most = step_most(c, s, k), moved = share_moved(c, s, in);
+        if (in->rounds == 0 || !(in->amplitude > REAL_C(0.0)) || has_line(a, n, in->output))
+            continue;
+        if (!(o->start_up.step > 0.0f)) {
+            /* A response below the multiple has been held back by something else. */
+            grows = grows || (!in->small && WORTH * in->amplitude <
+                                                (most < AMPLITUDE_MOST ? most : AMPLITUDE_MOST));
+            if (moved * more > ROOM_USED)
+                more = ROOM_USED / moved;
+            continue;
+        }
+        if (STEPS_MORE * in->amplitude < most)
+            most = STEPS_MORE * in->amplitude;
+        if (n < ADVICE_MOST && most > WORTH * in->amplitude)
+            a[n++] = (struct advice){.kind = ADVICE_STRONGER,
+                                     .input = in->output,
+                                     .measurement = CHANNEL_MAX,
+                                     .value = most * (o->hi - o->lo),
+                                     .present = in->amplitude * (o->hi - o->lo)};
     }
-    *a = (struct advice){.kind = ADVICE_NOISE,
-                         .measurement = CHANNEL_MAX,
-                         .value = now * more < NOISE_MOST ? now * more : NOISE_MOST,
-                         .present = now};
-    return a->value > NOISE_LEAST * now;
+    real_t value = now * more < NOISE_MOST ? now * more : NOISE_MOST;
+    if (n < ADVICE_MOST && grows && value > WORTH * now)
+        a[n++] = (struct advice){
+            .kind = ADVICE_NOISE, .measurement = CHANNEL_MAX, .value = value, .present = now};
+    return n;
 }
 
 static unsigned more_rounds(const struct supervisor *s, struct advice *a)
 {
-    unsigned now = s->plan->config.test.rounds, more = 2u * now;
+    unsigned now = s->plan->config.test.rounds, more = ROUNDS_MORE * now;
     *a = (struct advice){.kind = ADVICE_ROUNDS,
                          .measurement = CHANNEL_MAX,
                          .value = (real_t)(more < ROUNDS_MOST ? more : ROUNDS_MOST),
@@ -193,29 +285,34 @@ static unsigned relay_of_a_pair(const struct commission *c, struct advice *a)
     return 1;
 }
 
-/* A step that a coarse sensor shows, where the steps were smaller. */
+/* Steps that coarse sensors show, where the steps were smaller. Likewise. */
 static unsigned steps_for_sensors(const struct commission *c, const struct supervisor *s,
-                                  struct advice *a)
+                                  struct advice *a, unsigned n)
 {
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         struct sensor_advice sensor;
-        if (!advice_of_sensor(c, s, j, &sensor) || !(sensor.step_least > REAL_C(0.0)))
+        if (!advice_of_sensor(c, s, j, &sensor) || !(sensor.step_least > REAL_C(0.0)) ||
+            has_line(a, n, sensor.input))
             continue;
         const struct mv_config *o = &s->plan->config.mv[sensor.input];
-        for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
+        for (uint8_t k = 0; k < inputs_count(&c->inputs) && n < ADVICE_MOST; k++) {
             const struct tested_input *in = inputs_get(&c->inputs, k);
-            real_t step = in->amplitude * (o->hi - o->lo), most = in->worst;
-            *a = (struct advice){.kind = ADVICE_LARGER,
-                                 .input = sensor.input,
-                                 .measurement = outputs_measurement(&c->outputs, j),
-                                 .value = LARGER * sensor.step_least,
-                                 .present = step};
-            if (in->output == sensor.input && step > REAL_C(0.0) && a->value > step &&
-                most * a->value < ROOM_USED * step)
-                return 1;
+            real_t step = in->amplitude * (o->hi - o->lo);
+            real_t most = step_most(c, s, k) * (o->hi - o->lo);
+            real_t wanted = LARGER * sensor.step_least;
+            if (in->output != sensor.input || most < sensor.step_least)
+                continue;
+            if (wanted > most)
+                wanted = most;
+            if (step > REAL_C(0.0) && wanted > WORTH * step)
+                a[n++] = (struct advice){.kind = ADVICE_LARGER,
+                                         .input = sensor.input,
+                                         .measurement = outputs_measurement(&c->outputs, j),
+                                         .value = wanted,
+                                         .present = step};
         }
     }
-    return 0;
+    return n;
 }
 
 /* Inputs act nearly alike, and moving them together has not shown the difference, or there was no place for such a test. While the
@@ -258,9 +355,8 @@ static unsigned after_analysis(const struct commission *c, const struct supervis
         if (n > 0)
             return n;
         n += after_longest(c, s, false, &a[n]);
-        n += steps_for_sensors(c, s, &a[n]);
-        if (n < ADVICE_MOST)
-            n += larger_steps(c, s, &a[n]);
+        n = steps_for_sensors(c, s, a, n);
+        n = larger_steps(c, s, a, n);
         if (n < ADVICE_MOST)
             n += more_rounds(s, &a[n]);
     }
@@ -307,7 +403,7 @@ bool advice_of_sensor(const struct commission *c, const struct supervisor *s, ui
             continue;
         tested = true;
         real_t moved = gain * in->amplitude;
-        if (moved > advice->moved_share)
+        if (moved > advice->moved_share && gain >= MOVED_SDS * e->found.sd[SHAPE_GAIN])
             advice->moved_share = moved;
         if ((e->flags & IDENTIFIED_NO_GAIN) || !(gain > largest))
             continue;

@@ -6,20 +6,21 @@
 #include "num/real.h"
 #include "supervise/supervisor.h"
 
-#define ADVICE_MOST 2u
+#define ADVICE_MOST 4u
 
 struct commission;
 
 enum advice_kind {
-    ADVICE_LONGEST, /* test.longest, s */
-    ADVICE_TIME,    /* mv.test_time, s */
-    ADVICE_STEP,    /* mv.test_step, unit of the input */
-    ADVICE_LARGER,  /* likewise, because a sensor is too coarse for the steps there were */
-    ADVICE_NOISE,   /* test.noise */
-    ADVICE_ROUNDS,  /* test.rounds */
-    ADVICE_WINDOW,  /* test.window, ticks */
-    ADVICE_LEAVE,   /* mv.test off */
-    ADVICE_RELAY,   /* set the loop of a pair by a relay test */
+    ADVICE_LONGEST,  /* test.longest, s */
+    ADVICE_TIME,     /* mv.test_time, s */
+    ADVICE_STEP,     /* mv.test_step, unit of the input */
+    ADVICE_LARGER,   /* likewise, because a sensor is too coarse for the steps there were */
+    ADVICE_STRONGER, /* likewise, because noise hides the response to the step that is given */
+    ADVICE_NOISE,    /* test.noise */
+    ADVICE_ROUNDS,   /* test.rounds */
+    ADVICE_WINDOW,   /* test.window, ticks */
+    ADVICE_LEAVE,    /* mv.test off */
+    ADVICE_RELAY,    /* set the loop of a pair by a relay test */
     /* Inputs that act nearly alike: start up all but this pair, and then this one while those loops are closed. */
     ADVICE_OTHERS_FIRST,
     ADVICE_THEN_THIS

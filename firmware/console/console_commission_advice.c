@@ -2,21 +2,17 @@
 #include "commission/advice.h"
 #include "commission/commission.h"
 #include "console/commission_listings.h"
+#include "console/commission_words.h"
 #include "console/phrases.h"
 #include "hal/tick.h"
 
 static const char *const settings[] = {
-    [ADVICE_LONGEST] = "test.longest",
-    [ADVICE_TIME] = "test_time",
-    [ADVICE_STEP] = "test_step",
-    [ADVICE_LARGER] = "test_step",
-    [ADVICE_NOISE] = "test.noise",
-    [ADVICE_ROUNDS] = "test.rounds",
-    [ADVICE_WINDOW] = "test.window",
-    [ADVICE_LEAVE] = "test",
-    [ADVICE_RELAY] = "",
-    [ADVICE_OTHERS_FIRST] = "",
-    [ADVICE_THEN_THIS] = "",
+    [ADVICE_LONGEST] = "test.longest", [ADVICE_TIME] = "test_time",
+    [ADVICE_STEP] = "test_step",       [ADVICE_LARGER] = "test_step",
+    [ADVICE_STRONGER] = "test_step",   [ADVICE_NOISE] = "test.noise",
+    [ADVICE_ROUNDS] = "test.rounds",   [ADVICE_WINDOW] = "test.window",
+    [ADVICE_LEAVE] = "test",           [ADVICE_RELAY] = "",
+    [ADVICE_OTHERS_FIRST] = "",        [ADVICE_THEN_THIS] = "",
 };
 
 static const char *const because[] = {
@@ -24,6 +20,7 @@ static const char *const because[] = {
     [ADVICE_TIME] = "a half must show the end of the response",
     [ADVICE_STEP] = "the step went past a limit",
     [ADVICE_LARGER] = "the sensor reads in coarse steps",
+    [ADVICE_STRONGER] = "a larger step makes the gains surer",
     [ADVICE_NOISE] = "larger steps make the gains surer",
     [ADVICE_ROUNDS] = "more tests make the gains surer",
     [ADVICE_WINDOW] = "slow waves are normal here",
@@ -71,8 +68,8 @@ static void turn_words(const struct config *config, const struct advice *a, stru
 static void set_words(const struct config *config, const struct advice *a, struct text *line)
 {
     text_str(line, "`set ");
-    if (a->kind == ADVICE_TIME || a->kind == ADVICE_STEP || a->kind == ADVICE_LARGER ||
-        a->kind == ADVICE_LEAVE) {
+    bool is_step = a->kind == ADVICE_STEP || a->kind == ADVICE_LARGER || a->kind == ADVICE_STRONGER;
+    if (is_step || a->kind == ADVICE_TIME || a->kind == ADVICE_LEAVE) {
         text_str(line, "mv");
         text_u32(line, a->input + 1u);
         text_str(line, ".");
@@ -87,7 +84,7 @@ static void set_words(const struct config *config, const struct advice *a, struc
         text_float4(line, (float)a->present);
         if (a->kind == ADVICE_LONGEST || a->kind == ADVICE_TIME)
             text_str(line, " s");
-        else if (a->kind == ADVICE_STEP || a->kind == ADVICE_LARGER)
+        else if (is_step)
             put_word(line, config->mv[a->input].unit);
     }
 }
@@ -164,6 +161,8 @@ bool commission_advice_line(struct client *c, unsigned n, struct text *line)
     if (n >= ADVICE_MOST && n - ADVICE_MOST < outputs)
         tells = advice_of_sensor(m, s, (uint8_t)(n - ADVICE_MOST), &sensor);
     hal_tick_unlock();
+    if (n == 0 && inputs_count(&m->inputs) > 0 && !commission_keeps(m))
+        text_str(line, RESULTS_DISCARDED);
     if (n < count)
         commission_advice_text(config, &advice[n], line);
     if (tells)

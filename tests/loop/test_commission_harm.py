@@ -6,48 +6,20 @@ the operating point, until the start-up has come to an end.
 usage: test_commission_harm.py      (needs reflux-sim-memory of the host build; nothing is built here)
 """
 
-import json
-import re
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, whole  # noqa: E402
+from made_plants import FIRST, SECOND, MadePlants, element  # noqa: E402
 
 LIMIT = 0.2  # of span, by default
 # A drift as fast as three deviations of the slope before the first test is none of the tests' doing.
 HIDDEN = 0.05
 
 
-def channel(name: str, **more: float) -> dict:
-    return {"name": name, "unit": "%", "lo": 0, "hi": 100, "nominal": 50, **more}
-
-
-def element(gain: float, lags, dead_time: float = 0.0, **more) -> dict:
-    return {"gain": gain, "lags": lags, "dead_time": dead_time, **more}
-
-
-FIRST, SECOND = element(0.4, 120, 20), element(1.5, 150, 20)
-
-
-class Harm(unittest.TestCase):
-    def setUp(self) -> None:
-        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-
-    def plant(self, name: str, model: str, **more) -> Plant:
-        path = self.folder / f"{name}.json"
-        path.write_text(json.dumps({
-            "name": name, "title": name, "source": "made up for tests/loop/test_commission_harm.py", "ours": "everything",
-            "time_unit": "s", "tick_s": 10, "inputs": [channel("u1"), channel("u2")],
-            "outputs": [channel(y, noise=0.1, resolution=0.01) for y in ("y1", "y2")], "model": model, **more}))
-        return Plant(path)
-
-    def beside(self, name: str, first: dict) -> Plant:
-        """The element as y1 by u1 of a plant that is well behaved otherwise."""
-        return self.plant(name, "transfer", elements=[[first, element(0.3, 80)], [FIRST, SECOND]])
-
+class Harm(MadePlants):
     def runaway(self, name: str, time_s: float, gains: tuple[float, float]) -> Plant:
         """A slow real pole to the right of the axis."""
         rate = [g / time_s for g in gains]
@@ -182,35 +154,7 @@ class Harm(unittest.TestCase):
         run = self.started(of, noise=1.0, events=turns)
         self.assertEqual(run.end.code, "PROPOSAL")
 
-    # ---- advice ----
-
-    def advised(self, of: Plant, settings: list[str]) -> tuple[Run, list[str]]:
-        """... and what the board advises."""
-        script = whole(of, accept=False, settings=settings)
-        at = script[-1][0]
-        run = Run(of, [*script[:-1], (at, "commission advice"), (at, "~end")], noise=1.0)
-        run.end = run.first("PROPOSAL", "NOT_DETERMINED", "COMMISSION_ENDED")
-        lines = run.reply("commission advice")
-        print(f"harm {of.path.stem} {settings}: {run.end.code}, {lines}")
-        return run, lines
-
-    def followed(self, of: Plant, settings: list[str], times: int = 1) -> Run:
-        """The advice with `set` taken literally, so often."""
-        for _ in range(times):
-            run, lines = self.advised(of, settings)
-            self.assertNotEqual(run.end.code, "PROPOSAL")
-            changes = [m[1] for line in lines if (m := re.match(r"`(set [^`]+)`", line))]
-            self.assertTrue(changes, lines)
-            settings = [*settings, *changes]
-        return self.advised(of, settings)[0]
-
-    def test_a_length_that_is_too_short_is_answered_with_the_right_one(self):
-        for binding in ("test.longest 5000", "mv1.test_time 5000"):
-            with self.subTest(binding=binding):
-                run = self.followed(self.beside("slow", element(2.0, 20000, 50)), [f"set {binding}"])
-                found = run.elements()["y1", "u1"]
-                self.assertLess(abs(found["gain"] / 2.0 - 1.0), 0.2)
-                self.assertFalse(found["flags"] & {"short", "integrating"})
+    # ---- integrators ----
 
     def test_an_input_that_integrates_gets_a_loop_once_its_slope_is_known(self):
         of = self.plant("integrating", "transfer", elements=[[{"gain": 5e-4, "integrator": True}, element(0.3, 80)],
@@ -221,23 +165,6 @@ class Harm(unittest.TestCase):
             found = run.elements()["y1", "u1"]
             self.assertEqual(found["flags"], {"integrates"})
             self.assertLess(abs(found["gain"] / found["T"] / 5e-4 - 1.0), 0.02)
-
-    def test_a_coarse_sensor_and_a_span_that_is_too_wide_are_said_with_the_right_number(self):
-        of = self.beside("coarse", element(1.2, 900, 50))
-        for step, least in ((0.2, 1.0), (0.4, 2.0)):
-            data = json.loads(of.path.read_text())
-            data["outputs"][0]["resolution"] = step
-            of.path.write_text(json.dumps(data))
-            _, lines = self.advised(Plant(of.path), [])
-            said = next(m for line in lines if (m := re.search(r"y1 reads in steps of (\S+) % of its span: test_step of u1 "
-                                                               r"at least (\S+) %", line)))
-            self.assertAlmostEqual(float(said[1]), step, delta=0.01 * step)
-            self.assertAlmostEqual(float(said[2]), least, delta=0.1 * least)
-        data["outputs"][0].update(resolution=0.01, lo=-49950, hi=50050)
-        of.path.write_text(json.dumps(data))
-        _, lines = self.advised(Plant(of.path), [])
-        self.assertTrue(any(re.match(r"y1 moved by at most \S+ % of its span: span of \S+ % instead of 100000", line)
-                            for line in lines), lines)
 
     # ---- cut ----
 

@@ -130,6 +130,8 @@ static void a_part_of_a_model_must_have_been_looked_at(void)
     ask_ok("commission model");
     TEST_ASSERT_FALSE(said("element"));
     TEST_ASSERT_TRUE(said("results discarded"));
+    ask_ok("commission advice");
+    TEST_ASSERT_TRUE(said("results discarded"));
 }
 
 static void or_given_up(void)
