@@ -2,6 +2,7 @@
 
 #include "base/assertion.h"
 #include "commission/analysis_choice.h"
+#include "commission/analysis_crossover.h"
 #include "commission/analysis_settings.h"
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
@@ -413,7 +414,17 @@ static enum err choose(struct analysis *a)
     }
     if (a->has_decoupled && (!a->designed || decoupler_pays(a)))
         take_decoupled(a);
-    return begin_probes(a);
+    a->turn = 0;
+    a->stage = a->designed ? ANALYSIS_CROSSOVER : ANALYSIS_DONE;
+    return ERR_OK;
+}
+
+static enum err next_crossover(struct analysis *a)
+{
+    analysis_find_crossover(a, a->turn);
+    if (++a->turn >= a->pairs.n)
+        return begin_probes(a);
+    return ERR_BUSY;
 }
 
 /* Result of a stage that may have begun another one: ERR_BUSY while there is more to do. */
@@ -462,8 +473,10 @@ enum err analysis_step(struct analysis *a)
             return err;
         return more(a, a->load ? end_load(a) : end_prediction(a));
     case ANALYSIS_ALTERNATIVE:
-        err = choose(a);
-        return err == ERR_BUSY ? err : more(a, err);
+        return more(a, choose(a));
+    case ANALYSIS_CROSSOVER:
+        err = next_crossover(a);
+        return err ? err : more(a, err);
     case ANALYSIS_PROBES:
         err = trial_step(&a->work.trial);
         if (!err)

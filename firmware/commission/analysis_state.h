@@ -17,6 +17,7 @@
 #include "interact/gains.h"
 #include "interact/measure.h"
 #include "interact/pairing.h"
+#include "interact/rga.h"
 #include "interact/structure.h"
 
 enum analysis_stage {
@@ -32,6 +33,7 @@ enum analysis_stage {
     ANALYSIS_ROBUST,
     ANALYSIS_PREDICTION,
     ANALYSIS_ALTERNATIVE, /* with and without a decoupler: the better of the two */
+    ANALYSIS_CROSSOVER,   /* relative gains where the loops act */
     ANALYSIS_PROBES,      /* each loop's setpoint step again, with its gain raised */
     ANALYSIS_DONE
 };
@@ -121,6 +123,8 @@ struct analysis {
     struct loops loops;
     struct analysis_sensitivity sensitivity;
     uint16_t left_out; /* plant drawn that is left out of the search, plus 1; 0: none */
+    /* Loop k by itself: where its gain is 1, rad/s, and the magnitude of its relative gain there; 0: there is none. */
+    real_t crossover[INTERACT_MAX], crossover_lambda[INTERACT_MAX];
     /* Loop k after its own setpoint step of config.step */
     struct trial_loop predicted[INTERACT_MAX];
     struct trial_mark tried[INTERACT_MAX]; /* the same after horizon_s */
@@ -158,6 +162,7 @@ struct analysis {
         struct detune detune;
         struct robust robust;
         struct trial trial;
+        struct rga_pair_work crossover;
         /* For the trial on the plant after the analysis. */
         struct {
             struct steady rest;

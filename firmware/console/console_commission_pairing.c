@@ -159,6 +159,10 @@ bool commission_pairing_line(struct client *c, unsigned n, struct text *line)
         text_named_float(line, "share", (float)a->share[j]);
         if (layout_second(&a->layout) != SECOND_NONE)
             text_named_float(line, "phi", (float)layout_phi(&a->layout, n));
+        if (a->designed && a->crossover[n] > REAL_C(0.0)) {
+            text_named_float(line, "crossover_lambda", (float)a->crossover_lambda[n]);
+            text_named_float(line, "rad_per_s", (float)a->crossover[n]);
+        }
         return true;
     }
     n -= a->pairs.n;

@@ -16,6 +16,7 @@
 #define rga_compute                  rga_compute_double
 #define rga_at                       rga_at_double
 #define rga_number                   rga_number_double
+#define rga_of_pair                  rga_of_pair_double
 #define rga_smallest_error           rga_smallest_error_double
 #define niederlinski_index           niederlinski_index_double
 #define rga_determinant_sds          rga_determinant_sds_double

@@ -113,6 +113,30 @@ enum err rga_at(const struct interact_plant *plant, const struct pairs *pairs, r
     return ERR_OK;
 }
 
+enum err rga_of_pair(const struct interact_plant *plant, const struct pairs *pairs, uint8_t k,
+                     real_t omega, struct rga_pair_work *work, real_t *magnitude)
+{
+    REFLUX_ASSERT(k < pairs->n && pairs->n <= INTERACT_MAX);
+    struct cplx diagonal[INTERACT_MAX];
+    if (!real_is_finite(omega) || omega < REAL_C(0.0))
+        return ERR_RANGE;
+    interact_response(plant, pairs, omega, &work->response);
+    /* Rows over their element of the pair, which relative gains do not depend on. */
+    for (size_t i = 0; i < pairs->n; i++) {
+        struct cplx *row = work->response.value[i], own = row[i];
+        if (!(of_cplx(own) > REAL_C(0.0)))
+            return ERR_SINGULAR;
+        for (size_t j = 0; j < pairs->n; j++)
+            row[j] = cplx_div(row[j], own);
+    }
+    enum err err = clu_factor(&work->response, &work->lu);
+    if (err)
+        return ERR_SINGULAR;
+    clu_inverse_diagonal(&work->lu, diagonal);
+    *magnitude = cplx_abs(diagonal[k]);
+    return ERR_OK;
+}
+
 real_t rga_number(const struct matrix *lambda, const struct pairs *pairs)
 {
     REFLUX_ASSERT(pairs->n <= INTERACT_MAX);

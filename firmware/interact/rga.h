@@ -30,6 +30,16 @@ MUST_CHECK enum err rga_at(const struct interact_plant *plant, const struct pair
                            real_t omega, struct rga_at_work *work, struct matrix *magnitude,
                            struct matrix *real_part);
 
+/* Magnitude of the dynamic relative gain of pair k at omega, with the other pairs alone beside it: G_kk (G^-1)_kk of the paired rows and
+ * columns. k is below pairs->n; omega 0 or more. ERR_SINGULAR: there is none. About 5e4 instructions for 16 pairs. */
+struct rga_pair_work {
+    struct cmatrix response;
+    struct clu lu;
+};
+MUST_CHECK enum err rga_of_pair(const struct interact_plant *plant, const struct pairs *pairs,
+                                uint8_t k, real_t omega, struct rga_pair_work *work,
+                                real_t *magnitude);
+
 /* Sum of |Lambda - P|, P the pairing's permutation: Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd
  * ed. (2005), 3.4. 0 is no interaction. Rows and columns outside the pairs are left out. */
 real_t rga_number(const struct matrix *lambda, const struct pairs *pairs);

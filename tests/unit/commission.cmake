@@ -1,6 +1,6 @@
 # Automatic start-up, below the console.
 foreach(part experiment combine model_cases relay_numbers origin model analysis analysis_structure certainty swing
-             limits progress verdict analysis_choice sensor_watch)
+             limits progress verdict analysis_choice analysis_crossover sensor_watch)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
 endforeach()
 foreach(part proposal proposal_structure adoption adoption_bounds next_test startup_direction outcome commission_requests by_relay

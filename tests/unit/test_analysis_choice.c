@@ -90,6 +90,16 @@ static void a_step_that_has_not_settled_is_predicted_four_times_as_long_twice(vo
     TEST_ASSERT_FALSE(a.bounded);
 }
 
+/* The last step, and the relative gains of the two pairs after it. */
+static void ends(void)
+{
+    enum err err = analysis_step(&a);
+    for (unsigned k = 0; k < 2 && err == ERR_BUSY; k++)
+        err = analysis_step(&a);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_EQUAL_INT(ANALYSIS_DONE, a.stage);
+}
+
 static void every_loop_is_predicted_and_all_must_be_bounded(void)
 {
     for (unsigned bounded = 0; bounded < 2; bounded++) {
@@ -100,8 +110,7 @@ static void every_loop_is_predicted_and_all_must_be_bounded(void)
         TEST_ASSERT_EQUAL_INT(ANALYSIS_ALTERNATIVE, a.stage);
         TEST_ASSERT_EQUAL(bounded, a.designed);
         TEST_ASSERT_EQUAL_INT(bounded ? ERR_OK : ERR_RANGE, a.design_error);
-        TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_step(&a));
-        TEST_ASSERT_EQUAL_INT(ANALYSIS_DONE, a.stage);
+        ends();
     }
 }
 
@@ -160,8 +169,7 @@ static void chosen(bool designed, double with)
     d->horizon_s = 5;
     d->predicted[1].iae = 6;
     d->tried[1].iae = 8;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_step(&a));
-    TEST_ASSERT_EQUAL_INT(ANALYSIS_DONE, a.stage);
+    ends();
 }
 
 static void is_decoupled(bool is)

@@ -175,6 +175,51 @@ static void dynamic_relative_gains_of_every_plant_are_those_of_numpy(void)
     TEST_ASSERT_TRUE(worst <= 16 * EPS);
 }
 
+static void the_dynamic_relative_gain_of_a_pair_is_that_of_numpy(void)
+{
+    static struct rga_pair_work at_one;
+    double worst = 0.0;
+    unsigned compared = 0;
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        unsigned n = known.pairs.n;
+        if (n == 0 || n != known.plant.outputs || n != known.plant.inputs)
+            continue;
+        for (unsigned at = 0; at < DYNAMIC; at++)
+            for (uint8_t one = 0; one < n; one++) {
+                real_t size;
+                double modulus =
+                    known.dynamic_modulus[at][known.pairs.output[one]][known.pairs.input[one]];
+                TEST_ASSERT_EQUAL_INT(ERR_OK, rga_of_pair(&known.plant, &known.pairs, one,
+                                                          (real_t)known.omega[at], &at_one, &size));
+                worst =
+                    fmax(worst, fabs((double)size - modulus) / (known.condition * (1.0 + modulus)));
+                compared++;
+            }
+    }
+    printf("dynamic relative gains of %u pairs: worst %.2f eps kappa (1 + |lambda|)\n", compared,
+           worst / EPS);
+    TEST_ASSERT_TRUE(compared > 20);
+    TEST_ASSERT_TRUE(worst <= 16 * EPS);
+}
+
+static void a_pair_without_a_gain_has_no_dynamic_relative_gain(void)
+{
+    static struct rga_pair_work at_one;
+    static struct interact_plant plant = {.outputs = 2, .inputs = 2};
+    const struct pairs pairs = {.n = 2, .output = {0, 1}, .input = {0, 1}};
+    real_t size = 7;
+    for (unsigned i = 0; i < 2; i++)
+        for (unsigned j = 0; j < 2; j++)
+            plant.element[i][j] = (struct fopdt){.gain = 1, .time_constant_s = 10};
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_of_pair(&plant, &pairs, 0, 1, &at_one, &size));
+    plant.element[1][1].gain = 0;
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, rga_of_pair(&plant, &pairs, 0, 1, &at_one, &size));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_of_pair(&plant, &pairs, 0, -1, &at_one, &size));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, rga_of_pair(&plant, &pairs, 0, (real_t)NAN, &at_one, &size));
+    TEST_ASSERT_EQUAL_FLOAT(7, size);
+}
+
 static void dynamic_relative_gains_begin_with_the_static_ones(void)
 {
     known_plant(PLANT_LUYBEN_4X4, &known);
@@ -409,6 +454,8 @@ int main(void)
     RUN_TEST(relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_elimination);
     RUN_TEST(published_relative_gains_are_found);
     RUN_TEST(dynamic_relative_gains_of_every_plant_are_those_of_numpy);
+    RUN_TEST(the_dynamic_relative_gain_of_a_pair_is_that_of_numpy);
+    RUN_TEST(a_pair_without_a_gain_has_no_dynamic_relative_gain);
     RUN_TEST(dynamic_relative_gains_begin_with_the_static_ones);
     RUN_TEST(niederlinski_indices_of_the_pairings_are_those_of_numpy);
     RUN_TEST(a_pairing_on_a_negative_relative_gain_of_a_2_by_2_has_a_negative_index);
