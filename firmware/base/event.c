@@ -37,7 +37,8 @@ bool event_may_repeat(uint8_t code)
     bool of_test = code >= EVENT_SEQUENCE_STEP && code <= EVENT_TRIAL_FAILED;
     enum event_level level = event_level(code);
     if (level == EVENT_WARNING || level == EVENT_ALARM)
-        return !of_test && code != EVENT_WRONG_KEY; /* WRONG_KEY carries a count of its own */
+        return !of_test && code != EVENT_SENSOR_POOR &&
+               code != EVENT_WRONG_KEY; /* WRONG_KEY carries a count of its own */
     return code == EVENT_LINK_UP || code == EVENT_MEASUREMENT_GOOD || code == EVENT_INTERLOCK_OFF ||
            code == EVENT_FOLLOWING || code == EVENT_ALARM_OFF || code == EVENT_DEVIATION_OVER ||
            code == EVENT_DOUBTFUL_OVER || code == EVENT_BLOCK_EVENT;

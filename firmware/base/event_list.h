@@ -86,8 +86,7 @@
     START_UP(TEST_EXTENDED, "pairing not determined yet, tests are repeated; probability", INFO)   \
     START_UP(RELAY_DONE, "relay test done, see `commission relay`; ultimate period, s", INFO)      \
     START_UP(PROPOSAL, "pairing determined, see `commission proposal`; probability", INFO)         \
-    START_UP(NOT_DETERMINED, "pairing not determined, see `commission pairing`; probability",      \
-             WARNING)                                                                              \
+    START_UP(NOT_DETERMINED, "no proposal, see `commission pairing`; probability", WARNING)        \
     START_UP(TRIAL_BEGUN, "proposed loops on trial; loops", INFO)                                  \
     START_UP(                                                                                      \
         TRIAL_KEPT,                                                                                \
@@ -143,7 +142,10 @@
     START_UP(WATCH_FAILED, "a kept loop went wrong, the old settings return", ALARM)               \
     START_UP(WATCH_SIGN,                                                                           \
              "a kept loop went wrong, its settings stay: put it into manual, or lower its gain",   \
-             ALARM)
+             ALARM)                                                                               \
+    START_UP(SENSOR_POOR,                                                                          \
+             "sensor hides responses, see `commission advice`; share of its span, or ticks",       \
+             WARNING)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS). */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0

@@ -10,7 +10,7 @@
 #include "commission/commission_state.h"
 #include "commission/lease.h"
 #include "commission/next_test.h"
-#include "commission/sensor_watch.h"
+#include "commission/sensor_advice.h"
 #include "commission/status.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
@@ -27,13 +27,8 @@
 #define ROUNDS_MOST  16u
 #define WINDOW_MORE                                                                                \
     16u /* a window must see many waves, and a start-up that waits in vain takes long */
-#define WINDOW_MOST  1000u
-#define LARGER       REAL_C(2.0) /* of the least step that a coarse sensor shows */
-#define STEPS_WANTED REAL_C(6.0) /* steps of a coarse sensor that a response must have */
-/* A response below so many times the noise floor is lost in a span that is too wide; a span of that share would show it. */
-#define LOST_FLOORS REAL_C(20.0)
-#define SHOWN_SHARE REAL_C(0.1)
-#define MOVED_SDS   REAL_C(3.0) /* a gain nearer to 0 may be none */
+#define WINDOW_MOST 1000u
+#define LARGER      REAL_C(2.0) /* of the least step that a coarse sensor shows */
 
 static bool results_are_there(const struct commission *c)
 {
@@ -291,7 +286,7 @@ static unsigned steps_for_sensors(const struct commission *c, const struct super
 {
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         struct sensor_advice sensor;
-        if (!advice_of_sensor(c, s, j, &sensor) || !(sensor.step_least > REAL_C(0.0)) ||
+        if (!sensor_advice_of(c, s, j, &sensor) || !(sensor.step_least > REAL_C(0.0)) ||
             has_line(a, n, sensor.input))
             continue;
         const struct mv_config *o = &s->plan->config.mv[sensor.input];
@@ -341,15 +336,19 @@ static unsigned loops_in_turn(const struct commission *c, struct advice *a)
 static unsigned after_analysis(const struct commission *c, const struct supervisor *s,
                                struct advice *a)
 {
-    unsigned doubts = certainty_doubts(&c->work->analysis.certainty), n = 0;
+    const struct analysis *analysis = &c->work->analysis;
+    unsigned doubts = certainty_doubts(&analysis->certainty), n = 0;
     unsigned by_noise = DOUBT_DRAWS | DOUBT_DETERMINANT | DOUBT_RANK | DOUBT_SIGN;
+    /* Surer gains may have settings that serve all plants that the true one may be. */
+    bool no_settings =
+        analysis->verdict == PAIRING_DETERMINED && analysis->design_error == ERR_TIMEOUT;
     if (doubts & DOUBT_SHAPE) {
         n += after_short(c, s, &a[n]);
         if (n == 0)
             n += after_longest(c, s, true, &a[n]);
         if (n == 0)
             n += more_rounds(s, &a[n]);
-    } else if (doubts & by_noise) {
+    } else if (no_settings || (doubts & by_noise)) {
         if (doubts & (DOUBT_DETERMINANT | DOUBT_RANK))
             n += loops_in_turn(c, a);
         if (n > 0)
@@ -375,46 +374,4 @@ unsigned advice_of(const struct commission *c, const struct supervisor *s, struc
     if (phase == COMMISSION_READY && !c->work->analysis.designed)
         return after_analysis(c, s, advice);
     return 0;
-}
-
-unsigned advice_sensors(const struct commission *c, const struct supervisor *s)
-{
-    bool there = status_phase(&c->status) != COMMISSION_IDLE && results_are_there(c) &&
-                 outputs_are_those_of(&c->outputs, &s->plan->config);
-    return there ? outputs_count(&c->outputs) : 0u;
-}
-
-bool advice_of_sensor(const struct commission *c, const struct supervisor *s, uint8_t j,
-                      struct sensor_advice *advice)
-{
-    REFLUX_ASSERT(j < outputs_count(&c->outputs));
-    const struct measurement_config *m =
-        &s->plan->config.measurement[outputs_measurement(&c->outputs, j)];
-    const struct sensor_watch *w = &c->work->sensor[j];
-    *advice = (struct sensor_advice){.step_share = sensor_watch_coarse(w),
-                                     .renewal = sensor_watch_renewal(w)};
-    real_t largest = REAL_C(0.0);
-    bool tested = false;
-    for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct tested_input *in = inputs_get(&c->inputs, k);
-        const struct element *e = &c->work->element[j][k];
-        real_t gain = real_abs(e->found.shape.gain);
-        if (in->rounds == 0)
-            continue;
-        tested = true;
-        real_t moved = gain * in->amplitude;
-        if (moved > advice->moved_share && gain >= MOVED_SDS * e->found.sd[SHAPE_GAIN])
-            advice->moved_share = moved;
-        if ((e->flags & IDENTIFIED_NO_GAIN) || !(gain > largest))
-            continue;
-        const struct mv_config *o = &s->plan->config.mv[in->output];
-        largest = gain;
-        advice->input = in->output;
-        advice->step_least = STEPS_WANTED * advice->step_share / largest * (o->hi - o->lo);
-    }
-    if (tested && advice->moved_share < LOST_FLOORS * NOISE_FLOOR &&
-        advice->moved_share > REAL_C(0.0))
-        advice->span_wanted = (m->hi - m->lo) * advice->moved_share / SHOWN_SHARE;
-    return advice->step_share > REAL_C(0.0) || advice->renewal > 1u ||
-           advice->span_wanted > REAL_C(0.0);
 }

@@ -37,21 +37,4 @@ struct advice {
 /* Fills in at most ADVICE_MOST and returns their number; 0 where there is nothing to say or the results are no longer there. */
 unsigned advice_of(const struct commission *c, const struct supervisor *s, struct advice *advice);
 
-/* Finds the faults of the sensor of output j, from the samples of the tests. */
-struct sensor_advice {
-    real_t step_share; /* it reads in steps of this share of its span; 0: finer than matters */
-    real_t
-        step_least; /* least test_step of `input` for it, unit of that input; 0: no gain is known */
-    uint8_t input;  /* index of the manipulated variable with the largest gain */
-    unsigned renewal; /* ticks after which it gives a new value; 1: every tick */
-    real_t
-        span_wanted; /* span in its unit that would show the largest response; 0: the span is fine */
-    real_t moved_share; /* that response, share of the span */
-};
-/* Number of outputs to ask for; 0 where the results are no longer there. */
-unsigned advice_sensors(const struct commission *c, const struct supervisor *s);
-/* False: nothing. */
-bool advice_of_sensor(const struct commission *c, const struct supervisor *s, uint8_t j,
-                      struct sensor_advice *advice);
-
 #endif

@@ -475,8 +475,7 @@ enum err analysis_step(struct analysis *a)
     case ANALYSIS_ALTERNATIVE:
         return more(a, choose(a));
     case ANALYSIS_CROSSOVER:
-        err = next_crossover(a);
-        return err ? err : more(a, err);
+        return next_crossover(a);
     case ANALYSIS_PROBES:
         err = trial_step(&a->work.trial);
         if (!err)

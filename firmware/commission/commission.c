@@ -100,7 +100,9 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
         possible = commission_may_watch(c) && !old;
         break;
     case COMMISSION_ASK_TRIAL:
-        *wanted = "there is no proposal; `commission` shows the progress";
+        *wanted = phase == COMMISSION_READY
+                      ? "there is no proposal; `commission proposal` says why"
+                      : "there is no proposal; `commission` shows the progress";
         possible = commission_has_proposal(c) && !old;
         break;
     default:

@@ -10,6 +10,7 @@
 #include "commission/limits.h"
 #include "commission/model.h"
 #include "commission/next_test.h"
+#include "commission/sensor_advice.h"
 #include "commission/start_stop.h"
 #include "commission/status.h"
 #include "commission/test_inputs.h"
@@ -36,12 +37,28 @@ static void analyse(struct commission *c, const struct supervisor *s)
     background_ask(&c->background, TASK_ANALYSIS, 1u + commission_samples(s, REAL_C(20.0)));
 }
 
+/* After the first round every input has moved what it can move. */
+static void warn_of_sensors(const struct commission *c, const struct supervisor *s)
+{
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
+        struct sensor_advice a;
+        real_t value;
+        if (!sensor_advice_of(c, s, j, &a))
+            continue;
+        enum sensor_fault fault = sensor_fault_of(&a, &value);
+        commission_say_of_output(c, s, EVENT_SENSOR_POOR, j, value, (uint8_t)fault);
+    }
+}
+
 void commission_next_input(struct commission *c, struct supervisor *s)
 {
-    if (inputs_next(&c->inputs))
+    if (inputs_next(&c->inputs)) {
         commission_start_input(c, s);
-    else
+    } else {
+        if (inputs_round(&c->inputs) == 1)
+            warn_of_sensors(c, s);
         analyse(c, s);
+    }
 }
 
 /* Marks the inputs for which a longer test may resolve what is open. */
@@ -262,8 +279,12 @@ static void take_analysis(struct commission *c, struct supervisor *s)
         return;
     }
     status_ready(&c->status, s->time_ms);
-    commission_say_of_all(c, s, open ? EVENT_NOT_DETERMINED : EVENT_PROPOSAL, a->probability,
-                          a->designed);
+    /* Who waits for a proposal must not wait for a trial that cannot come. */
+    if (a->designed)
+        commission_say_of_all(c, s, EVENT_PROPOSAL, a->probability, 1);
+    else
+        commission_say_of_all(c, s, EVENT_NOT_DETERMINED, a->probability,
+                              (uint8_t) - (int)a->design_error);
 }
 
 void commission_wait_for_job(struct commission *c, struct supervisor *s)

@@ -73,6 +73,19 @@ unsigned sensor_watch_renewal(const struct sensor_watch *w)
     return w->shortest;
 }
 
+void sensor_watch_note(struct sensor_watch *w)
+{
+    unsigned renewal = sensor_watch_renewal(w); /* of uint8_t */
+    if (renewal > w->noted)
+        w->noted = (uint8_t)renewal;
+}
+
+unsigned sensor_watch_noted(const struct sensor_watch *w)
+{
+    unsigned renewal = sensor_watch_renewal(w);
+    return renewal > w->noted ? renewal : w->noted;
+}
+
 void sensor_allow(struct steady_result *at, unsigned renewal, real_t coarse_sd,
                   real_t variance_limit)
 {

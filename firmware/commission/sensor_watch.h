@@ -19,11 +19,17 @@ struct sensor_watch {
     uint8_t run;         /* samples since the latest change */
     uint8_t shortest;    /* ticks between two changes, at least; 0: none yet */
     uint8_t runs_beyond; /* runs longer than the shortest, at most 255 */
+    uint8_t noted;       /* ticks of sensor_watch_note(); 0: none */
     bool seen;           /* there has been a sample */
 };
 
 /* Takes the next sample, fraction of span. */
 void sensor_watch_step(struct sensor_watch *w, real_t y);
+/* A test is over, and samples are left out until the next one: what is known of the renewal is kept for reports, because shorter runs
+ * across such a gap hide it from then on. */
+void sensor_watch_note(struct sensor_watch *w);
+/* Ticks after which the sensor gave a new value in some test; 1: every tick. */
+unsigned sensor_watch_noted(const struct sensor_watch *w);
 /* Size of the steps in which the sensor reads, fraction of span, where they are coarse enough to matter; 0: they are not. */
 real_t sensor_watch_coarse(const struct sensor_watch *w);
 /* Ticks after which the sensor gives a new value; 1: every tick. */

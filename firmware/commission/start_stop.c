@@ -76,6 +76,12 @@ void commission_say_of_all(const struct commission *c, const struct supervisor *
     put_event(c, s, code, NULL, value, detail);
 }
 
+void commission_say_of_output(const struct commission *c, const struct supervisor *s,
+                              enum event_code code, uint8_t j, float value, uint8_t detail)
+{
+    put_event(c, s, code, outputs_name(&c->outputs, s, j), value, detail);
+}
+
 /* Name of the input whose turn it is, or of the direction. */
 static const char *present_input_name(const struct commission *c, const struct supervisor *s)
 {

@@ -29,6 +29,9 @@ void commission_say(const struct commission *c, const struct supervisor *s, enum
 /* Likewise, about the whole. */
 void commission_say_of_all(const struct commission *c, const struct supervisor *s,
                            enum event_code code, float value, uint8_t detail);
+/* Likewise, about output j. */
+void commission_say_of_output(const struct commission *c, const struct supervisor *s,
+                              enum event_code code, uint8_t j, float value, uint8_t detail);
 /* Likewise, about the input whose turn it is. */
 void commission_say_of_input(const struct commission *c, const struct supervisor *s,
                              enum event_code code, float value, uint8_t detail);

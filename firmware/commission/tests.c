@@ -64,8 +64,10 @@ static void end_test(struct commission *c, struct supervisor *s)
                                  .cut = experiment_is_cut(x),
                                  .small = experiment_is_small(x)};
     inputs_note_test(&c->inputs, &result);
-    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++)
+    for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         outputs_set_noise(&c->outputs, j, experiment_before(x, j)->noise_sd);
+        sensor_watch_note(&c->work->sensor[j]);
+    }
     commission_say_of_input(c, s, EVENT_TEST_DONE, result.half_s, inputs_round(&c->inputs));
     status_enter(&c->status, COMMISSION_FITTING, s->time_ms);
     model_begin_fit(c);

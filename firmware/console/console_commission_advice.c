@@ -1,6 +1,7 @@
 /* `commission advice`: what to change where start-up has ended without a proposal, and what the samples say about the sensors. */
 #include "commission/advice.h"
 #include "commission/commission.h"
+#include "commission/sensor_advice.h"
 #include "console/commission_listings.h"
 #include "console/commission_words.h"
 #include "console/phrases.h"
@@ -157,9 +158,9 @@ bool commission_advice_line(struct client *c, unsigned n, struct text *line)
     hal_tick_lock();
     if (n < ADVICE_MOST)
         count = advice_of(m, s, advice);
-    outputs = advice_sensors(m, s);
+    outputs = sensor_advices(m, s);
     if (n >= ADVICE_MOST && n - ADVICE_MOST < outputs)
-        tells = advice_of_sensor(m, s, (uint8_t)(n - ADVICE_MOST), &sensor);
+        tells = sensor_advice_of(m, s, (uint8_t)(n - ADVICE_MOST), &sensor);
     hal_tick_unlock();
     if (n == 0 && inputs_count(&m->inputs) > 0 && !commission_keeps(m))
         text_str(line, RESULTS_DISCARDED);

@@ -1,13 +1,24 @@
 /* Texts on automatic start-up, for the commands that are not about it. */
 #include "console/startup_words.h"
+
+#include "commission/sensor_advice.h"
+#include "commission/words.h"
 #include "console/phrases.h"
 
 void startup_event_words(const struct event *e, struct text *line)
 {
-    if (e->code != EVENT_COMMISSION_ENDED && e->code != EVENT_TRIAL_FAILED &&
-        (e->code < EVENT_WATCH_ENDED || e->code > EVENT_WATCH_SIGN || e->detail == REASON_NOT))
-        return;
-    put_reason(line, commission_reason_text((enum commission_reason)e->detail));
+    static const char *const sensors[] = {[SENSOR_RARE] = "it is renewed rarely",
+                                          [SENSOR_COARSE] = "it reads in coarse steps",
+                                          [SENSOR_LOST] = "its span is too wide"};
+    bool watched = e->code >= EVENT_WATCH_ENDED && e->code <= EVENT_WATCH_SIGN;
+    if (e->code == EVENT_COMMISSION_ENDED || e->code == EVENT_TRIAL_FAILED ||
+        (watched && e->detail != REASON_NOT))
+        put_reason(line, commission_reason_text((enum commission_reason)e->detail));
+    else if (e->code == EVENT_NOT_DETERMINED)
+        put_reason(line, e->detail == 0 ? "the pairing is not determined"
+                                        : words_of_no_design((enum err)(-(int)e->detail)));
+    else if (e->code == EVENT_SENSOR_POOR && e->detail >= SENSOR_RARE && e->detail <= SENSOR_LOST)
+        put_reason(line, sensors[e->detail]);
 }
 
 bool startup_answer_words(const struct answer *a, struct text *t)

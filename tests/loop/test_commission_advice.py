@@ -145,7 +145,45 @@ class Advice(MadePlants):
             self.assertEqual(run.events[-1].code, ending)
             settings += changes(run.reply("commission advice"), "mv1.test_step")
 
+    # ---- pairs without settings ----
+
+    def test_a_pairing_without_settings_ends_without_a_proposal_and_says_why(self):
+        of = self.alike(1.2)
+        settings, events = ["set test.rounds 2"], self.noisy(of, 3)
+        script = whole(of, accept=False, settings=settings)
+        at = script[-1][0]
+        lines = ["commission", "commission proposal", "?commission accept", "~end"]
+        run = Run(of, [*script[:-1], *((at, line) for line in lines)], noise=1.0, events=events)
+        self.assertIsNone(run.first("PROPOSAL"))
+        self.assertIn("no settings are slow enough to be stable", run.first("NOT_DETERMINED").text)
+        self.assertIn("determined", run.reply("commission pairing")[0])
+        self.assertIn("no settings are slow enough to be stable", run.reply("commission proposal")[0])
+        self.assertTrue(any("there is no proposal; `commission proposal` says why" in line for line in run.said))
+        self.succeeds(of, settings, "test.rounds", events=events)
+
     # ---- sensors ----
+
+    def told(self, of: Plant, **more) -> list[tuple[str, str]]:
+        """Measurement and fault of each event about a sensor."""
+        run, _ = self.advised(of, **{"settings": [], **more})
+        if told := run.all("SENSOR_POOR"):
+            first_round = [e.time_s for e in run.all("TEST_DONE")][len(of.inputs) - 1]
+            self.assertGreaterEqual(min(e.time_s for e in told), first_round)
+        return [(e.subject, e.text.split(": ")[-1]) for e in told]
+
+    def test_an_event_tells_of_a_poor_sensor_once(self):
+        of = self.alike(1.2, resolution=2)
+        coarse = [(y, "it reads in coarse steps") for y in ("y1", "y2")]
+        self.assertEqual(self.told(of), coarse)
+        small = ["set mv1.test_step 0.5", "set mv2.test_step 0.5", "set test.rounds 16"]
+        self.assertLessEqual(set(self.told(of, settings=small)), set(coarse))  # over all rounds
+        fine = self.alike(1.2)
+        self.assertEqual(self.told(fine, events=["0:y2.every=10"]), [("y2", "it is renewed rarely")])
+        self.assertEqual(self.told(fine), [])
+        data = json.loads(fine.path.read_text())
+        data["outputs"][0].update(lo=-49950, hi=50050)
+        fine.path.write_text(json.dumps(data))
+        self.assertEqual(self.told(Plant(fine.path)), [("y1", "its span is too wide")])
 
     def test_a_coarse_sensor_and_a_span_that_is_too_wide_are_said_with_the_right_number(self):
         of = self.beside("coarse", element(1.2, 900, 50))

@@ -55,6 +55,20 @@ static void nothing_is_said_of_a_fine_sensor(void)
     }
 }
 
+static void the_renewal_of_one_test_is_kept_for_reports(void)
+{
+    TEST_ASSERT_EQUAL_UINT(1, sensor_watch_noted(&w));
+    samples(500, 0.005, 0.0, 0.0, 10);
+    TEST_ASSERT_EQUAL_UINT(10, sensor_watch_noted(&w));
+    sensor_watch_note(&w);
+    for (unsigned i = 0; i < 9; i++) { /* a run that a gap has cut */
+        sensor_watch_step(&w, REAL_C(0.5));
+        sensor_watch_step(&w, REAL_C(0.6));
+    }
+    TEST_ASSERT_EQUAL_UINT(1, sensor_watch_renewal(&w));
+    TEST_ASSERT_EQUAL_UINT(10, sensor_watch_noted(&w));
+}
+
 static void coarse_steps_are_found_at_rest_and_on_the_way(void)
 {
     static const double steps[] = {0.001, 0.002, 0.004, 0.01};
@@ -84,6 +98,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(nothing_is_said_of_a_fine_sensor);
+    RUN_TEST(the_renewal_of_one_test_is_kept_for_reports);
     RUN_TEST(coarse_steps_are_found_at_rest_and_on_the_way);
     RUN_TEST(rare_renewal_is_found_in_noise);
     return UNITY_END();

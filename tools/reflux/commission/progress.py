@@ -43,7 +43,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "TEST_SMALLER": lambda: f"{name}: the step was too large; testing again with about {amount(x)}",
         "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): testing {what_next(name)}",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
-        "NOT_DETERMINED": lambda: f"the pairing is not determined, probability {x:.3g}",
+        "NOT_DETERMINED": lambda: f"no proposal: {reason(event)}; probability of the pairing {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
         "TRIAL_BEGUN": lambda: f"{x:g} proposed loops on trial: at rest first, then each setpoint is stepped",
         "TRIAL_KEPT": lambda: f"{x:g} loops matched the prediction and stay",

@@ -290,9 +290,9 @@ class Startup:
         if proposal.loops:
             say(table.columns(*results.loop_rows(proposal)))
         if not proposal.loops:
+            heading("What to do next")
+            self.show_advice()
             if not pairing.determined:
-                heading("What to do next")
-                self.show_advice()
                 for words in next_steps.lines(model, pairing, answers.known_pairs(), self.board.parameters(),
                                               self.board.count("loop", "name")):
                     say(words)
