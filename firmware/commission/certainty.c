@@ -34,8 +34,7 @@ static void find_used(struct analysis *a)
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
 {
     REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
-    unsigned counts = is_used(a, j, i) ? CERTAINTY_FLAGS : CERTAINTY_OPEN_FLAGS;
-    return (uint16_t)(a->flags[j][i] & counts);
+    return (uint16_t)(a->flags[j][i] & CERTAINTY_OPEN_FLAGS);
 }
 
 /* A relative gain may be certain where the gain is not: if one input alone seems to move an output, and only a little. */
@@ -58,10 +57,7 @@ static void doubt_elements(struct analysis *a)
             doubt_output(a, DOUBT_SIGN, a->pairs.output[k]);
     for (uint8_t j = 0; j < a->plant.outputs; j++)
         for (uint8_t i = 0; i < a->plant.inputs; i++) {
-            unsigned flags = certainty_flags(a, j, i);
-            if (flags & CERTAINTY_FINAL_FLAGS)
-                doubt_output(a, DOUBT_SHAPE_FINAL, j);
-            if (flags & CERTAINTY_OPEN_FLAGS) {
+            if (certainty_flags(a, j, i)) {
                 doubt_output(a, DOUBT_SHAPE, j);
                 a->certainty.unsettled = (uint16_t)(a->certainty.unsettled | 1u << i);
             }
@@ -92,11 +88,6 @@ void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict)
         a->certainty.doubts |= DOUBT_RANK;
     doubt_elements(a);
     conclude(a, verdict);
-}
-
-bool certainty_is_final(const struct analysis *a)
-{
-    return a->certainty.doubts == DOUBT_SHAPE_FINAL;
 }
 
 static enum left_over left_because(const struct analysis *a, bool seen, bool used)

@@ -16,9 +16,6 @@ struct analysis;
 #define CERTAINTY_OPEN_FLAGS                                                                       \
     (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED | IDENTIFIED_SLOW |        \
      IDENTIFIED_UNKNOWN)
-/* No loop can use such an element, and longer tests change nothing. */
-#define CERTAINTY_FINAL_FLAGS IDENTIFIED_OSCILLATORY
-#define CERTAINTY_FLAGS       (CERTAINTY_OPEN_FLAGS | CERTAINTY_FINAL_FLAGS)
 
 /* Reasons why a channel that was tested has no loop. */
 enum left_over {
@@ -30,13 +27,10 @@ enum left_over {
 /* Notes doubts about draws, rank, determinant, signs and flags, once the pairs are chosen, and lowers *verdict. */
 void certainty_of_gains(struct analysis *a, enum pairing_verdict *verdict);
 
-/* Returns the flags of the element from input i to output j that cause a doubt: all of CERTAINTY_FLAGS where a pair uses the
- * element, else CERTAINTY_OPEN_FLAGS. */
+/* Returns the flags of the element from input i to output j that cause a doubt, whether a pair uses it or not. */
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i);
 /* The sign of the gain of pair k is uncertain. */
 bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k);
-/* More tests would not change any of the doubts. */
-bool certainty_is_final(const struct analysis *a);
 
 /* The reason for an output, for an input. Where nothing is determined only LEFT_UNSEEN. */
 enum left_over certainty_output_left(const struct analysis *a, uint8_t j);

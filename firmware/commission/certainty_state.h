@@ -14,9 +14,7 @@ enum analysis_doubt {
     DOUBT_RANK = 1 << 2,        /* within error, there are fewer directions than pairs */
     DOUBT_SIGN = 1 << 3,        /* the sign of the gain of a pair is uncertain */
     DOUBT_SHAPE = 1 << 4,       /* a test did not show the end of a response */
-    DOUBT_SHAPE_FINAL =
-        1 << 5, /* the response of a pair is not that of a lag: more tests do not help */
-    DOUBT_CHANNELS = 1 << 6 /* others might be left over; counts while there are more rounds */
+    DOUBT_CHANNELS = 1 << 5     /* others might be left over; counts while there are more rounds */
 };
 
 struct certainty {

@@ -230,12 +230,9 @@ static void take_fit(struct commission *c, struct supervisor *s)
     commission_next_input(c, s);
 }
 
-/* More tests would help. Not where the gains, and what was measured along a direction, are as certain as a first-order model can
- * be, nor where a response is not that of a lag. */
+/* More tests would help. Not where the gains, and what was measured along a direction, are as certain as a model can be. */
 static bool more_would_help(const struct analysis *a)
 {
-    if (certainty_is_final(a))
-        return false;
     if (certainty_doubts(&a->certainty) & DOUBT_SHAPE)
         return true;
     for (uint8_t j = 0; j < a->plant.outputs; j++) {

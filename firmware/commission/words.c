@@ -10,7 +10,6 @@ const char *words_of_verdict(const struct analysis *a)
         [PAIRING_SINGULAR] = "not determined: within error, inputs act alike",
         [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and indices"};
     REFLUX_ASSERT((unsigned)a->verdict < sizeof words / sizeof words[0]);
-    const unsigned shape = DOUBT_SHAPE | DOUBT_SHAPE_FINAL;
     unsigned doubts = certainty_doubts(&a->certainty);
     if (a->verdict != PAIRING_UNDETERMINED)
         return words[a->verdict];
@@ -18,8 +17,6 @@ const char *words_of_verdict(const struct analysis *a)
         return words[PAIRING_SINGULAR];
     if (doubts == DOUBT_SHAPE)
         return "not determined: a response was not seen to its end";
-    if ((doubts & ~shape) == 0)
-        return "not determined: a response has a shape that loops are not made for";
     return words[PAIRING_UNDETERMINED];
 }
 

@@ -1,4 +1,6 @@
 /* Results of automatic start-up as listings: one fact a line, `name value unit`, for people and programs alike. */
+#include <math.h>
+
 #include "base/assertion.h"
 #include "commission/commission.h"
 #include "commission/words.h"
@@ -49,6 +51,8 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
     const struct mv_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     const struct shape_found *f = &e->found;
+    /* Without a response nothing is known of its times. */
+    bool timeless = (e->flags & IDENTIFIED_NO_GAIN) != 0;
     text_str(line, "element ");
     text_str(line, y->name);
     put_word(line, u->name);
@@ -59,9 +63,9 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
     text_char(line, '/');
     commission_unit(line, u->unit);
     text_named_float(line, "T", (float)f->shape.lag_s);
-    text_named_float(line, "sd", (float)f->sd[SHAPE_LAG]);
+    text_named_float(line, "sd", timeless ? NAN : (float)f->sd[SHAPE_LAG]);
     text_named_float(line, "s L", (float)f->shape.dead_time_s);
-    text_named_float(line, "sd", (float)f->sd[SHAPE_DEAD]);
+    text_named_float(line, "sd", timeless ? NAN : (float)f->sd[SHAPE_DEAD]);
     text_str(line, " s");
     if (f->parameters > 3) { /* two lags: their product; and the zero */
         text_named_float(line, "square", (float)f->shape.square_s2);
@@ -74,7 +78,7 @@ static void element_line(const struct client *c, unsigned j, unsigned k, struct 
         text_str(line, " s");
     }
     text_named_float(line, "residence", (float)shape_residence_s(&f->shape));
-    text_named_float(line, "sd", (float)f->residence_sd_s);
+    text_named_float(line, "sd", timeless ? NAN : (float)f->residence_sd_s);
     text_str(line, " s");
     commission_flags(line, e->flags);
 }

@@ -169,8 +169,6 @@ static enum err set_tuning(struct detune *d, real_t factor)
         size_t k = d->place[i];
         const struct fopdt *m = &d->model[k];
         real_t least = m->time_constant_s * REAL_C(0.125);
-        if (((unsigned)d->config.begins >> k & 1u) && least > REAL_C(2.0) * m->dead_time_s)
-            least = REAL_C(2.0) * m->dead_time_s;
         real_t tau_c = factor * (m->dead_time_s > least ? m->dead_time_s : least);
         struct tuning *t = &d->loops.tuning[k];
         enum err err = tuning_simc_pi(m, tau_c < REAL_C(1e6) ? tau_c : REAL_C(1e6), t, NULL);

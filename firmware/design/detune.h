@@ -32,8 +32,6 @@ struct detune_config {
     /* 0 to 1: a loop of which the noise is no more has none: it is the resolution. */
     real_t noise_least;
     uint8_t part[INTERACT_MAX]; /* of pair k: pairs of different numbers do not act on each other */
-    /* Bit k: of pair k the model is how it begins, with a dead time that is sure: tau_c <= 2 F theta. */
-    uint16_t begins;
 };
 
 struct detune {

@@ -103,6 +103,11 @@ class Plant:
         return [f"0:{y['name']}.resolution=0" for y in self.outputs]
 
 
+def number(word: str) -> float:
+    """nan: `none`, it is not known."""
+    return float("nan") if word == "none" else float(word)
+
+
 def plant(name: str) -> Plant:
     return Plant(ROOT / "host_sim" / "plants" / f"{name}.json")
 
@@ -184,7 +189,7 @@ class Run:
         for line in self.reply("commission model"):
             if m := re.match(r"element (\S+) (\S+) gain (\S+) sd (\S+) \S+ T (\S+) sd (\S+) s L (\S+) sd (\S+) s .*?flags (.*)",
                              line):
-                found[m[1], m[2]] = dict(zip(("gain", "gain_sd", "T", "T_sd", "L", "L_sd"), map(float, m.groups()[2:8])),
+                found[m[1], m[2]] = dict(zip(("gain", "gain_sd", "T", "T_sd", "L", "L_sd"), map(number, m.groups()[2:8])),
                                          flags=set(m[9].split()) - {"-"})
                 for name in ("square", "zero", "residence"):
                     stated = re.search(rf" {name} (\S+)", line)

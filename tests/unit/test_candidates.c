@@ -11,6 +11,7 @@
 
 #include "interact/candidates.h"
 #include "random_matrix.h"
+#include "refusal.h"
 #include "unity.h"
 
 #define NEAR 2e-3 /* of a cost: what float and the unit of the costs leave */
@@ -295,30 +296,30 @@ static void a_plant_without_pairs_has_no_candidate_and_a_singular_one_is_refused
     TEST_ASSERT_EQUAL_UINT8(0, found.n);
 }
 
+/* ... and the settings are good again after it. */
+static void refused(const char *field, const struct candidates_config *good)
+{
+    struct interact_refusal reason = {NULL, NULL, 0, 0};
+    enum err err = candidates_begin(&found, &plant, &channels, &config, &reason);
+    expect_refusal(err, &reason, field);
+    config = *good;
+}
+
 static void settings_out_of_range_are_refused_with_their_name(void)
 {
-    struct interact_refusal reason;
     square_plant(1);
     plant.element[0][0].gain = REAL_C(1.0);
     const struct candidates_config good = config;
     config.smallest_lambda = 0;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, candidates_begin(&found, &plant, &channels, &config, &reason));
-    TEST_ASSERT_EQUAL_STRING("smallest_lambda", reason.field);
-    config = good;
+    refused("smallest_lambda", &good);
     config.floor = (real_t)NAN;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE,
-                          candidates_begin(&found, &plant, &channels, &config, &reason));
-    TEST_ASSERT_EQUAL_STRING("floor", reason.field);
-    config = good;
+    refused("floor", &good);
     config.draws = 19;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, candidates_begin(&found, &plant, &channels, &config, &reason));
-    TEST_ASSERT_EQUAL_STRING("draws", reason.field);
-    config = good;
+    refused("draws", &good);
     channels.n = 0;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, candidates_begin(&found, &plant, &channels, &config, &reason));
-    TEST_ASSERT_EQUAL_STRING("channels", reason.field);
+    refused("channels", &good);
     channels = (struct pairs){1, {1}, {0}};
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, candidates_begin(&found, &plant, &channels, &config, &reason));
+    refused("pairs", &good);
 }
 
 int main(void)

@@ -237,15 +237,6 @@ static void noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise(void)
     TEST_ASSERT_EQUAL_UINT8(1, reason.output);
 }
 
-static void a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time(void)
-{
-    one_slow_element();
-    config.begins = 1;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
-    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1000.0 / (0.5 * 30.0), (double)detune.loops.tuning[0].gain);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 120.0, (double)detune.loops.tuning[0].ti_s);
-}
-
 static void an_effect_without_lag_is_controlled_by_integral_action(void)
 {
     memset(&known, 0, sizeof known);
@@ -592,7 +583,6 @@ int main(void)
     RUN_TEST(loops_that_no_slowness_makes_stable_are_given_up);
     RUN_TEST(a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it);
     RUN_TEST(noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise);
-    RUN_TEST(a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time);
     RUN_TEST(an_effect_without_lag_is_controlled_by_integral_action);
     RUN_TEST(independent_parts_get_the_settings_they_would_get_alone);
     RUN_TEST(independent_parts_with_decouplers_get_the_settings_they_would_get_alone);

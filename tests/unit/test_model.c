@@ -279,7 +279,7 @@ static void a_ramp_is_found_by_its_slope_and_told_from_what_is_open(void)
     const struct element *e = &c.work->element[0][0];
     TEST_ASSERT_EQUAL_UINT8(SHAPE_INTEGRATING, e->found.kind);
     TEST_ASSERT_EQUAL_HEX16(IDENTIFIED_RAMP, e->flags);
-    TEST_ASSERT_FALSE(e->flags & CERTAINTY_FLAGS);
+    TEST_ASSERT_FALSE(e->flags & CERTAINTY_OPEN_FLAGS);
     is_known(0.01, e->found.shape.gain / e->found.shape.lag_s,
              e->found.sd[SHAPE_GAIN] / e->found.shape.lag_s, 3.0, 0.01);
     TEST_ASSERT_DOUBLE_WITHIN(2.0, 10.0, (double)(e->found.shape.square_s2 / e->found.shape.lag_s));

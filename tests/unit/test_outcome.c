@@ -361,14 +361,6 @@ static void another_round_is_made_where_it_would_help(void)
         }
     analysed()->certainty.doubts = DOUBT_DRAWS | DOUBT_SHAPE;
     goes_round(true);
-    struct analysis *a = analysed();
-    a->certainty.doubts = DOUBT_SHAPE_FINAL; /* more tests change nothing */
-    a->plant.gain_sd[0][0] = 1;
-    goes_round(false);
-    a = analysed();
-    a->certainty.doubts = DOUBT_SHAPE_FINAL | DOUBT_DRAWS;
-    a->plant.gain_sd[0][0] = 1;
-    goes_round(true);
 }
 
 static void there_are_as_many_rounds_as_set(void)

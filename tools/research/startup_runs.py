@@ -141,10 +141,10 @@ def _elements(said: str, out: Said) -> None:
         out.flags[y, u] = set(flags[1].split()) - {"-"} if flags else set()
         found = {"gain": float(gain), "gain_sd": float(gain_sd)}
         if m := re.search(r"residence (\S+) sd (\S+)", rest):
-            found["residence"], found["residence_sd"] = float(m[1]), float(m[2])
+            found["residence"], found["residence_sd"] = (0.0 if w == "none" else float(w) for w in m.groups())
         elif m := re.search(r"T (\S+) sd (\S+) s L (\S+) sd (\S+) s", rest):
-            found["residence"] = float(m[1]) + float(m[3])
-            found["residence_sd"] = math.hypot(float(m[2]), float(m[4]))
+            time, time_sd, dead, dead_sd = (0.0 if w == "none" else float(w) for w in m.groups())
+            found["residence"], found["residence_sd"] = time + dead, math.hypot(time_sd, dead_sd)
         out.elements[y, u] = found
 
 
