@@ -88,7 +88,10 @@ static bool do_work(struct app *app)
     bool worked = jobs_work(&app->jobs);
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {
+        uint32_t sum = s->work_cost.rest + cost;
         s->work_cost.n++;
+        s->work_cost.thousands += sum / 1000u;
+        s->work_cost.rest = sum % 1000u;
         if (cost > s->work_cost.highest)
             s->work_cost.highest = cost;
     }

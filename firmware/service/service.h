@@ -33,6 +33,7 @@ struct tick_cost {
 /* Cost of pieces of work between ticks, written by the main loop. A piece that a tick interrupts does not count. */
 struct work_cost {
     uint32_t n, highest;
+    uint32_t thousands, rest; /* of all pieces together */
 };
 
 struct storage;
