@@ -9,7 +9,7 @@
 #define POINTS_LEAST     6u
 #define CORRELATION_MOST REAL_C(0.9)
 
-static const struct shape *shape_of(const struct commission *c, uint8_t j, uint8_t k)
+static const struct shape *single_shape(const struct commission *c, uint8_t j, uint8_t k)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX && k < CHANNEL_MAX);
     return &c->work->element[j][k].found.shape;
@@ -19,7 +19,7 @@ real_t direction_response(const struct commission *c, uint8_t j, real_t t_s)
 {
     real_t sum = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct shape *s = shape_of(c, j, k);
+        const struct shape *s = single_shape(c, j, k);
         real_t gone_s = t_s - s->dead_time_s, left = REAL_C(0.0);
         if (gone_s <= REAL_C(0.0))
             continue;
@@ -34,7 +34,7 @@ real_t direction_end(const struct commission *c, uint8_t j)
 {
     real_t sum = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++)
-        sum += c->work->share[k] * shape_of(c, j, k)->gain;
+        sum += c->work->share[k] * single_shape(c, j, k)->gain;
     return sum;
 }
 
@@ -42,7 +42,7 @@ NOT_INLINE real_t direction_over_s(const struct commission *c, uint8_t j, real_t
 {
     real_t longest_s = REAL_C(0.0);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct shape *s = shape_of(c, j, k);
+        const struct shape *s = single_shape(c, j, k);
         real_t over_s = s->dead_time_s + lags * s->lag_s;
         if (real_abs(c->work->share[k]) > REAL_C(0.0) && over_s > longest_s)
             longest_s = over_s;
@@ -55,7 +55,7 @@ static real_t variance_to_come(const struct commission *c, uint8_t j)
 {
     real_t sum = REAL_C(0.0), left = DIRECTION_LAGS * real_exp(-DIRECTION_LAGS);
     for (uint8_t k = 0; k < inputs_count(&c->inputs); k++) {
-        const struct shape *s = shape_of(c, j, k);
+        const struct shape *s = single_shape(c, j, k);
         if (!(s->lag_s > REAL_C(0.0)))
             continue;
         real_t sd_s = element_lag_sd_s(&c->work->element[j][k].found);
