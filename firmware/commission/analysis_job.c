@@ -49,31 +49,31 @@ static bool drives_inner_loop(const struct analysis *a, uint8_t n)
     return false;
 }
 
-/* Draws a plant that the true one may be: struct robust_config. */
-static void draw_plant(const void *context, uint16_t member, struct interact_plant *plant)
+/* Draws a row of a plant that the true one may be: struct robust_config. */
+static void draw_row(const void *context, uint16_t member, uint8_t j, struct interact_plant *plant)
 {
+    REFLUX_ASSERT(j < INTERACT_MAX);
     const struct commission *c = context;
     const struct analysis *a = &c->work->analysis;
-    *plant = a->plant;
+    real_t error[INTERACT_MAX] = {REAL_C(0.0)};
+    if (j == 0)
+        *plant = a->plant;
     if (member + 1u == a->left_out)
         member = MEMBERS;
-    for (uint8_t j = 0; j < a->plant.outputs; j++) {
-        real_t error[INTERACT_MAX] = {REAL_C(0.0)};
-        for (uint8_t n = 0; n < a->plant.inputs; n++) {
-            struct shape s;
-            if (drives_inner_loop(a, n))
-                continue;
-            const struct shape_found *f = &c->work->element[j][c->analysis_job.column[n]].found;
-            shape_found_draw(f, (uint32_t)j * INTERACT_MAX + n, member, &s);
-            (void)put_shape(plant, j, n, s);
-            error[n] = s.gain - f->shape.gain;
-        }
-        if (!(a->plant.along_sd[j] > REAL_C(0.0)))
+    for (uint8_t n = 0; n < a->plant.inputs; n++) {
+        struct shape s;
+        if (drives_inner_loop(a, n))
             continue;
-        direction_correct(&a->plant, j, REAL_C(0.0), error);
-        for (uint8_t n = 0; n < a->plant.inputs; n++)
-            plant->element[j][n].gain = a->plant.element[j][n].gain + error[n];
+        const struct shape_found *f = &c->work->element[j][c->analysis_job.column[n]].found;
+        shape_found_draw(f, (uint32_t)j * INTERACT_MAX + n, member, &s);
+        (void)put_shape(plant, j, n, s);
+        error[n] = s.gain - f->shape.gain;
     }
+    if (!(a->plant.along_sd[j] > REAL_C(0.0)))
+        return;
+    direction_correct(&a->plant, j, REAL_C(0.0), error);
+    for (uint8_t n = 0; n < a->plant.inputs; n++)
+        plant->element[j][n].gain = a->plant.element[j][n].gain + error[n];
 }
 
 /* Notes the measurement that the settings pair with input[k], which is column n of the analysis. */
@@ -117,7 +117,7 @@ void analysis_job_begin(struct commission *c, const struct config *config, real_
                                  .loops_max = CONFIG_LOOPS,
                                  .last = inputs_round(&c->inputs) >= config->test.rounds,
                                  .members = MEMBERS,
-                                 .draw = draw_plant,
+                                 .draw = draw_row,
                                  .context = c,
                                  .noise_sd = outputs_noise(&c->outputs)};
     c->analysis_job.begun = false;

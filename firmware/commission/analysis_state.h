@@ -48,7 +48,8 @@ struct analysis_config {
     bool last; /* there are no more rounds: doubts that only more tests could mend do not count */
     /* Plants that the true one may be: struct robust_config. The context must live as long as the analysis. */
     uint16_t members;
-    void (*draw)(const void *context, uint16_t member, struct interact_plant *plant);
+    void (*draw)(const void *context, uint16_t member, uint8_t output,
+                 struct interact_plant *plant);
     const void *context;
     /* Noise of every output, fraction of span; NULL: none. It must live as long as the analysis. */
     const real_t *noise_sd;

@@ -65,13 +65,15 @@ static void draw_element(const struct members *m, size_t i, size_t j, struct ran
     shape->square_s2 *= lag * lag;
 }
 
-void members_draw(const void *context, uint16_t member, struct interact_plant *drawn)
+void members_draw(const void *context, uint16_t member, uint8_t output,
+                  struct interact_plant *drawn)
 {
     const struct members *m = context;
     struct random random =
-        random_from(m->seed + (uint64_t)(member + 1u) * UINT64_C(0xD1342543DE82EF95));
-    *drawn = *m->plant;
-    for (size_t i = 0; i < drawn->outputs; i++)
-        for (size_t j = 0; j < drawn->inputs; j++)
-            draw_element(m, i, j, &random, drawn);
+        random_from(m->seed + ((uint64_t)member * INTERACT_MAX + output + 1u) *
+                                  UINT64_C(0xD1342543DE82EF95));
+    if (output == 0)
+        *drawn = *m->plant;
+    for (size_t j = 0; j < drawn->inputs; j++)
+        draw_element(m, output, j, &random, drawn);
 }

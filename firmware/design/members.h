@@ -18,9 +18,10 @@ struct members {
     uint64_t seed;
 };
 
-/* Draws member number `member`, for struct robust_config; context: a struct members, checked as interact_check() does. A
+/* Draws row `output` of member number `member`, row 0 first, for struct robust_config; context: a struct members, checked as interact_check() does. A
  * deviate is normal, at most 3. Gains keep their signs. A time is multiplied by 1 + x, or divided by 1 - x where x, deviate times
  * relative deviation, is below 0, so that it stays above 0. Zero and square go with the time constant: damping stays. */
-void members_draw(const void *context, uint16_t member, struct interact_plant *drawn);
+void members_draw(const void *context, uint16_t member, uint8_t output,
+                  struct interact_plant *drawn);
 
 #endif

@@ -434,9 +434,13 @@ enum err robust_begin(struct robust *r, const struct interact_plant *plant,
     return begin_search(r) == ERR_BUSY ? ERR_OK : ERR_STATE;
 }
 
+/* A row a call: a plant of 16 by 16 is a long piece of work. */
 static enum err draw_member(struct robust *r, uint16_t plant, uint8_t next)
 {
-    r->config.draw(r->config.context, (uint16_t)(plant - 1u), &r->member);
+    r->config.draw(r->config.context, (uint16_t)(plant - 1u), r->drawn, &r->member);
+    if (++r->drawn < r->plant->outputs)
+        return ERR_BUSY;
+    r->drawn = 0;
     r->stage = next;
     return ERR_BUSY;
 }

@@ -50,7 +50,7 @@ struct robust {
     real_t worst_excess, step, margin, omega_lo, omega_hi, widened;
     uint16_t part_passes;
     uint8_t actives, at_active, choices, moved, moved_most, retreats, tries, rounds;
-    uint8_t stage, goal;
+    uint8_t stage, goal, drawn; /* rows of the member that are drawn */
     bool joint, changed;
     struct interact_plant member;
     union {

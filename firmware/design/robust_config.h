@@ -18,9 +18,11 @@ struct robust_config {
     real_t gain_most[INTERACT_MAX]; /* of loop k, 1e-6 to 100: detune_largest_gain() */
     uint8_t part[INTERACT_MAX]; /* of loop k: loops of different numbers do not act on each other */
     uint16_t members;           /* 0 to 1000 */
-    /* Puts member 0 to members - 1 into member_plant: always the same for the same number, of the size of the nominal plant.
-     * NULL where there are no members. About 2e5 instructions at most. */
-    void (*draw)(const void *context, uint16_t member, struct interact_plant *member_plant);
+    /* Puts row `output` of member 0 to members - 1 into member_plant, row 0 first, which brings all else that is not drawn: always
+     * the same for the same numbers, of the size of the nominal plant. NULL where there are no members. About 1e5 instructions at
+     * most. */
+    void (*draw)(const void *context, uint16_t member, uint8_t output,
+                 struct interact_plant *member_plant);
     const void *context;
 };
 

@@ -224,12 +224,14 @@ static void gains_hardly_known_leave_the_pairing_open(void)
 /* Plants that the true one may be: every dead time of the paired elements by so much longer, member by member. */
 static double longer_most;
 static uint32_t drawn;
-static void draw_longer(const void *context, uint16_t member, struct interact_plant *plant)
+static void draw_longer(const void *context, uint16_t member, uint8_t output,
+                        struct interact_plant *plant)
 {
-    *plant = *(const struct interact_plant *)context;
+    if (output == 0)
+        *plant = *(const struct interact_plant *)context;
     drawn |= 1u << member;
-    for (unsigned j = 0; j < plant->outputs; j++)
-        plant->element[j][j].dead_time_s *= (real_t)(1.0 + longer_most * member / 23.0);
+    plant->element[output][output].dead_time_s *=
+        (real_t)(1.0 + longer_most * member / 23.0);
 }
 
 static void wood_berry_drawn(double longer)
