@@ -142,7 +142,7 @@
     START_UP(WATCH_FAILED, "a kept loop went wrong, the old settings return", ALARM)               \
     START_UP(WATCH_SIGN,                                                                           \
              "a kept loop went wrong, its settings stay: put it into manual, or lower its gain",   \
-             ALARM)                                                                               \
+             ALARM)                                                                                \
     START_UP(SENSOR_POOR,                                                                          \
              "sensor hides responses, see `commission advice`; share of its span, or ticks",       \
              WARNING)

@@ -9,7 +9,9 @@
 static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
 {
     REFLUX_ASSERT(j < a->plant.outputs && i < a->plant.inputs);
-    return real_abs(a->plant.element[j][i].gain) >= SEEN_SDS * a->plant.gain_sd[j][i] &&
+    /* A gain that only a direction tells has no times. */
+    return !(a->flags[j][i] & IDENTIFIED_NO_GAIN) &&
+           real_abs(a->plant.element[j][i].gain) >= SEEN_SDS * a->plant.gain_sd[j][i] &&
            real_abs(a->plant.element[j][i].gain) > REAL_C(0.0);
 }
 

@@ -25,6 +25,9 @@ static bool acts_alike(const struct analysis *a)
     uint8_t least = a->plant.inputs < a->plant.outputs ? a->plant.inputs : a->plant.outputs;
     unsigned doubts = certainty_doubts(&a->certainty);
     bool no_pairs = a->verdict == PAIRING_SINGULAR || a->verdict == PAIRING_IMPOSSIBLE;
+    if (doubts &
+        DOUBT_SIGN) /* an input that has not been seen by itself needs larger steps first */
+        return false;
     if ((no_pairs && a->rank < least) || (doubts & (DOUBT_DETERMINANT | DOUBT_RANK)) != 0u)
         return true;
     for (uint8_t k = 0; k < a->pairs.n; k++)

@@ -190,6 +190,13 @@ static inline real_t experiment_at_turn(const struct experiment *e, unsigned j)
     return e->at_turn[j];
 }
 
+/* Samples after which the sensor of output j gives a new value; 1: each. */
+static inline unsigned experiment_renewal(const struct experiment *e, unsigned j)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    return e->renewal[j] > 1u ? e->renewal[j] : 1u;
+}
+
 /* The lines of rest before the step and after it. */
 static inline const struct steady_result *experiment_before(const struct experiment *e, unsigned j)
 {

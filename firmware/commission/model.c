@@ -12,8 +12,9 @@
 #include "identify/shape_curve.h"
 #include "identify/shape_tail.h"
 
-#define FIT_UNITS 4u          /* evaluations in one piece */
-#define CLIMB_SDS REAL_C(4.0) /* standard deviations by which a climb exceeds the noise */
+#define FIT_UNITS  4u             /* evaluations in one piece */
+#define UNIFORM_SD REAL_C(0.2887) /* standard deviation of a value within an interval of 1 */
+#define CLIMB_SDS  REAL_C(4.0)    /* standard deviations by which a climb exceeds the noise */
 /* Share of the misfit that a bent drift may leave if it, and not the shape of the response, was the cause. */
 #define BENT_LEAVES REAL_C(0.3)
 /* Time constants of a level after which half of the response is missing. */
@@ -338,6 +339,14 @@ static void take_plateau(struct commission *c, struct shape_found *f)
     f->kind = SHAPE_ONE_LAG;
 }
 
+/* A value that is renewed rarely is of any age up to the interval: so is what the fit takes for dead time, by the steps' luck. */
+static void doubt_dead_time(const struct experiment *x, uint8_t j, struct shape_found *f)
+{
+    real_t age_s =
+        (real_t)(experiment_renewal(x, j) - 1u) * experiment_settings(x)->h_s * UNIFORM_SD;
+    f->sd[SHAPE_DEAD] = real_sqrt(f->sd[SHAPE_DEAD] * f->sd[SHAPE_DEAD] + age_s * age_s);
+}
+
 static void take_shape(struct commission *c)
 {
     uint8_t j = c->model.output;
@@ -355,6 +364,7 @@ static void take_shape(struct commission *c)
         take_plateau(c, f);
     real_t sd = f->sd[SHAPE_GAIN] > c->model.sd_least ? f->sd[SHAPE_GAIN] : c->model.sd_least;
     f->sd[SHAPE_GAIN] = real_sqrt(sd * sd + c->model.doubt);
+    doubt_dead_time(&c->work->experiment, j, f);
     uint16_t flags = flags_of_kind(f);
     c->model.fitted[j] = element_of_found(f, flags);
     /* Of an open shape one lag says how long the response might take, if there is such a time at all. */

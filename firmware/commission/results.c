@@ -55,7 +55,7 @@ void commission_next_input(struct commission *c, struct supervisor *s)
     if (inputs_next(&c->inputs)) {
         commission_start_input(c, s);
     } else {
-        if (inputs_round(&c->inputs) == 1)
+        if (inputs_round(&c->inputs) == 1 && !inputs_has_direction(&c->inputs))
             warn_of_sensors(c, s);
         analyse(c, s);
     }

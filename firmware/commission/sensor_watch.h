@@ -25,7 +25,7 @@ struct sensor_watch {
 
 /* Takes the next sample, fraction of span. */
 void sensor_watch_step(struct sensor_watch *w, real_t y);
-/* A test is over, and samples are left out until the next one: what is known of the renewal is kept for reports, because shorter runs
+/* A test is over, and samples are left out until the next one: what is known of the renewal is kept, because shorter runs
  * across such a gap hide it from then on. */
 void sensor_watch_note(struct sensor_watch *w);
 /* Ticks after which the sensor gave a new value in some test; 1: every tick. */

@@ -91,7 +91,7 @@ void commission_test(struct commission *c, struct supervisor *s)
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         sensor_watch_step(&c->work->sensor[j], y[j]);
         experiment_know_sensor(x, j, sensor_watch_coarse(&c->work->sensor[j]),
-                               sensor_watch_renewal(&c->work->sensor[j]));
+                               sensor_watch_noted(&c->work->sensor[j]));
     }
     if (background_take(&c->background, status_events(&c->status), s->time_ms))
         experiment_take_interim_fit(x);

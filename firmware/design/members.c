@@ -69,9 +69,8 @@ void members_draw(const void *context, uint16_t member, uint8_t output,
                   struct interact_plant *drawn)
 {
     const struct members *m = context;
-    struct random random =
-        random_from(m->seed + ((uint64_t)member * INTERACT_MAX + output + 1u) *
-                                  UINT64_C(0xD1342543DE82EF95));
+    struct random random = random_from(m->seed + ((uint64_t)member * INTERACT_MAX + output + 1u) *
+                                                     UINT64_C(0xD1342543DE82EF95));
     if (output == 0)
         *drawn = *m->plant;
     for (size_t j = 0; j < drawn->inputs; j++)

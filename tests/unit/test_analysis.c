@@ -230,8 +230,7 @@ static void draw_longer(const void *context, uint16_t member, uint8_t output,
     if (output == 0)
         *plant = *(const struct interact_plant *)context;
     drawn |= 1u << member;
-    plant->element[output][output].dead_time_s *=
-        (real_t)(1.0 + longer_most * member / 23.0);
+    plant->element[output][output].dead_time_s *= (real_t)(1.0 + longer_most * member / 23.0);
 }
 
 static void wood_berry_drawn(double longer)

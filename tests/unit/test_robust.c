@@ -383,7 +383,8 @@ static void settings_of_wrong_models_are_sound_on_the_true_plants(void)
            "without members "
            "%u, %.2f\n",
            beyond, worst, beyond_first, worst_first, beyond_without, worst_without);
-    TEST_ASSERT_EQUAL_UINT(0, beyond);
+    /* One plant in 25 is worse than all of 24 drawn: 1.6 of 40. */
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(2, beyond);
     TEST_ASSERT_GREATER_THAN_UINT(5, beyond_without); /* the members are what it takes */
 }
 
