@@ -88,10 +88,8 @@ static bool do_work(struct app *app)
     bool worked = jobs_work(&app->jobs);
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {
-        uint32_t sum = s->work_cost.rest + cost;
         s->work_cost.n++;
-        s->work_cost.thousands += sum / 1000u;
-        s->work_cost.rest = sum % 1000u;
+        work_cost_add(&s->work_cost, cost);
         if (cost > s->work_cost.highest)
             s->work_cost.highest = cost;
     }

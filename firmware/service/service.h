@@ -33,8 +33,25 @@ struct tick_cost {
 /* Cost of pieces of work between ticks, written by the main loop. A piece that a tick interrupts does not count. */
 struct work_cost {
     uint32_t n, highest;
+#if COMMISSION_CHANNELS
     uint32_t thousands, rest; /* of all pieces together */
+#endif
 };
+
+#if COMMISSION_CHANNELS
+static inline void work_cost_add(struct work_cost *w, uint32_t cost)
+{
+    uint32_t sum = w->rest + cost;
+    w->thousands += sum / 1000u;
+    w->rest = sum % 1000u;
+}
+#else
+static inline void work_cost_add(struct work_cost *w, uint32_t cost)
+{
+    (void)w;
+    (void)cost;
+}
+#endif
 
 struct storage;
 struct commission;
