@@ -110,13 +110,13 @@ class Advice(MadePlants):
             self.succeeds(self.beside("waves", element(1.5, 150, 20)), [], "test.window", events=waves, seed=seed)
 
     def test_an_input_that_does_not_settle_within_the_limits_is_left_out(self):
-        of = self.beside("integrator", {"gain": 1e-3, "integrator": True})
+        of = self.beside("integrator", {"gain": 5e-3, "integrator": True})
         for seed in (1, 2, 3):
-            self.succeeds(of, ["set meas1.test_limit 1"], "mv1.test off", seed=seed)
+            self.succeeds(of, ["set mv1.test_step 5"], "mv1.test off", seed=seed)
 
     def test_the_only_input_is_not_to_be_left_out(self):
-        of = self.beside("integrator", {"gain": 1e-3, "integrator": True})
-        run, lines = self.advised(of, ["set meas1.test_limit 1", "set mv2.test off"])
+        of = self.beside("integrator", {"gain": 5e-3, "integrator": True})
+        run, lines = self.advised(of, ["set mv1.test_step 5", "set mv2.test off"])
         self.assertEqual((run.end.code, changes(lines)), ("COMMISSION_ENDED", []))
 
     def by_relay(self, of: Plant, settings: list[str], until: str, after: list[str] = (), **more) -> Run:
