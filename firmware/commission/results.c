@@ -26,8 +26,9 @@
 #define ASYMMETRY_WANTED REAL_C(0.2)
 #define SMALLER_MOST     REAL_C(0.6) /* largest smaller step, over the one that was cut */
 #define SMALLER_LEAST    REAL_C(0.2)
-#define SMALLER_SHARE    REAL_C(0.5) /* share of the room that the response to it may use */
-#define UNSEEN_MUCH      REAL_C(0.1) /* share of a response that a cut test may miss */
+#define SMALLER_SHARE    REAL_C(0.5)  /* share of the room that the response to it may use */
+#define SMALLEST         REAL_C(2e-6) /* of span: the fits refuse an input below 1e-6 */
+#define UNSEEN_MUCH      REAL_C(0.1)  /* share of a response that a cut test may miss */
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
 static void analyse(struct commission *c, const struct supervisor *s)
@@ -168,6 +169,8 @@ static bool retry_smaller_step(struct commission *c, struct supervisor *s)
         return false;
     if (a < SMALLER_LEAST * experiment_amplitude(x))
         a = SMALLER_LEAST * experiment_amplitude(x);
+    if (a < SMALLEST)
+        return false;
     /* It takes at least as long again; under a drift it may have been the drift that took so long. */
     if (!experiment_drifts(x))
         inputs_want_half(&c->inputs, experiment_half(x));

@@ -129,6 +129,11 @@ class Harm(MadePlants):
         halves = [e.value for e in run.all("TEST_DONE")]
         self.assertEqual(len(halves), len(set(halves)), halves)
 
+    def test_a_fast_integrator_does_not_get_a_step_that_the_fits_refuse(self):
+        run = self.started(self.beside("fast", {"gain": 0.1, "integrator": True}), noise=1.0, settings=["set meas1.test_limit 1"])
+        self.assertIn("integrates", run.end.text)
+        self.assertGreater(min(e.value for e in run.all("TEST_STEP")), 1e-6)
+
     # ---- lengths ----
 
     def test_a_slow_plant_is_tested_for_as_long_as_it_takes_in_one_start_up(self):
