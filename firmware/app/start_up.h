@@ -12,8 +12,8 @@ struct start_up {
     struct commission commission;
 };
 
-/* Its job is the first of the jobs, so there is room for it. was_testing: start-up was under way when the board was
- * reset. */
+/* Its job is the first of the jobs, so there is room for it. was_testing: start-up was under way, or its proposal
+ * waited, when the board was reset. */
 static inline void start_up_init(struct start_up *u, struct service *s, struct jobs *jobs)
 {
     commission_init(&u->commission, &s->tick_events, s->workspace);

@@ -318,8 +318,9 @@ void commission_tick(struct commission *c, struct supervisor *s)
     act(c, s);
     bool trial = status_phase(&c->status) == COMMISSION_TRIAL;
     /* Whatever has ended the trial has ended the probe, too. */
-    uint8_t raised = trial ? adoption_raised(&c->adoption) : PLAN_NONE;
-    supervisor_raise_gain(s, raised, (float)c->work->analysis.config.probe);
+    supervisor_raise_gain(s, trial ? adoption_raised(&c->adoption) : PLAN_NONE,
+                          trial ? (float)c->work->analysis.config.probe : 0.0f);
     s->testing = status_is_testing(&c->status) || trial;
+    s->proposal_waits = commission_has_proposal(c);
     update_lease(c);
 }

@@ -68,7 +68,7 @@ bool commission_is_on_trial(const struct commission *c);
 /* The settings before the trial, from accepting on. */
 struct config *commission_old(struct commission *c);
 
-/* After commission_init(), where start-up was running when the board was reset: it reports that. */
+/* After commission_init(), where start-up was running or a proposal waited when the board was reset: it reports that. */
 void commission_was_reset(struct commission *c);
 
 /* Tick context, between validate and control. */

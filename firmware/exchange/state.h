@@ -348,6 +348,7 @@ struct supervisor {
     char safe_reason[CHANNEL_NAME_SIZE];
     uint32_t safe_count; /* times the safe state was taken, also repeatedly during silence; wraps */
     bool testing;        /* automatic start-up tests the plant: no sequence begins */
+    bool proposal_waits; /* a reset loses the proposal of automatic start-up */
     uint8_t
         raised_loop; /* loop whose own controller has its gain raised, where raised_gain is not 0 */
     float raised_gain; /* factor on the gain that the plan gives it; 0 = no loop has one */

@@ -130,7 +130,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     /* A reset half-way leaves a wrong checksum. */
     record->identity = s->plan->identity;
     record->acting = s->state == SUPERVISOR_RUN;
-    record->testing = s->testing;
+    record->testing = s->testing || s->proposal_waits;
     record->attempts = (r->ticks < RESTART_LASTED ? r->attempts : 0) & 3u;
     record->interlocks = 0;
     for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)

@@ -27,7 +27,7 @@ struct restart_record {
     uint32_t crc;   /* checksum of all that follows */
     uint32_t identity;
     uint8_t acting : 1;
-    uint8_t testing : 1; /* automatic start-up was under way; it does not go on */
+    uint8_t testing : 1; /* start-up was under way or its proposal waited; it does not go on */
     uint8_t attempts : 2;
     uint8_t interlocks; /* active interlocks, a bit each */
     uint8_t mode[CONFIG_LOOPS];
@@ -40,7 +40,7 @@ struct restart_record {
 struct restart {
     struct restart_record *record; /* NULL: the board has no such memory */
     bool pending;                  /* a record waits to be restored */
-    bool was_testing;              /* automatic start-up was under way when the board was reset */
+    bool was_testing;              /* as the record says, when the board was reset */
     uint8_t attempts;
     uint32_t ticks; /* ticks since the start, up to RESTART_LASTED */
 };

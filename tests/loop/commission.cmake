@@ -1,5 +1,5 @@
 # Automatic start-up on the whole firmware, with linear plants behind the bench's instruments.
-foreach(part people faults trial table listings numbers relay)
+foreach(part people faults phases trial table listings numbers relay)
   reflux_test(commission_${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_commission_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 endforeach()
