@@ -17,6 +17,7 @@
 #include "identify/shape_choice.h"
 #include "identify/shape_curve.h"
 #include "identify/shape_fit.h"
+#include "identify/shape_search.h"
 #include "step_records.h"
 #include "unity.h"
 
@@ -277,6 +278,21 @@ static void a_record_without_any_change_is_unknown(void)
     TEST_ASSERT_TRUE(r.sd[SHAPE_GAIN] > 0);
 }
 
+static void a_place_whose_response_begins_after_the_record_explains_nothing(void)
+{
+    const struct test_levels t = {5, 300, 300, 0.05, 0, 0, 1.0};
+    const struct test_shape e = {1, 20, 60, 0, 0};
+    const struct shape_place place = {.dead = 2000, .time = 60, .ratio = (real_t)0.2};
+    take(shape_step, &e, &t, NULL);
+    run(NULL);
+    for (int formula = 0; formula < SHAPE_FORMULAS; formula++) {
+        real_t squares[2] = {0, 0}, linear[3] = {1, 1, 1};
+        shape_search_squares(&fit, (enum shape_formula)formula, &place, squares, linear);
+        TEST_ASSERT_TRUE(squares[0] == fit.total && squares[1] == fit.total);
+        TEST_ASSERT_TRUE(linear[0] == 0 && linear[1] == 0 && linear[2] == 0);
+    }
+}
+
 static double sawtooth(const struct test_shape *e, double k)
 {
     (void)e;
@@ -488,6 +504,7 @@ int main(void)
     RUN_TEST(a_level_that_ends_early_shows_at_least_what_it_has_shown);
     RUN_TEST(noise_alone_is_no_response_and_not_known_to_be_zero);
     RUN_TEST(a_record_without_any_change_is_unknown);
+    RUN_TEST(a_place_whose_response_begins_after_the_record_explains_nothing);
     RUN_TEST(a_response_that_no_formula_has_is_unknown);
     RUN_TEST(deviations_include_the_choice);
     RUN_TEST(the_gain_of_an_output_that_is_not_linear_is_the_slope_at_rest);
