@@ -2,6 +2,7 @@
  * still. No step is left standing, nothing is stored, start-up gives its reason, and it can begin again. Table for people:
  * docs/commissioning.md. */
 #include "commission_wood_berry.h"
+#include "turn_bench.h"
 
 #define AWHILE_MS 3600000u
 
@@ -343,6 +344,61 @@ static void nothing_is_left_of_an_analysis(void)
     memory_port_erase_all();
 }
 
+/* A turn of the main loop, and with it a piece of the work, for each sample. */
+static void steps_of_a_turn(unsigned n)
+{
+    while (n--)
+        (void)waits_for_its_answer();
+}
+
+static void left_alone_it_is_under_way_and_comes_to_its_end(void)
+{
+    unsigned waited = 0;
+    board_forget();
+    for (unsigned n = 0; n < 400 && !said("PROPOSAL"); n++)
+        waited += waits_for_its_answer();
+    TEST_ASSERT_TRUE(said("PROPOSAL"));
+    TEST_ASSERT_EQUAL_MESSAGE(1, waited, "the result was there before its time");
+}
+
+static void given_up_in_the_middle_it_begins_again(void)
+{
+    (void)memory_port_give(HAL_UART_CONSOLE, (const uint8_t *)"commission abort\n", 17);
+    steps_of_a_turn(3);
+    (void)memory_port_give(HAL_UART_CONSOLE, (const uint8_t *)"commission begin\n", 17);
+    steps_of_a_turn(3);
+    until("TEST_STEP", 1000);
+    TEST_ASSERT_FALSE(said("err "));
+    TEST_ASSERT_TRUE(nothing_was_stored());
+}
+
+static void a_reading_lost_in_the_middle_ends_it(void)
+{
+    plant_event("y1.nan=1");
+    steps_of_a_turn(10);
+    ended("is not valid");
+    outputs_are_held();
+    plant_steps(300);
+    ended("is not valid"); /* nobody takes the result of what was given up */
+    outputs_are_held();
+}
+
+static void nothing_is_left_of_half_an_analysis(void)
+{
+    static const char *const more[] = {"set restart.policy hold", "set restart.limit 3600", NULL};
+    memory_port_erase_all();
+    commission_plant("air-compressor", 100, 0.0, more);
+    is_stored("u1", "u2");
+    ask_ok("commission begin");
+    until("TEST_DONE u2", 4000); /* the fit is worked out, and taken 21 samples later */
+    steps_of_a_turn(100);
+    CASE(left_alone_it_is_under_way_and_comes_to_its_end);
+    CASE(given_up_in_the_middle_it_begins_again);
+    CASE(a_reading_lost_in_the_middle_ends_it);
+    everything_in_a_phase_of_the_tests("half an analysis");
+    memory_port_erase_all();
+}
+
 static void everything_on_trial(const char *part)
 {
     printf("trial %s\n", part);
@@ -376,6 +432,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(no_phase_of_a_test_leaves_a_step_standing);
     RUN_TEST(nothing_is_left_of_an_analysis);
+    RUN_TEST(nothing_is_left_of_half_an_analysis);
     RUN_TEST(a_proposal_waits_or_is_taken_back);
     int failed = UNITY_END();
     plant_power_off();
