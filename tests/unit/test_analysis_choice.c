@@ -285,6 +285,36 @@ static void the_horizon_is_five_times_integral_and_dead_time_of_the_slowest_loop
     }
 }
 
+/* Two pairings would do. With its own input one loop, the first or the second, has a tenth of the dead time, and the other loop
+ * two thirds more. */
+static void every_loop_counts_for_the_fastest_pairing(void)
+{
+    static const double dead_s[2][2] = {{10, 100}, {100, 60}}; /* own input, other one */
+    struct analysis_config config = {.h_s = 1,
+                                     .confidence = REAL_C(0.95),
+                                     .floor = REAL_C(0.005),
+                                     .step = REAL_C(0.05),
+                                     .loops_max = 8};
+    for (unsigned fast = 0; fast < 2; fast++) {
+        setUp();
+        for (unsigned j = 0; j < 2; j++)
+            for (unsigned i = 0; i < 2; i++) {
+                a.plant.element[j][i] =
+                    (struct fopdt){.gain = i == j ? 1 : (real_t)(j ? -0.8 : 0.8),
+                                   .time_constant_s = 100,
+                                   .dead_time_s = (real_t)dead_s[j != fast][i != j]};
+                a.plant.gain_sd[j][i] = REAL_C(0.001);
+            }
+        TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&a, &config));
+        while (a.stage != ANALYSIS_DONE)
+            TEST_ASSERT_TRUE(analysis_step(&a) == ERR_BUSY || a.stage == ANALYSIS_DONE);
+        TEST_ASSERT_EQUAL_UINT8(2, a.choice.n);
+        TEST_ASSERT_TRUE(a.choice.list[0].has_settings && a.choice.list[1].has_settings);
+        TEST_ASSERT_EQUAL_UINT8(0, a.pairs.input[0]);
+        TEST_ASSERT_EQUAL_UINT8(1, a.pairs.input[1]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -295,5 +325,6 @@ int main(void)
     RUN_TEST(the_one_with_a_decoupler_is_remembered_while_the_other_is_made);
     RUN_TEST(a_loop_takes_settings_within_its_ranges);
     RUN_TEST(the_horizon_is_five_times_integral_and_dead_time_of_the_slowest_loop);
+    RUN_TEST(every_loop_counts_for_the_fastest_pairing);
     return UNITY_END();
 }
