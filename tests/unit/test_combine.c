@@ -75,6 +75,15 @@ static void two_tests_of_one_shape_count_by_how_well_they_know_each_parameter(vo
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10 * sqrt(0.8), (double)sum.residence_sd_s);
 }
 
+static void a_small_gain_counts_by_how_well_it_is_known_too(void)
+{
+    struct shape_found sum = shape(SHAPE_ONE_LAG, 1.0e-4, 1e-6, 100, 20);
+    struct shape_found next = shape(SHAPE_ONE_LAG, 1.01e-4, 2e-6, 100, 20);
+    combine_shapes(&sum, &next, false);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, (4 * 1.0e-4 + 1.01e-4) / 5, (double)sum.shape.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-8, 1e-6 * sqrt(0.8), (double)sum.sd[SHAPE_GAIN]);
+}
+
 static void a_parameter_that_a_shape_does_not_have_stays_none(void)
 {
     struct shape_found sum = shape(SHAPE_ONE_LAG, 1.0, 0.1, 100, 20), next = sum;
@@ -329,6 +338,7 @@ int main(void)
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(two_tests_of_one_shape_count_by_how_well_they_know_each_parameter);
+    RUN_TEST(a_small_gain_counts_by_how_well_it_is_known_too);
     RUN_TEST(a_parameter_that_a_shape_does_not_have_stays_none);
     RUN_TEST(tests_that_disagree_are_less_sure_than_they_say);
     RUN_TEST(more_tests_make_an_element_surer_and_their_order_does_not_matter);
