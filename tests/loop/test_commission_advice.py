@@ -95,6 +95,14 @@ class Advice(MadePlants):
         run, _ = self.advised(of, ["set test.rounds 1", *changes(lines, "test.noise")], events=self.noisy(of, 0.05))
         self.assertEqual(run.end.code, "PROPOSAL")
 
+    def test_no_larger_multiple_of_noise_is_advised_where_the_steps_fill_the_range_of_the_inputs(self):
+        of = self.alike(1.2)
+        ends = [f"set mv{k}.{end} {value}" for k in (1, 2) for end, value in (("min", 49.4), ("max", 50.6))]
+        for seed in (1, 2, 3):
+            run, lines = self.advised(of, ["set test.rounds 1", *ends], events=self.noisy(of, 2), seed=seed)
+            self.assertNotEqual(run.end.code, "PROPOSAL")
+            self.assertFalse(changes(lines, "test.noise"), lines)
+
     def test_no_larger_multiple_of_noise_is_advised_where_every_step_is_given(self):
         _, lines = self.advised(self.alike(1.2, resolution=2), ["set mv1.test_step 0.5", "set mv2.test_step 0.5"])
         self.assertFalse(changes(lines, "test.noise"), lines)
