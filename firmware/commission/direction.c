@@ -20,6 +20,14 @@
 #define DIRECTION_NOISE  REAL_C(2.0) /* times the noise multiple: a clear response */
 #define FLAGS_NO_SUM     (IDENTIFIED_RAMP | CERTAINTY_OPEN_FLAGS)
 
+bool direction_gains_are_large(const struct analysis *a)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        if (a->pair_lambda[k] > DIRECTION_LAMBDA)
+            return true;
+    return false;
+}
+
 static bool acts_alike(const struct analysis *a)
 {
     uint8_t least = a->plant.inputs < a->plant.outputs ? a->plant.inputs : a->plant.outputs;
@@ -30,10 +38,7 @@ static bool acts_alike(const struct analysis *a)
         return false;
     if ((no_pairs && a->rank < least) || (doubts & (DOUBT_DETERMINANT | DOUBT_RANK)) != 0u)
         return true;
-    for (uint8_t k = 0; k < a->pairs.n; k++)
-        if (a->pair_lambda[k] > DIRECTION_LAMBDA)
-            return true;
-    return false;
+    return direction_gains_are_large(a);
 }
 
 bool direction_is_wanted(const struct commission *c)

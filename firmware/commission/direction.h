@@ -11,8 +11,11 @@
 
 #define DIRECTION_NAME "direction" /* in events and listings, where an input has its name */
 
+struct analysis;
 struct commission;
 
+/* A pair has a relative gain from which inputs act nearly alike. */
+bool direction_gains_are_large(const struct analysis *a);
 /* The analysis leaves the determinant's sign open, or gives relative gains from DIRECTION_LAMBDA up no settings, and there has been
  * no such test yet. */
 bool direction_is_wanted(const struct commission *c);

@@ -266,7 +266,8 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                 (!a->designed && a->design_error == ERR_TIMEOUT &&
                  inputs_round(&c->inputs) < s->plan->config.test.rounds);
     uint8_t round = inputs_round(&c->inputs);
-    if (open && direction_is_wanted(c)) {
+    /* Who asks for one round asks for one test of each input. */
+    if (open && s->plan->config.test.rounds > 1u && direction_is_wanted(c)) {
         want_longer_tests(c);
         direction_line_up(c);
         commission_say(c, s, EVENT_TEST_EXTENDED, DIRECTION_NAME, a->probability);

@@ -7,6 +7,7 @@
 #include "commission/analysis_structure.h"
 #include "commission/channels.h"
 #include "commission/commission_state.h"
+#include "commission/direction.h"
 #include "commission/proposal_loops.h"
 #include "commission/test_inputs.h"
 #include "commission/test_outputs.h"
@@ -80,11 +81,14 @@ NOT_INLINE static real_t room_used(const struct commission *c, const struct supe
     return most;
 }
 
-/* Way of a step: towards the middle of the span, or the other one where the inputs have no room left for it. */
+/* Way of a step: towards the middle of the span, or the other one where inputs act nearly alike and have no room left for it. */
 static real_t choose_way(const struct commission *c, const struct supervisor *s, uint8_t k,
                          real_t y, real_t step)
 {
-    real_t way = y > REAL_C(0.5) ? -step : step, used = room_used(c, s, k, way);
+    real_t way = y > REAL_C(0.5) ? -step : step;
+    if (!direction_gains_are_large(&c->work->analysis))
+        return way;
+    real_t used = room_used(c, s, k, way);
     bool fits = y - way > WAY_MARGIN && y - way < REAL_C(1.0) - WAY_MARGIN;
     return used > REAL_C(1.0) && fits && room_used(c, s, k, -way) < used ? -way : way;
 }

