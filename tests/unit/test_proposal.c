@@ -549,16 +549,15 @@ static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
     TEST_ASSERT_TRUE(step * (double)a->tried[0].moved[0] <= 0.4);
 }
 
-/* Both inputs of a step of the first loop are still away when that of the second begins: it goes the way that brings them back. */
-static void a_step_goes_the_other_way_where_it_would_take_inputs_twice_as_far(void)
+/* Two loops whose steps, both up, take the inputs apart as far as they can go. */
+static void prepare_steps_of(double cross)
 {
-    static const double gains[2][2] = {{1, 0.9}, {0.9, 1}};
     channels(2, 2);
     begin(2, 2);
     for (unsigned j = 0; j < 2; j++)
         for (unsigned i = 0; i < 2; i++)
             c.work->analysis.plant.element[j][i] = (struct fopdt){
-                .gain = (real_t)gains[j][i], .time_constant_s = 300, .dead_time_s = 30};
+                .gain = (real_t)(i == j ? 1.0 : cross), .time_constant_s = 300, .dead_time_s = 30};
     analyse(1);
     c.outputs.noise_sd[0] = c.outputs.noise_sd[1] = REAL_C(0.1);
     put("meas1.test_limit", "50");
@@ -569,7 +568,12 @@ static void a_step_goes_the_other_way_where_it_would_take_inputs_twice_as_far(vo
             c.work->analysis.tried[k].input[l] = k == l ? 1 : -1;
         }
     prepare();
-    /* Both setpoints go up, and with them the inputs go apart, the one way and the other. */
+}
+
+/* Both inputs of a step of the first loop are still away when that of the second begins: it goes the way that brings them back. */
+static void a_step_goes_the_other_way_where_inputs_that_act_alike_have_no_room(void)
+{
+    prepare_steps_of(0.96);
     TEST_ASSERT_TRUE(c.adoption.loop[0].step > 0 && c.adoption.loop[1].step > 0);
     supervisor.measurement[1].value = N(0.6); /* from there on the second would go down */
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
@@ -577,6 +581,14 @@ static void a_step_goes_the_other_way_where_it_would_take_inputs_twice_as_far(vo
     supervisor.measurement[1].value = N(0.98); /* not past an end of its span */
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
     TEST_ASSERT_TRUE(c.adoption.loop[1].step < 0);
+}
+
+static void inputs_that_act_apart_come_back_and_no_step_turns(void)
+{
+    prepare_steps_of(0.9); /* a relative gain of 5 */
+    supervisor.measurement[1].value = N(0.6);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
+    TEST_ASSERT_TRUE(c.adoption.loop[0].step > 0 && c.adoption.loop[1].step < 0);
 }
 
 static void a_step_leaves_measurements_that_no_loop_holds_within_their_limits(void)
@@ -629,7 +641,8 @@ int main(void)
     RUN_TEST(nothing_is_written_without_a_proposal);
     RUN_TEST(the_step_of_a_trial_stays_inside_limit_and_room);
     RUN_TEST(a_step_leaves_room_to_the_inputs_of_the_other_loops);
-    RUN_TEST(a_step_goes_the_other_way_where_it_would_take_inputs_twice_as_far);
+    RUN_TEST(a_step_goes_the_other_way_where_inputs_that_act_alike_have_no_room);
+    RUN_TEST(inputs_that_act_apart_come_back_and_no_step_turns);
     RUN_TEST(a_step_leaves_measurements_that_no_loop_holds_within_their_limits);
     RUN_TEST(a_pair_without_a_loop_has_no_trial);
     return UNITY_END();
