@@ -11,7 +11,9 @@ struct block_instance {
     union {
         struct matrix_settings matrix;
         struct feedforward_settings element;
+#if COMMISSION_CHANNELS
         struct loop_settings own; /* where they differ from those of the plan */
+#endif
     } settings;
 };
 

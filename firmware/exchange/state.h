@@ -349,10 +349,12 @@ struct supervisor {
     uint32_t safe_count; /* times the safe state was taken, also repeatedly during silence; wraps */
     bool testing;        /* automatic start-up tests the plant: no sequence begins */
     bool proposal_waits; /* a reset loses the proposal of automatic start-up */
+#if COMMISSION_CHANNELS
     uint8_t
         raised_loop; /* loop whose own controller has its gain raised, where raised_gain is not 0 */
     float raised_gain; /* factor on the gain that the plan gives it; 0 = no loop has one */
-    uint64_t time_ms;  /* plant time of the last tick */
+#endif
+    uint64_t time_ms; /* plant time of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick for which the states were placed */
     /* States in the arena. Index i, below placed[], is the index of the plan; a place that the plan does not use is

@@ -1,5 +1,6 @@
 #include "supervise/blocks.h"
 #include "exchange/block_setup.h"
+#include "supervise/raise_gain.h"
 
 void loop_to_manual(struct supervisor *s, uint8_t i)
 {
@@ -26,22 +27,12 @@ static const struct block_kind *kind_of(const struct supervisor *s, uint8_t bloc
 
 /* ---- settings ---- */
 
-/* Raises the gain in the setup of the loop's own controller that supervisor_raise_gain() named. */
-static void raise_gain(const struct supervisor *s, uint8_t block, struct block_instance *b)
-{
-    if (!(s->raised_gain > 0.0f) || block != s->raised_loop)
-        return;
-    b->settings.own = *(const struct loop_settings *)b->setup.settings;
-    b->settings.own.gain *= s->raised_gain;
-    b->setup.settings = &b->settings.own;
-}
-
 /* The plan's check covered the settings: only an interval that the block cannot keep remains to be reported. */
 void block_give_settings(struct supervisor *s, uint8_t block, bool retune)
 {
     struct block_instance b;
     plan_block_setup(s->plan, block, &b);
-    raise_gain(s, block, &b);
+    raised_gain_take(s, block, &b);
     if (kind_of(s, block)->configure(supervisor_block(s, block), &b.setup, retune) != ERR_OK)
         event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, kind_of(s, block)->name,
                   b.setup.interval_s, 0);

@@ -13,3 +13,12 @@ void supervisor_raise_gain(struct supervisor *s, uint8_t i, float factor)
     if (i != PLAN_NONE)
         s->block[i].retune = true;
 }
+
+void raised_gain_take(const struct supervisor *s, uint8_t block, struct block_instance *b)
+{
+    if (!(s->raised_gain > 0.0f) || block != s->raised_loop)
+        return;
+    b->settings.own = *(const struct loop_settings *)b->setup.settings;
+    b->settings.own.gain *= s->raised_gain;
+    b->setup.settings = &b->settings.own;
+}
