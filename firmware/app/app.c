@@ -89,7 +89,7 @@ static bool do_work(struct app *app)
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {
         s->work_cost.n++;
-        work_cost_add(&s->work_cost, cost);
+        work_sum_add(&s->work_cost.sum, cost);
         if (cost > s->work_cost.highest)
             s->work_cost.highest = cost;
     }

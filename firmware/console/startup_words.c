@@ -34,6 +34,6 @@ bool work_cost_line(const struct service *s, struct text *line)
     text_str(line, "work"); /* the unit is that of the ticks */
     text_named_u32(line, "n", s->work_cost.n);
     text_named_u32(line, "max", s->work_cost.highest);
-    text_named_u32(line, "thousands", s->work_cost.thousands);
+    text_named_u32(line, "thousands", s->work_cost.sum.thousands);
     return true;
 }

@@ -5,15 +5,23 @@
 
 #include "exchange/plan.h"
 
+#if COMMISSION_CHANNELS
+/* Settings of a loop's own controller that differ from those of the plan. */
+struct raised_settings {
+    struct loop_settings loop;
+};
+#else
+struct raised_settings {
+};
+#endif
+
 /* A block's setup, with memory for the settings it points to. */
 struct block_instance {
     struct block_setup setup;
     union {
         struct matrix_settings matrix;
         struct feedforward_settings element;
-#if COMMISSION_CHANNELS
-        struct loop_settings own; /* where they differ from those of the plan */
-#endif
+        struct raised_settings raised;
     } settings;
 };
 

@@ -340,6 +340,17 @@ enum placed {
     PLACED_KINDS
 };
 
+#if COMMISSION_CHANNELS
+/* A loop whose own controller has its gain raised for a while: supervise/raise_gain.h. */
+struct raised_gain {
+    float factor; /* on the gain that the plan gives it; 0 = no loop has one */
+    uint8_t loop;
+};
+#else
+struct raised_gain {
+};
+#endif
+
 struct supervisor {
     const struct plan *plan; /* NULL before the first */
     struct event_queue *events;
@@ -349,11 +360,7 @@ struct supervisor {
     uint32_t safe_count; /* times the safe state was taken, also repeatedly during silence; wraps */
     bool testing;        /* automatic start-up tests the plant: no sequence begins */
     bool proposal_waits; /* a reset loses the proposal of automatic start-up */
-#if COMMISSION_CHANNELS
-    uint8_t
-        raised_loop; /* loop whose own controller has its gain raised, where raised_gain is not 0 */
-    float raised_gain; /* factor on the gain that the plan gives it; 0 = no loop has one */
-#endif
+    struct raised_gain raised;
     uint64_t time_ms; /* plant time of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick for which the states were placed */

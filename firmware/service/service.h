@@ -30,23 +30,31 @@ struct tick_cost {
 
 #define PLAN_BUFFERS 2
 
+/* Cost of all pieces of work together, in thousands and what is left of them. */
+#if COMMISSION_CHANNELS
+struct work_sum {
+    uint32_t thousands, rest;
+};
+#else
+struct work_sum {
+};
+#endif
+
 /* Cost of pieces of work between ticks, written by the main loop. A piece that a tick interrupts does not count. */
 struct work_cost {
     uint32_t n, highest;
-#if COMMISSION_CHANNELS
-    uint32_t thousands, rest; /* of all pieces together */
-#endif
+    struct work_sum sum;
 };
 
 #if COMMISSION_CHANNELS
-static inline void work_cost_add(struct work_cost *w, uint32_t cost)
+static inline void work_sum_add(struct work_sum *w, uint32_t cost)
 {
     uint32_t sum = w->rest + cost;
     w->thousands += sum / 1000u;
     w->rest = sum % 1000u;
 }
 #else
-static inline void work_cost_add(struct work_cost *w, uint32_t cost)
+static inline void work_sum_add(struct work_sum *w, uint32_t cost)
 {
     (void)w;
     (void)cost;

@@ -164,7 +164,7 @@ static void a_loop_with_less_margin_than_the_probe_is_found_by_it_alone(void)
     begin(1.45);
     TEST_ASSERT_EQUAL_INT(ADOPTION_MARGIN, run());
     TEST_ASSERT_EQUAL_UINT8(0, a.culprit);
-    TEST_ASSERT_TRUE(!(bench.s.raised_gain > 0.0f));
+    TEST_ASSERT_TRUE(!(bench.s.raised.factor > 0.0f));
 }
 
 static void the_probe_ends_at_the_first_sign(void)
@@ -175,7 +175,7 @@ static void the_probe_ends_at_the_first_sign(void)
     probe.planned = true;
     while (bench.s.loop[TOP].mode == LOOP_AUTO && result == ADOPTION_RUNNING)
         one_tick();
-    TEST_ASSERT_TRUE(!(bench.s.raised_gain > 0.0f));
+    TEST_ASSERT_TRUE(!(bench.s.raised.factor > 0.0f));
     TEST_ASSERT_TRUE(a.stage_ticks > a.ticks);
 }
 
@@ -204,7 +204,7 @@ static void a_plant_that_has_moved_by_itself_is_probed_again_by_a_step_away(void
     go_to(false);
     while (bench.s.loop[TOP].mode == LOOP_AUTO)
         one_tick();
-    TEST_ASSERT_TRUE(!(bench.s.raised_gain > 0.0f));
+    TEST_ASSERT_TRUE(!(bench.s.raised.factor > 0.0f));
     plant.offset_y += 0.02; /* it rests elsewhere */
     double peak = (double)a.loop[0].peak;
     while (bench.s.loop[TOP].mode != LOOP_AUTO)
@@ -222,7 +222,7 @@ static void a_plant_that_drifts_is_not_probed(void)
     a.drifting = true;
     for (unsigned n = 0; result == ADOPTION_RUNNING && n < 5000; n++) {
         one_tick();
-        TEST_ASSERT_TRUE(!(bench.s.raised_gain > 0.0f));
+        TEST_ASSERT_TRUE(!(bench.s.raised.factor > 0.0f));
     }
     TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, result);
 }
@@ -232,9 +232,9 @@ static void other_settings_end_a_raised_gain(void)
     begin(4.0);
     go_to(true);
     go_to(false);
-    TEST_ASSERT_TRUE(bench.s.raised_gain > 0.0f);
+    TEST_ASSERT_TRUE(bench.s.raised.factor > 0.0f);
     supervisor_take_plan(&bench.s, bench.s.plan);
-    TEST_ASSERT_TRUE(!(bench.s.raised_gain > 0.0f));
+    TEST_ASSERT_TRUE(!(bench.s.raised.factor > 0.0f));
 }
 
 int main(void)
