@@ -416,14 +416,19 @@ static enum err choose(struct analysis *a)
         take_decoupled(a);
     a->turn = 0;
     a->stage = a->designed ? ANALYSIS_CROSSOVER : ANALYSIS_DONE;
+    if (a->designed)
+        analysis_crossover_begin(a, 0);
     return ERR_OK;
 }
 
 static enum err next_crossover(struct analysis *a)
 {
-    analysis_find_crossover(a, a->turn);
+    enum err err = analysis_crossover_step(a, a->turn);
+    if (err)
+        return err;
     if (++a->turn >= a->pairs.n)
         return begin_probes(a);
+    analysis_crossover_begin(a, a->turn);
     return ERR_BUSY;
 }
 

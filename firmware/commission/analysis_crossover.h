@@ -5,9 +5,13 @@
 
 #include <stdint.h>
 
+#include "base/error.h"
+
 struct analysis;
 
-/* Writes crossover and crossover_lambda of pair k, which is below pairs.n. There are settings; work is overwritten. */
-void analysis_find_crossover(struct analysis *a, uint8_t k);
+/* Begins with pair k, which is below pairs.n. There are settings; work is overwritten. Then analysis_crossover_step() until it is not
+ * ERR_BUSY: crossover and crossover_lambda of the pair are written then. */
+void analysis_crossover_begin(struct analysis *a, uint8_t k);
+MUST_CHECK enum err analysis_crossover_step(struct analysis *a, uint8_t k);
 
 #endif

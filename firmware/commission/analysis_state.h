@@ -86,6 +86,13 @@ struct analysis_design {
     struct matrix d;
 };
 
+/* Frequencies between which a loop's gain falls below 1, rad/s. */
+struct crossover_search {
+    real_t lo, hi;
+    uint8_t steps, halves; /* of the way up; of its last step */
+    bool between;          /* the way up is over */
+};
+
 struct analysis {
     /* Input of the analysis: these three stay, all that follows is cleared when an analysis begins. */
     struct interact_plant plant;
@@ -163,7 +170,10 @@ struct analysis {
         struct detune detune;
         struct robust robust;
         struct trial trial;
-        struct rga_pair_work crossover;
+        struct {
+            struct rga_pair_work pair;
+            struct crossover_search search;
+        } crossover;
         /* For the trial on the plant after the analysis. */
         struct {
             struct steady rest;

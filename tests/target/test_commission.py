@@ -140,7 +140,7 @@ class StartUpOnTheBoard(unittest.TestCase):
     @unittest.skipUnless(sample.EVERY, "half a minute: with the argument `all`")
     def test_sixteen_by_sixteen_is_the_hosts_too_and_fits(self):
         of = Plant(SIXTEEN)
-        short = ["set test.window 16", *(f"set mv{k}.test_time 64" for k in range(1, 17)),
+        short = ["set test.window 16", *(f"set mv{k}.test_time 128" for k in range(1, 17)),
                  *(f"set mv{k}.test_step 4" for k in range(1, 17))]
         # To the end of the tests, and into the trial: its first ticks put 16 loops into automatic.
         in_acceptance = ["commission structure", "commission accept", "~until TRIAL_BEGUN", *["commission"] * 10, "stats",
