@@ -12,7 +12,7 @@
 #include "identify/shape_curve.h"
 #include "identify/shape_tail.h"
 
-#define FIT_UNITS  4u             /* evaluations in one piece */
+#define FIT_UNITS  2u             /* evaluations in one piece: of a curved output each is long */
 #define UNIFORM_SD REAL_C(0.2887) /* standard deviation of a value within an interval of 1 */
 #define CLIMB_SDS  REAL_C(4.0)    /* standard deviations by which a climb exceeds the noise */
 /* Share of the misfit that a bent drift may leave if it, and not the shape of the response, was the cause. */
