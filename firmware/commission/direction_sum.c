@@ -115,10 +115,9 @@ NOT_INLINE static void add_points(const struct commission *c, uint8_t j, const s
     }
 }
 
-bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain, real_t *sd)
+bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
-    const struct record *r = experiment_record(&c->work->experiment);
     struct baseline b;
     struct sums s;
     if (experiment_baseline(&c->work->experiment, j, &b) != ERR_OK)
@@ -127,7 +126,18 @@ bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain, real
     if (s.n < POINTS_LEAST)
         return false;
     *gain = s.uy / s.uu;
-    add_points(c, j, &b, *gain, &s);
+    return real_is_finite(*gain);
+}
+
+bool direction_plateau_sd(const struct commission *c, uint8_t j, real_t gain, real_t *sd)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct record *r = experiment_record(&c->work->experiment);
+    struct baseline b;
+    struct sums s;
+    if (experiment_baseline(&c->work->experiment, j, &b) != ERR_OK)
+        return false;
+    add_points(c, j, &b, gain, &s);
     real_t noise = b.noise_sd * b.noise_sd / (real_t)r->block;
     real_t variance = s.rr / (real_t)(s.n - 1u), together = s.r1 / s.rr;
     if (!(variance > noise))
@@ -139,5 +149,5 @@ bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain, real
     variance *= (REAL_C(1.0) + together) / (REAL_C(1.0) - together);
     real_t offset = b.offset_sd * s.u / s.uu, slope = b.slope_sd_per_s * s.ut / s.uu;
     *sd = real_sqrt(variance / s.uu + offset * offset + slope * slope + variance_to_come(c, j));
-    return real_is_finite(*gain) && real_is_finite(*sd);
+    return real_is_finite(*sd);
 }

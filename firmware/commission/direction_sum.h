@@ -22,8 +22,10 @@ real_t direction_end(const struct commission *c, uint8_t j);
 /* Dead time and so many lags of the slowest element of output j that the direction uses, s. */
 real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags);
 
-/* Gain of output j along the direction, with its standard deviation, from the record of the latest test. False: the test did not last
- * so long. */
-bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain, real_t *sd);
+/* Gain of output j along the direction, from the record of the latest test. False: the test did not last so long. A long piece of
+ * work: every point of the record takes the responses of all inputs. */
+bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain);
+/* Its standard deviation, as long a piece; the record must still be the same. False: it is not finite. */
+bool direction_plateau_sd(const struct commission *c, uint8_t j, real_t gain, real_t *sd);
 
 #endif

@@ -93,6 +93,7 @@ static void begin_output(struct commission *c)
     struct baseline b;
     struct identified moments;
     enum err err = experiment_baseline(x, j, &b);
+    c->model.plateau_read = false;
     if (!err)
         err = moments_element(experiment_moments(x), j, &experiment_record(x)->input, &b,
                               REAL_C(0.0), &moments, NULL);
@@ -322,12 +323,22 @@ static void judge_curve(struct commission *c, const struct shape *shape)
     c->model.doubt += third * third;
 }
 
+/* Reads the plateaus of a direction's response, in a piece of its own. False: they have been read, or it is none. */
+static bool read_plateau(struct commission *c)
+{
+    if (!inputs_is_direction(&c->inputs) || c->model.plateau_read)
+        return false;
+    c->model.plateau_read = true;
+    c->model.has_plateau = direction_plateau(c, c->model.output, &c->model.plateau);
+    return true;
+}
+
 /* Takes the end of a direction's response from its plateaus where they say more than the shape. */
 static void take_plateau(struct commission *c, struct shape_found *f)
 {
-    real_t gain, sd, within[15] = {0};
+    real_t gain = c->model.plateau, sd, within[15] = {0};
     bool straight = !(c->model.sd_least > REAL_C(0.0)); /* else the record was straightened */
-    if (!straight || !direction_plateau(c, c->model.output, &gain, &sd))
+    if (!straight || !c->model.has_plateau || !direction_plateau_sd(c, c->model.output, gain, &sd))
         return;
     bool open = (flags_of_kind(f) & CERTAINTY_OPEN_FLAGS) != 0;
     if (!open && f->sd[SHAPE_GAIN] < sd)
@@ -419,7 +430,8 @@ bool model_piece(struct commission *c)
         begin_output(c);
     else if (c->model.stage < STAGE_RIVAL)
         piece_of_lag(c);
-    else if (shape_fit_run(&experiment_interim_fit(&c->work->experiment)->shape.fit, FIT_UNITS))
+    else if (shape_fit_run(&experiment_interim_fit(&c->work->experiment)->shape.fit, FIT_UNITS) &&
+             !read_plateau(c))
         take_shape(c);
     return c->model.output < outputs_count(&c->outputs) && !c->model.error;
 }

@@ -16,6 +16,9 @@ struct model_fits {
     enum err error;
     uint8_t output; /* under work */
     uint8_t stage;  /* its fit: model.c */
+    /* Its gain along the direction, read from the plateaus; of no use where there is none. */
+    real_t plateau;
+    bool plateau_read, has_plateau;
 };
 
 static inline enum err model_error(const struct model_fits *m)

@@ -226,10 +226,12 @@ static void the_end_behind_a_pulse_is_read_from_the_plateaus(void)
     real_t gain, sd;
     line_up();
     recorded(0.02, 0);
-    TEST_ASSERT_TRUE(direction_plateau(&c, 0, &gain, &sd));
+    TEST_ASSERT_TRUE(direction_plateau(&c, 0, &gain));
+    TEST_ASSERT_TRUE(direction_plateau_sd(&c, 0, gain, &sd));
     TEST_ASSERT_DOUBLE_WITHIN(5e-4, 0.02, (double)gain);
     recorded(0.02, 0.003);
-    TEST_ASSERT_TRUE(direction_plateau(&c, 0, &gain, &sd));
+    TEST_ASSERT_TRUE(direction_plateau(&c, 0, &gain));
+    TEST_ASSERT_TRUE(direction_plateau_sd(&c, 0, gain, &sd));
     /* Points of 40 s, two halves of about 450 s each. */
     double wanted = 0.003 / sqrt(4.0 * 22) / 0.2;
     TEST_ASSERT_DOUBLE_WITHIN(0.5 * wanted, wanted, (double)sd);
@@ -238,12 +240,12 @@ static void the_end_behind_a_pulse_is_read_from_the_plateaus(void)
 
 static void halves_that_are_too_short_show_no_plateau(void)
 {
-    real_t gain, sd;
+    real_t gain;
     line_up();
     recorded(0.02, 0);
     for (unsigned k = 0; k < 2; k++)
         c.work->element[0][k].found.shape.lag_s = 197;
-    TEST_ASSERT_FALSE(direction_plateau(&c, 0, &gain, &sd));
+    TEST_ASSERT_FALSE(direction_plateau(&c, 0, &gain));
 }
 
 /* ---- its use ---- */
