@@ -1,5 +1,6 @@
 /* Settings of the self-tuner: what is refused, what runs at the ends of all ranges; and that its work between ticks shows nowhere. */
 #include "bench.h"
+#include "turn_bench.h"
 
 #define SINGLE SELF_TUNING "/single.conf"
 #define PAIR   SELF_TUNING "/pair.conf"
@@ -27,21 +28,6 @@ static void keep_rows(void)
     board_forget();
 }
 
-static void hear_what_is_said(void)
-{
-    uint8_t byte;
-    struct frame f;
-    size_t n;
-    while ((n = memory_port_take(HAL_UART_CONSOLE, board.said + board.n_said,
-                                 SAID_MAX - 1 - board.n_said)) != 0) {
-        board.n_said += n;
-        board.said[board.n_said] = '\0';
-    }
-    while (memory_port_take(HAL_UART_LINK, &byte, 1))
-        if (frame_decode(&board.decoder, byte, &f))
-            plant_answers(&f);
-}
-
 /* A turn of the main loop for each of the tick's, and no more than the answer to a sample takes. Whether that was more than
  * one. */
 static bool slow_step(void)
@@ -57,7 +43,7 @@ static bool slow_step(void)
     for (; board.commands == before; turns++) {
         TEST_ASSERT_TRUE(turns < 10000);
         memory_port_turn();
-        hear_what_is_said();
+        hear();
     }
     instruments_command(&instruments, &board.command);
     TEST_ASSERT_TRUE(instruments_drive(&instruments, plant, TICK_S, plant_err, sizeof plant_err));
