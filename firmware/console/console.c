@@ -7,7 +7,7 @@
 #include "base/secret.h"
 #include "console/command_table.h"
 #include "console/completion.h"
-#include "console/event_words.h"
+#include "console/event_sentence.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
@@ -148,7 +148,7 @@ static bool print_event(struct console *c)
         return false;
     struct text t = text_on(line, sizeof line - 2);
     text_str(&t, "! ");
-    event_line(&e, &t);
+    event_for_client(&c->client, &e, &t);
     async_line(c, line, t.n, sizeof line);
     return true;
 }

@@ -5,7 +5,7 @@
 #include "console/access_words.h"
 #include "console/analyser_words.h"
 #include "console/command_table.h"
-#include "console/event_words.h"
+#include "console/event_sentence.h"
 #include "console/line_editor.h"
 #include "console/phrases.h"
 #include "console/sequence_words.h"
@@ -258,7 +258,7 @@ static bool history_line(struct client *c, unsigned n, struct text *line)
         text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e.boot));
         text_char(line, ' ');
     }
-    event_line(&e, line);
+    event_for_client(c, &e, line);
     return true;
 }
 

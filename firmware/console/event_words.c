@@ -7,6 +7,21 @@
 #include "console/startup_words.h"
 #include "exchange/alarm_names.h"
 
+void event_reasons(const struct event *e, struct text *line)
+{
+    if (e->code == EVENT_MEASUREMENT_BAD) {
+        put_reason(line, measurement_fault_text(e->detail));
+    }
+    if (e->code == EVENT_PLANT_REFUSED) {
+        put_reason(line, plant_fault_text(e->detail));
+    }
+    sequence_event_words(e, line);
+    startup_event_words(e, line);
+    block_event_words(e, line);
+    if (event_level(e->code) == EVENT_ACTION)
+        text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
+}
+
 void event_line(const struct event *e, struct text *line)
 {
     uint8_t code = e->code & (uint8_t)~EVENT_REPEATED;
@@ -25,15 +40,5 @@ void event_line(const struct event *e, struct text *line)
     if ((e->code == EVENT_MODE || e->code == EVENT_DO_MODE) && e->value >= 0.0f &&
         e->value < (float)MODE_NAMES)
         put_word(line, mode_names[(unsigned)e->value]);
-    if (e->code == EVENT_MEASUREMENT_BAD) {
-        put_reason(line, measurement_fault_text(e->detail));
-    }
-    if (e->code == EVENT_PLANT_REFUSED) {
-        put_reason(line, plant_fault_text(e->detail));
-    }
-    sequence_event_words(e, line);
-    startup_event_words(e, line);
-    block_event_words(e, line);
-    if (event_level(e->code) == EVENT_ACTION)
-        text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
+    event_reasons(e, line);
 }

@@ -27,7 +27,8 @@
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
 #endif
 /* Boards with start-up, which may propose a loop for every channel, have more of the rest as well. CONFIG_ANALYSERS: measurements that
- * come every n-th tick; CONFIG_CALIBRATION: meas.gain, zero, valid_lo and valid_hi, and watch.c; 0 leaves them out. */
+ * come every n-th tick; CONFIG_CALIBRATION: meas.gain, zero, valid_lo and valid_hi, and watch.c; CONFIG_PEOPLE: help for people at the
+ * console (events as sentences, suggestions, names in place of numbers); 0 leaves them out. */
 #if COMMISSION_CHANNELS
 #ifndef CONFIG_LOOPS
 #define CONFIG_LOOPS 16
@@ -41,6 +42,9 @@
 #ifndef CONFIG_CALIBRATION
 #define CONFIG_CALIBRATION 1
 #endif
+#ifndef CONFIG_PEOPLE
+#define CONFIG_PEOPLE 1
+#endif
 #else
 #ifndef CONFIG_LOOPS
 #define CONFIG_LOOPS 8
@@ -53,6 +57,9 @@
 #endif
 #ifndef CONFIG_CALIBRATION
 #define CONFIG_CALIBRATION 0
+#endif
+#ifndef CONFIG_PEOPLE
+#define CONFIG_PEOPLE 0
 #endif
 #endif
 /* Loops that act keep their sense, and have a deviation alarm; 0 leaves both out. */
