@@ -5,6 +5,10 @@
 
 #include <stddef.h>
 
+#ifndef SECRET_CAPITALS
+#define SECRET_CAPITALS 1 /* commands may have capital letters */
+#endif
+
 /* Returns the index of the first character that nobody may read; the length of the line where it holds no key. */
 size_t secret_from(const char *line);
 

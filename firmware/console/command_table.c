@@ -1,9 +1,8 @@
 /* The table of commands. */
 #include "console/command_table.h"
 
-#include <string.h>
-
 #include "console/phrases.h"
+#include "console/spelling.h"
 
 #define ROW(name, arguments, help, words_min, words_max)                                           \
     {#name, arguments, help, words_min, words_max, command_##name},
@@ -13,8 +12,9 @@ const unsigned console_command_count = sizeof console_commands / sizeof console_
 
 const struct console_command *find_command(const char *name)
 {
+    name = usual_name(name);
     for (unsigned i = 0; i < console_command_count; i++)
-        if (strcmp(console_commands[i].name, name) == 0)
+        if (same_letters(console_commands[i].name, name))
             return &console_commands[i];
     return NULL;
 }

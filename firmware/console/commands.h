@@ -16,6 +16,16 @@
 #else
 #define BLOCK_COMMANDS(ROW)
 #endif
+#if CONFIG_PEOPLE
+#define EXIT_COMMAND(ROW) \
+    ROW(exit, "", "close the engineer level; says how to leave the terminal program", 0, 0)
+#define DIFF_WORDS "[defaults|saved]"
+#define DIFF_HELP "changes of the transaction, or from the defaults or the saved settings"
+#else
+#define EXIT_COMMAND(ROW)
+#define DIFF_WORDS "[defaults]"
+#define DIFF_HELP "changes of the transaction, or from the defaults"
+#endif
 
 #define CONSOLE_COMMANDS(ROW) \
     ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
@@ -51,6 +61,7 @@
     ROW(stats, "", "cost of ticks, link and console counters", 0, 0) \
     ROW(unlock, "KEY", "open the engineer level", 1, 1) \
     ROW(lock, "", "close the engineer level", 0, 0) \
+    EXIT_COMMAND(ROW) \
     ROW(key, "NEW", "change the key of the engineer level; - for none", 1, 1) \
     ROW(reboot, "", "restart in the safe state", 0, 0)
 /* clang-format on */

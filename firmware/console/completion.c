@@ -108,13 +108,15 @@ static unsigned kind_choice(const struct client *c, const char *kind, size_t siz
 {
     const struct config *config = operate_settings(&c->session);
     const struct config *view = operate_view(&c->session);
+    const struct config *names =
+        CONFIG_PEOPLE ? view : config; /* also those of an open transaction */
     struct parameter p;
     if (is(kind, size, "LOOP"))
         return name_choice(config, NAMES_LOOP, n, word);
     if (is(kind, size, "MV"))
         return name_choice(config, NAMES_MV, n, word);
     if (is(kind, size, "NAME"))
-        return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+        return name_choice(names, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
     if (is(kind, size, "ALARM")) {
         char name[CHANNEL_NAME_SIZE] = "";
         if (n < CONFIG_ALARMS && config->alarm[n].on[0])
@@ -136,7 +138,7 @@ static unsigned kind_choice(const struct client *c, const char *kind, size_t siz
     if (is(kind, size, "VALUE") && parameter_find_in(view, t->before, &p) == ERR_OK) {
         if ((p.field->type == PARAMETER_NAME && !parameter_is_secret(&p)) ||
             p.field->type == PARAMETER_LIST)
-            return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+            return name_choice(names, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
         if (p.field->type != PARAMETER_WORD)
             return block_kind_choice(&p, n, word);
         const char *words = parameter_word_list(&p);
@@ -147,6 +149,13 @@ static unsigned kind_choice(const struct client *c, const char *kind, size_t siz
     if (n == 0)
         (void)word_choice(kind, size, 0, word);
     return 1;
+}
+
+unsigned console_word(const struct client *c, const char *kind, size_t size, unsigned n,
+                      struct text *word)
+{
+    struct typed nothing = {.word = ""};
+    return kind_choice(c, kind, size, &nothing, n, word);
 }
 
 /* The token of the arguments that belongs to the word under way, without its brackets. */

@@ -8,6 +8,7 @@
 #include "console/command_table.h"
 #include "console/completion.h"
 #include "console/event_sentence.h"
+#include "console/suggestion.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
@@ -46,6 +47,7 @@ void console_init(struct console *c, struct operate *door)
 {
     memset(c, 0, sizeof *c);
     client_init(&c->client, door);
+    suggestion_init(&c->client);
     line_editor_init(&c->editor, &editor_port, &c->client);
 }
 
@@ -81,6 +83,7 @@ static void dispatch(struct console *c)
         return;
     }
     const struct console_command *command = find_command(word[0]);
+    suggestion_begin(client, command);
     if (!command)
         reply_err_about(client, ERR_UNKNOWN, word[0], "no such command; `help` lists them");
     else if (n - 1 < command->words_min || n - 1 > command->words_max)

@@ -7,6 +7,7 @@
 #include "console/command_table.h"
 #include "console/event_sentence.h"
 #include "console/line_editor.h"
+#include "console/next_step.h"
 #include "console/phrases.h"
 #include "console/sequence_words.h"
 #include "hal/clock.h"
@@ -213,7 +214,7 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
             text_str(line, " " NOT_ANNOUNCED);
         return true;
     }
-    return false;
+    return next_step_line(c, n - CHANNEL_MAX, line);
 }
 
 void command_status(struct client *c, unsigned n, char **word)

@@ -4,6 +4,7 @@
 #include "base/assertion.h"
 #include "console/command_table.h"
 #include "console/phrases.h"
+#include "console/spelling.h"
 #include "hal/tick.h"
 
 static bool find_loop(struct client *c, const char *name, uint8_t *loop)
@@ -32,7 +33,7 @@ void command_mode(struct client *c, unsigned n, char **word)
     if (!find_loop(c, word[0], &loop))
         return;
     for (unsigned m = 0; n == 2 && m < MODE_NAMES; m++) {
-        if (strcmp(word[1], mode_names[m]) == 0) {
+        if (same_letters(word[1], mode_names[m])) {
             reply_answer(c, operate_mode(&c->session, loop, (enum loop_mode)m, &a), &a);
             return;
         }

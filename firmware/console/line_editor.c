@@ -15,6 +15,7 @@ enum key {
     KEY_HOME = 1,    /* ^A */
     KEY_CANCEL = 3,  /* ^C */
     KEY_END = 5,     /* ^E */
+    KEY_CLEAR = 12,  /* ^L */
     KEY_RESTART = 21 /* ^U */
 };
 
@@ -93,6 +94,14 @@ static void rub_out(struct line_editor *e, bool people)
         return;
     put(e, "\b", 1);
     put_tail(e, 1);
+}
+
+static void clear_screen(const struct line_editor *e)
+{
+    static const char home_and_clear[] = "\033[H\033[2J";
+    put(e, home_and_clear, sizeof home_and_clear - 1u);
+    e->port->prompt(e->context);
+    line_editor_show(e);
 }
 
 static void move_cursor(struct line_editor *e, unsigned to)
@@ -348,6 +357,8 @@ static void take_key(struct line_editor *e, char x, bool people)
     default:
         if (x >= ' ' && x < 127)
             insert(e, x, people);
+        else if (LINE_EDITOR_CLEARS && people && x == KEY_CLEAR)
+            clear_screen(e);
         else
             e->garbled = true;
     }

@@ -15,6 +15,9 @@
 #ifndef LINE_EDITOR_HISTORY
 #define LINE_EDITOR_HISTORY 256 /* bytes of past lines, with a zero after each; 1 = none kept */
 #endif
+#ifndef LINE_EDITOR_CLEARS
+#define LINE_EDITOR_CLEARS (LINE_EDITOR_HISTORY > 1) /* ^L clears the screen */
+#endif
 #ifndef LINE_EDITOR_CHOICES
 #define LINE_EDITOR_CHOICES 300 /* characters of choices shown at most */
 #endif

@@ -73,6 +73,7 @@ void reply_err_about(struct client *c, enum err code, const char *subject, const
         text_str(&t, ": ");
     }
     text_str(&t, text ? text : err_text(code));
+    reply_hint(c, code, subject, false, &t);
     print_err(c, line);
 }
 
@@ -90,6 +91,8 @@ void reply_answer(struct client *c, enum err code, const struct answer *answer)
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = err_on(line, sizeof line, code);
     refusal_words(code, answer, &t);
+    bool channel = answer->more == ANSWER_CONFIG;
+    reply_hint(c, code, channel ? answer->config.subject : answer->subject, channel, &t);
     print_err(c, line);
 }
 

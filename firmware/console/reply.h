@@ -21,6 +21,19 @@
 
 struct client;
 
+/* Suggests a word in place of one that is unknown. On a board without it this is empty. */
+#if CONFIG_PEOPLE
+struct console_command;
+struct reply_hint {
+    /* Writes "; did you mean `bottom`?", or nothing. channel: the word should name a channel or a loop. */
+    void (*write)(const struct client *c, const char *word, bool channel, struct text *line);
+    const struct console_command *command; /* whose refusals come next; NULL: its name is unknown */
+};
+#else
+struct reply_hint {
+};
+#endif
+
 /* Puts the n-th line of a listing into *line; false past the end. A line left empty is not printed. */
 typedef bool (*reply_listing)(struct client *c, unsigned n, struct text *line);
 
@@ -42,6 +55,7 @@ struct client {
     reply_listing listing; /* under way, or NULL */
     unsigned listing_line; /* next */
     struct reply_counts counts;
+    struct reply_hint hint;
 };
 
 void client_init(struct client *c, struct operate *door);
@@ -51,6 +65,26 @@ static inline const struct config *client_settings(const struct client *c)
 {
     return operate_in_force(&c->session);
 }
+
+#if CONFIG_PEOPLE
+/* Writes a suggestion behind a refusal of an unknown word, where there is one. */
+static inline void reply_hint(const struct client *c, enum err code, const char *word, bool channel,
+                              struct text *line)
+{
+    if (code == ERR_UNKNOWN && word && c->hint.write)
+        c->hint.write(c, word, channel, line);
+}
+#else
+static inline void reply_hint(const struct client *c, enum err code, const char *word, bool channel,
+                              struct text *line)
+{
+    (void)c;
+    (void)code;
+    (void)word;
+    (void)channel;
+    (void)line;
+}
+#endif
 
 /* Prints one whole line, or none where the transmit ring has no room for it. */
 void reply_print(struct client *c, const char *text);

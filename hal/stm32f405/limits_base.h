@@ -3,7 +3,7 @@
  *
  * Left out: sequences, measurement offsets, automatic start-up, calibration, guard and alarms of acting loops, one entry for
  * events that repeat. Short: half as many channels as the full image, and
- * queues and rings that hold what such a configuration needs.
+ * queues and rings that hold what such a configuration needs. ^L does not clear the screen.
  */
 #ifndef REFLUX_STM32F405_LIMITS_BASE_H
 #define REFLUX_STM32F405_LIMITS_BASE_H
@@ -26,6 +26,8 @@
 
 #define LINK_RX_BLOCK        32
 #define CONSOLE_RX_BLOCK     16
+#define LINE_EDITOR_CLEARS   0
+#define SECRET_CAPITALS      0
 #define LINE_EDITOR_HISTORY  192
 #define EVENT_QUEUE_SIZE     16
 #define TELEMETRY_QUEUE_SIZE 4

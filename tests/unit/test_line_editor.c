@@ -45,7 +45,12 @@ static void screen(void *context, const char *text, size_t n)
 {
     (void)context;
     for (size_t i = 0; i < n; i++) {
-        if (text[i] == '\033') { /* ESC [ K: wipe from the cursor on */
+        if (n - i >= 7 && strncmp(text + i, "\033[H\033[2J", 7) == 0) { /* top left, and wipe all */
+            memset(row, 0, sizeof row);
+            memset(above, 0, sizeof above);
+            at = widest = 0;
+            i += 6;
+        } else if (text[i] == '\033') { /* ESC [ K: wipe from the cursor on */
             TEST_ASSERT_EQUAL_STRING_LEN("\033[K", text + i, 3);
             memset(row + at, 0, sizeof row - at);
             i += 2;
@@ -352,6 +357,16 @@ static void any_keys_in_any_order_leave_screen_and_line_in_agreement(void)
     }
 }
 
+static void control_l_leaves_the_line_alone_on_the_screen(void)
+{
+    strcpy(above, "what stood there\n");
+    type("mode top\033[D\033[D\x0c");
+    TEST_ASSERT_EQUAL_STRING("", above);
+    TEST_ASSERT_EQUAL_STRING("> mode top", row);
+    type("\x0cx");
+    TEST_ASSERT_EQUAL_STRING("> mode txop", row);
+}
+
 static void noise_never_leaves_the_buffers(void)
 {
     struct random_source source = {.state = 0xED17u};
@@ -394,6 +409,7 @@ int main(void)
     RUN_TEST(a_tab_where_nothing_fits_changes_nothing);
     RUN_TEST(a_tab_in_the_middle_completes_the_word_before_the_cursor);
     RUN_TEST(any_keys_in_any_order_leave_screen_and_line_in_agreement);
+    RUN_TEST(control_l_leaves_the_line_alone_on_the_screen);
     RUN_TEST(noise_never_leaves_the_buffers);
     return UNITY_END();
 }
