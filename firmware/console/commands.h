@@ -40,7 +40,7 @@
     ROW(list, "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1) \
     ROW(get, "PARAMETER", "one parameter", 1, 1) \
     ROW(set, "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2) \
-    ROW(diff, "[defaults]", "changes of the transaction, or from the defaults", 0, 1) \
+    ROW(diff, DIFF_WORDS, DIFF_HELP, 0, 1) \
     ROW(begin, "", "open a transaction: changes wait for apply", 0, 0) \
     ROW(apply, "", "check the changes together, apply them at the next tick", 0, 0) \
     ROW(abandon, "", "close the transaction without changes", 0, 0) \

@@ -3,6 +3,7 @@
 
 #include "console/block_words.h"
 #include "console/command_table.h"
+#include "console/diff_saved.h"
 #include "console/parameter_words.h"
 #include "console/phrases.h"
 
@@ -129,6 +130,10 @@ static bool diff_line(struct client *c, unsigned n, struct text *line)
 
 void command_diff(struct client *c, unsigned n, char **word)
 {
+    if (CONFIG_PEOPLE && n && strcmp(word[0], "saved") == 0) {
+        diff_saved(c);
+        return;
+    }
     if (n && strcmp(word[0], "defaults") != 0) {
         reply_usage(c, word[0], "diff");
         return;

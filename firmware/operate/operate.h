@@ -293,6 +293,12 @@ static inline bool operate_waits(const struct session *session)
 {
     return session->waits_for != WAITS_FOR_NOTHING;
 }
+#if CONFIG_PEOPLE
+/* ERR_OK: operate_differs() can compare. ERR_BUSY: the stored settings are being read or written. ERR_EMPTY. */
+MUST_CHECK enum err operate_may_compare(struct session *session, struct answer *answer);
+/* Does a parameter of operate_view() differ from the stored one? Writes the stored value. */
+bool operate_differs(const struct session *session, const struct parameter *p, struct text *stored);
+#endif
 /* Every parameter at its default, but the key; within a transaction it waits for operate_apply(). */
 MUST_CHECK enum err operate_defaults(struct session *session, struct answer *answer);
 

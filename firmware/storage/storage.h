@@ -43,6 +43,15 @@ MUST_CHECK enum err storage_result(const struct storage *st, const char **reason
  * but no whole set. ERR_FULL: the set has a table for which there is no place beside those in force. */
 MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **reason);
 
+#if CONFIG_PEOPLE
+/* Returns whether storage_differs() has a stored set to compare with. ERR_BUSY: storage reads or writes. ERR_EMPTY. */
+MUST_CHECK enum err storage_may_compare(struct storage *st, const char **reason);
+/* Returns whether a parameter differs from the newest stored set, and writes the stored value. A value that older firmware has stored as
+ * another type differs. */
+bool storage_differs(const struct storage *st, const struct parameter *p,
+                     const struct config *config, struct text *stored);
+#endif
+
 /* Returns the state: "none", "unread", "ok", "blocked" (newer firmware has stored something) or "failed" (the flash refused the
  * last write). */
 const char *storage_word(const struct storage *st);
