@@ -122,9 +122,9 @@ static void zero_is_said_in_words_of_its_own(void)
     reads(EVENT_ALARM_SHELVED, "T10.hi", 60.0f, "5.000 info alarm T10.hi silent for 60 s");
     reads(EVENT_ALARM_SHELVED, "T10.hi", 0.0f, "5.000 info alarm T10.hi no longer silent");
     reads(EVENT_RESTART_DONE, NULL, 1.0f,
-          "5.000 warning outputs are as before the reset (RESTART_DONE)");
+          "5.000 warning as before the reset: outputs (RESTART_DONE)");
     reads(EVENT_RESTART_DONE, NULL, 2.0f,
-          "5.000 warning outputs, modes and setpoints are as before the reset (RESTART_DONE)");
+          "5.000 warning as before the reset: outputs, modes, setpoints (RESTART_DONE)");
 }
 
 static void actions_say_who_did_it(void)
