@@ -18,9 +18,9 @@
 #endif
 #if CONFIG_PEOPLE
 #define EXIT_COMMAND(ROW) \
-    ROW(exit, "", "close the engineer level; says how to leave the terminal program", 0, 0)
+    ROW(exit, "", "close the engineer level; how to leave the terminal", 0, 0)
 #define DIFF_WORDS "[defaults|saved]"
-#define DIFF_HELP "changes of the transaction, or from the defaults or the saved settings"
+#define DIFF_HELP "changes of the transaction, or from defaults or saved settings"
 #else
 #define EXIT_COMMAND(ROW)
 #define DIFF_WORDS "[defaults]"

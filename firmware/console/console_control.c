@@ -5,6 +5,7 @@
 #include "console/command_table.h"
 #include "console/phrases.h"
 #include "console/spelling.h"
+#include "console/tune_doubt.h"
 #include "hal/tick.h"
 
 static bool find_loop(struct client *c, const char *name, uint8_t *loop)
@@ -180,6 +181,7 @@ void command_tune(struct client *c, unsigned n, char **word)
         print_setting(c, loop, "td", NULL, result.td_s);
         print_setting(c, loop, "action", result.action == TUNING_DIRECT ? "direct" : "reverse",
                       0.0f);
+        print_tune_doubt(c, loop, &result);
     }
     reply_answer(c, err, &a);
 }

@@ -20,7 +20,6 @@ bool next_step_line(const struct client *c, unsigned n, struct text *line)
                                  : "next: connect a plant; `stats` shows what comes over its link");
     else if (connected)
         text_str(line,
-                 "  begin, set meas1.name NAME, set meas1.unit UNIT, ..., set loop1.pv NAME, ..., "
-                 "apply; then `save`");
+                 "  begin, set meas1.name NAME, ..., set loop1.pv NAME, ..., apply; then `save`");
     return true;
 }

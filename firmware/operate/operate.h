@@ -180,6 +180,12 @@ MUST_CHECK enum err operate_tune(const struct session *session, uint8_t loop, en
                                  const struct fopdt *process, float lambda_s, struct tuning *tuning,
                                  struct answer *answer);
 
+#if CONFIG_PEOPLE
+/* Would these settings come into force? Within a transaction only their ranges are looked at. ERR_RANGE; errors as operate_set(). */
+MUST_CHECK enum err operate_check_tuning(struct session *session, uint8_t loop,
+                                         const struct tuning *tuning, struct answer *answer);
+#endif
+
 /* ---- blocks with a number (blockN): blocks.c ---- */
 
 enum block_work { BLOCK_IDLE, BLOCK_WORKS, BLOCK_WORK_LATE };

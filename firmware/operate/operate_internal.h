@@ -32,6 +32,24 @@ bool operate_may_change_settings(const struct operate *door);
 
 /* ---- what a board may lack ---- */
 
+#if CONFIG_PEOPLE
+/* Returns "loop2.gain" in *full, CHANNEL_NAME_SIZE characters, for a parameter that a client may have called "bottom.gain". */
+static inline const char *operate_full_name(const struct parameter *p, const char *name, char *full)
+{
+    struct text t = text_on(full, CHANNEL_NAME_SIZE);
+    (void)name;
+    parameter_name(p, &t);
+    return full;
+}
+#else
+static inline const char *operate_full_name(const struct parameter *p, const char *name, char *full)
+{
+    (void)p;
+    (void)full;
+    return name;
+}
+#endif
+
 #if CONFIG_BLOCKS
 /* Tells that the open transaction, if there is one, has come into force, or is abandoned. */
 void operate_transaction_over(struct operate *door, bool applied);

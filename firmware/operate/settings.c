@@ -121,7 +121,8 @@ enum err operate_set(struct session *session, const char *name, const char *valu
         return err;
     if (parameter_is_secret(&p) || text_parse_float(value, &number) != ERR_OK)
         number = 0.0f;
-    record_set(session, name, number);
+    char full[CHANNEL_NAME_SIZE];
+    record_set(session, operate_full_name(&p, name, full), number);
     return ERR_OK;
 }
 

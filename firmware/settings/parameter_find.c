@@ -92,7 +92,7 @@ unsigned parameter_count(const struct config *config)
     return n;
 }
 
-enum err parameter_find_in(const struct config *config, const char *name, struct parameter *p)
+static enum err find_numbered(const struct config *config, const char *name, struct parameter *p)
 {
     struct block_parameter_place place;
     const char *s = name + strlen(parameter_blocks.name);
@@ -115,6 +115,20 @@ enum err parameter_find_in(const struct config *config, const char *name, struct
         return ERR_OK;
     }
     return config_block_settings(config, block) ? ERR_UNKNOWN : ERR_EMPTY;
+}
+
+enum err parameter_find_in(const struct config *config, const char *name, struct parameter *p)
+{
+    enum err err = find_numbered(config, name, p);
+    if (!CONFIG_PEOPLE)
+        return err;
+    char full[40]; /* longer than any */
+    for (unsigned k = 0; err == ERR_UNKNOWN && k < PARAMETER_OWNERS; k++) {
+        struct text t = text_on(full, sizeof full);
+        if (parameter_numbered_name(config, name, k, &t))
+            err = parameter_find(full, p);
+    }
+    return err;
 }
 
 static enum err find_block_id(const struct config *config, uint32_t id, struct parameter *p)

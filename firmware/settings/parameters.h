@@ -23,11 +23,29 @@ bool parameter_at(unsigned n, struct parameter *p);
 /* Finds a parameter by name, without those of blocks. ERR_UNKNOWN: no such group, index or field. ERR_UNSUPPORTED: larger
  * boards have that index; only group and field of *p are then valid. */
 MUST_CHECK enum err parameter_find(const char *name, struct parameter *p);
-/* Get and find the same with those of blocks, which depend on their kinds in *config. The result is valid for that
+/* Get and find the same with those of blocks, which depend on their kinds in *config. The name may begin with the name of a loop,
+ * a measurement or a manipulated variable ("bottom.gain"): the first of these, in this order, that has such a parameter. The result is valid for that
  * configuration, or one where the block has the same kind. ERR_EMPTY: the block has no kind, or this build lacks it. */
 bool parameter_of(const struct config *config, unsigned n, struct parameter *p);
 MUST_CHECK enum err parameter_find_in(const struct config *config, const char *name,
                                       struct parameter *p);
+#if CONFIG_PEOPLE
+#define PARAMETER_OWNERS 3u /* loop, measurement, manipulated variable */
+/* Writes "loop2.gain" for "bottom.gain", where the k-th kind of owner has one of that name in *config. Returns false where it has none. */
+bool parameter_numbered_name(const struct config *config, const char *name, unsigned k,
+                             struct text *full);
+#else
+#define PARAMETER_OWNERS 1u /* which never has one */
+static inline bool parameter_numbered_name(const struct config *config, const char *name,
+                                           unsigned k, struct text *full)
+{
+    (void)config;
+    (void)name;
+    (void)k;
+    (void)full;
+    return false;
+}
+#endif
 unsigned parameter_count(const struct config *config);
 uint32_t parameter_id(const struct parameter *p);
 MUST_CHECK enum err parameter_find_id(const struct config *config, uint32_t id,

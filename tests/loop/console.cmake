@@ -1,5 +1,5 @@
 # The finished console: access levels, people at it, a paste over a line that loses bytes.
-foreach(part access console_people console_words diff_saved event_sentences listings paste)
+foreach(part access console_people console_words diff_saved event_sentences listings paste tune_doubt)
   reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link)
 endforeach()

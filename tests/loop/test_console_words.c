@@ -145,6 +145,54 @@ static void control_l_shows_the_line_alone_on_a_clear_screen(void)
     ask_refused("get\x0c loop1.ti", "PARSE");
 }
 
+/* ---- names in place of numbers ---- */
+
+static void a_parameter_may_begin_with_the_name_of_its_loop_or_channel(void)
+{
+    ask_ok("set bottom.gain 2");
+    ANSWERS("get loop2.gain", "loop2.gain = 2 fraction/fraction");
+    ANSWERS("get bottom.gain", "loop2.gain = 2 fraction/fraction");
+    ANSWERS("get T10.lo", "meas2.lo = 60 EU");
+    ANSWERS("get heat.safe", "mv2.safe = 0.5 EU");
+    ask_ok("help bottom.ti");
+    TEST_ASSERT_TRUE_MESSAGE(said("loop2.ti = "), board.said);
+    ask_refused("get bottom.lo", "UNKNOWN");
+    ask_refused("get nobody.gain", "UNKNOWN");
+    ask_refused("get .gain", "UNKNOWN");
+    ask_refused("get bottom.", "UNKNOWN");
+    ask_refused("set bottom.gain 1e9", "RANGE");
+    TEST_ASSERT_TRUE_MESSAGE(said("loop2.gain: '1e9' refused"), board.said);
+}
+
+static void the_history_has_the_number(void)
+{
+    ask_ok("set bottom.gain 2");
+    ask_ok("events");
+    TEST_ASSERT_TRUE_MESSAGE(said("action DO_SET loop2.gain 2 "), board.said);
+}
+
+static void a_loop_wins_over_a_measurement_and_that_over_an_output(void)
+{
+    ask_ok("begin");
+    ask_ok("set loop2.name T10");                                  /* also a measurement */
+    ask_ok("set mv1.name T1");                                     /* also a measurement */
+    ANSWERS("get T10.gain", "loop2.gain = 1.5 fraction/fraction"); /* not of the calibration */
+    ANSWERS("get T10.hi", "meas2.hi = 160 EU");                    /* a loop has none */
+    ANSWERS("get T1.hi", "meas1.hi = 160 EU");
+    ANSWERS("get T1.rate", "mv1.rate = 0 EU/s"); /* a measurement has none */
+    ask_ok("abandon");
+}
+
+static void a_group_and_its_number_win_over_a_name(void)
+{
+    ask_ok("begin");
+    ask_ok("set loop2.name loop1");
+    ask_ok("set loop1.gain 0.25");
+    ask_ok("set loop2.gain 0.75");
+    ANSWERS("get loop1.gain", "loop1.gain = 0.25 fraction/fraction");
+    ask_ok("abandon");
+}
+
 /* ---- an empty board ---- */
 
 static void status_of_an_empty_board_says_what_comes_next(void)
@@ -188,6 +236,10 @@ int main(void)
     RUN_TEST(exit_and_quit_say_how_to_leave_and_close_the_engineer_level);
     RUN_TEST(a_key_behind_capital_letters_is_a_secret_too);
     RUN_TEST(control_l_shows_the_line_alone_on_a_clear_screen);
+    RUN_TEST(a_parameter_may_begin_with_the_name_of_its_loop_or_channel);
+    RUN_TEST(the_history_has_the_number);
+    RUN_TEST(a_loop_wins_over_a_measurement_and_that_over_an_output);
+    RUN_TEST(a_group_and_its_number_win_over_a_name);
     RUN_TEST(status_of_an_empty_board_says_what_comes_next);
     RUN_TEST(status_of_a_configured_board_does_not);
     return UNITY_END();
