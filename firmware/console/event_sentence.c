@@ -297,7 +297,7 @@ void event_sentence(const struct config *config, const struct event *e, struct t
             sentence_text(config, e, line);
         event_reasons(e, line);
     }
-    if (level != EVENT_WARNING && level != EVENT_ALARM)
+    if (level != EVENT_WARNING && level != EVENT_ALARM && code != EVENT_STARTED)
         return;
     text_str(line, " (");
     text_str(line, event_name(code));

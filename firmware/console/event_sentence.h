@@ -6,7 +6,8 @@
 #include "console/reply.h"
 
 #if CONFIG_PEOPLE
-/* Writes time, level and a sentence with values in their units; of warnings and alarms also the code, under which the pages have it. */
+/* Writes time, level and a sentence with values in their units; of warnings and alarms also the code, under which the pages have it, and of
+ * STARTED, for which a script may wait before it can say `mode machine`. */
 void event_sentence(const struct config *config, const struct event *e, struct text *line);
 #else
 static inline void event_sentence(const struct config *config, const struct event *e,

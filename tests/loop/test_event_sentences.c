@@ -51,6 +51,12 @@ static void setpoints_modes_and_outputs_are_short_and_have_their_units(void)
     reads(EVENT_OUTPUT, "gone", 110.0f, "5.000 info gone output 110");
 }
 
+static void the_start_keeps_its_code(void)
+{
+    reads(EVENT_STARTED, "power-on", 0.0f,
+          "5.000 info started in the safe state: power-on (STARTED)");
+}
+
 static void values_have_four_digits_and_counts_all(void)
 {
     reads(EVENT_SETPOINT, "bottom", 112.34567f, "5.000 info bottom setpoint 112.3 degC");
@@ -175,6 +181,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(setpoints_modes_and_outputs_are_short_and_have_their_units);
+    RUN_TEST(the_start_keeps_its_code);
     RUN_TEST(values_have_four_digits_and_counts_all);
     RUN_TEST(the_value_stands_behind_the_words_that_say_what_it_is);
     RUN_TEST(interlocks_name_what_they_watch_where_it_is_sure);

@@ -77,7 +77,7 @@ class FaultRecordTest(unittest.TestCase):
     def crash(self, address: int = NOWHERE, r0: int | None = None) -> None:
         with contextlib.closing(Debugger(self.debugger_path)) as debugger:
             debugger.jump(address, r0)
-        self.console.until(lambda line: " STARTED fault " in line)
+        self.console.until(lambda line: "STARTED" in line and "fault" in line)
         self.console.machine_mode()
 
     def test_cause_place_and_context_of_a_fault_are_told_after_the_restart(self) -> None:
@@ -97,7 +97,7 @@ class FaultRecordTest(unittest.TestCase):
         # The record stays, and says how long ago it was.
         self.console.write("reboot\n")
         self.console.until(lambda line: line == "ok")
-        self.console.until(lambda line: " STARTED requested " in line)
+        self.console.until(lambda line: "STARTED" in line and "requested" in line)
         self.console.machine_mode()
         version = self.version()
         self.assertIn("started by: requested", version)
@@ -125,7 +125,7 @@ class FaultRecordTest(unittest.TestCase):
             self.crash()
             self.assertIn(f"early_resets {n}", self.version())
         self.console.write("reboot\n")
-        self.console.until(lambda line: " STARTED requested " in line)
+        self.console.until(lambda line: "STARTED" in line and "requested" in line)
         self.console.machine_mode()
         self.assertNotIn("early_resets", self.version())
 
