@@ -3,7 +3,7 @@
  *
  * Shortened against the larger boards: channels, loops, feedforwards, interlocks, alarms, dead times, history of
  * events, queues, console lines. Left out: history of console lines, sequences, measurement offsets, guard and deviation
- * alarm of loops that act.
+ * alarm of loops that act, help for people at the console (CONFIG_PEOPLE).
  */
 #ifndef REFLUX_STM32F100_LIMITS_H
 #define REFLUX_STM32F100_LIMITS_H

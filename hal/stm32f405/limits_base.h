@@ -1,7 +1,7 @@
 /* The base image of the STM32F405 (-DREFLUX_BASE=ON): regulatory control alone, on little memory. Read before every
  * file (tools/cmake/options.cmake); the headers that own these names say what they mean.
  *
- * Left out: sequences, measurement offsets, automatic start-up, calibration, guard and alarms of acting loops, one entry for
+ * Left out: sequences, measurement offsets, automatic start-up, calibration, guard and alarms of acting loops, help for people, one entry for
  * events that repeat. Short: half as many channels as the full image, and
  * queues and rings that hold what such a configuration needs. ^L does not clear the screen.
  */
