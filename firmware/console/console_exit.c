@@ -12,7 +12,7 @@ void command_exit(struct client *c, unsigned n, char **word)
         reply_answer(c, err, &a);
         return;
     }
-    reply_print(c, locks ? "The engineer level is locked." : "There is nothing to close.");
-    reply_print(c, "To leave the terminal program: tools/console ^], picocom ^A ^X, screen ^A k");
+    reply_print(c, locks ? "Engineer level locked." : "Nothing to close.");
+    reply_print(c, "To leave the terminal program: tools/console ^], picocom ^A ^X");
     reply_ok(c);
 }

@@ -91,8 +91,10 @@ void reply_answer(struct client *c, enum err code, const struct answer *answer)
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = err_on(line, sizeof line, code);
     refusal_words(code, answer, &t);
-    bool channel = answer->more == ANSWER_CONFIG;
-    reply_hint(c, code, channel ? answer->config.subject : answer->subject, channel, &t);
+    if (answer->more == ANSWER_CONFIG)
+        reply_hint(c, code, answer->config.subject, true, &t);
+    else if (answer->more == ANSWER_PLAIN) /* others may have no subject */
+        reply_hint(c, code, answer->subject, false, &t);
     print_err(c, line);
 }
 

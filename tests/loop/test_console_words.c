@@ -60,7 +60,8 @@ static void a_mistyped_parameter_is_answered_with_the_nearest(void)
     suggests("set loop1.Gain 2", "loop1.gain");
     suggests_nothing("get nothing");
     suggests_nothing("get far.away");
-    suggests_nothing("get loop99.gain"); /* another number is no slip */
+    suggests_nothing("set block1.kind gmw"); /* a value: its refusal has no subject */
+    suggests_nothing("get loop99.gain");     /* another number is no slip */
 }
 
 static void a_mistyped_name_is_answered_with_one_that_fits_there(void)
@@ -108,14 +109,14 @@ static void a_question_mark_is_help(void)
 static void exit_and_quit_say_how_to_leave_and_close_the_engineer_level(void)
 {
     ask_ok("exit");
-    TEST_ASSERT_TRUE_MESSAGE(said("There is nothing to close.\n"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("Nothing to close.\n"), board.said);
     TEST_ASSERT_TRUE_MESSAGE(said("picocom ^A ^X"), board.said);
     ask_ok("key pot_still");
     ask_ok("quit");
-    TEST_ASSERT_TRUE_MESSAGE(said("The engineer level is locked.\n"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("Engineer level locked.\n"), board.said);
     ask_refused("set loop1.gain 2", "LOCKED");
     ask_ok("quit");
-    TEST_ASSERT_TRUE_MESSAGE(said("There is nothing to close.\n"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("Nothing to close.\n"), board.said);
     ask_ok("unlock pot_still");
     ask_ok("key -");
 }
