@@ -332,10 +332,13 @@ class Reports(FolderTest):
         self.assertEqual((status, err), (0, ""))
         page = (self.folder / "report.html").read_text()
         for part in ("Start-up of oven", "loops kept", "<h2>Tests</h2>", "<h2>Model</h2>", "<h2>Interaction</h2>",
-                     "T by h: when the other loops close", "<h2>Trial</h2>", "moments: a negative dead time came out",
+                     "T by h: when the other loops close", "<h2>Trial</h2>", "a negative dead time came out, so its times mean nothing",
+                     "gain margin",
                      "libreflux is not built"):
             self.assertIn(part, page)
-        self.assertEqual(page.count("data:image/png;base64,"), 4)  # all tests, this test, singular values, trial
+        self.assertEqual(page.count("<figure>"), 4)  # all tests, this test, singular values, trial
+        self.assertEqual(page.count("data:image/svg+xml;base64,"), 8)  # each of them wide and narrow
+        self.assertIn('alt="Test of h, round 1: h from ', page)
         self.assertTrue((self.folder / "plot-test-h-1.png").is_file())
 
     def test_how_it_ended(self) -> None:

@@ -1,16 +1,19 @@
 """The pages that tools write, when the plant, the board and the scenario call themselves what a browser would run. Rebuilt from a public
 report of a name that began with <span."""
 
+import math
+import re
 import unittest
 from html.parser import HTMLParser
 
 from support import GOOD, FolderTest, call
 
-from reflux import limits, logs, metrics, plots, report, runner, scenario
+from reflux import limits, logs, metrics, page_style, plots, report, run_plots, runner, scenario
+from reflux.commission import results
 from reflux.markup import element
 
 HOSTILE = "<span/onclick=alert(1)>\"'&amp;</td><script>alert(1)</script>"
-ATTRIBUTES = {"lang", "charset", "http-equiv", "content", "name", "class", "alt", "src"}
+ATTRIBUTES = {"lang", "charset", "http-equiv", "content", "name", "class", "alt", "src", "data-label", "media", "srcset"}
 
 
 class Page(HTMLParser):
@@ -30,7 +33,7 @@ class Page(HTMLParser):
         self.attributes |= {name for name, _ in attrs}
         if ("http-equiv", "Content-Security-Policy") in attrs:
             self.policy = dict(attrs)["content"] or ""
-        if tag not in ("meta", "img"):
+        if tag not in ("meta", "img", "source"):
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
@@ -72,6 +75,81 @@ class Reports(FolderTest):
     def test_text_is_escaped_whatever_it_looks_like_and_markup_is_not_escaped_twice(self) -> None:
         inner = element("b", "<i>", title='"')
         self.assertEqual(element("td", inner, "<b>").html, '<td><b title="&quot;">&lt;i&gt;</b>&lt;b&gt;</td>')
+
+    def result(self, rows: int = 40) -> runner.Result:
+        """A run whose loop is stepped at 100 s, and whose output cannot follow from then on."""
+        self.file("trial.conf", "set lock1.meas T1\nset lock1.mv Lr\nset lock1.side above\nset lock1.limit 88.5\n")
+        trial = scenario.load(self.file("trial.toml", GOOD + """console = ["trial.conf"]
+[[loop]]
+name = "top"
+pv = "T1"
+mv = "Lr"
+band = 0.5
+[[line]]
+at_s = 100
+send = "sp top 90"
+"""))
+        columns = ["number", "time[s]", "T1.true[degC]", "T1.meas[degC]", "Lr.cmd[l/h]", "Lr.applied[l/h]", "xD[%w]", "fw.top.sp[degC]", "fw.xD_est[%w]",
+                   "fw.xD_est.q"]
+        lines = [[str(k), str(10 * k), "87", "87.1", "9" if k >= 10 else "4", "5" if k > 10 else "4", "99", "90" if k >= 10 else "87", "98.5", "0"]
+                 for k in range(rows)]
+        log = logs.Log(columns, lines)
+        (self.folder / "transcript.txt").write_text("150.000 < ! 150.000 alarm INTERLOCK_ON Lr 121 interlock holds its output; measurement\n"
+                                                    "200.000 < ! 200.000 info INTERLOCK_OFF Lr 118 interlock released; measurement\n")
+        windows = metrics.windows(log, trial, trial.loops[0])
+        facts = dict.fromkeys(("scenario_file", "plant", "firmware", "version", "image", "image_sha256", "samples", "wall_s"), "-")
+        return runner.Result(trial, self.folder, log, windows, [], facts)
+
+    def test_a_settling_time_of_never_is_explained(self) -> None:
+        result = self.result()
+        (words,) = report.never_settled(result)
+        self.assertEqual(words, "top, from 100 s: never within \u00b10.5 degC for good before the window ended at 390 s; T1 was then 3 degC from its "
+                                "setpoint. Lr did not follow: 9 l/h was commanded, 5 l/h applied.")
+        self.assertIn(element("li", words).html, report.page(result, []))
+
+    def test_a_picture_is_described_in_numbers_and_has_a_narrow_form(self) -> None:
+        plots_of_run = run_plots.scenario_plots(self.result().log, self.result().scenario, runner.events_in(self.folder / "transcript.txt"))
+        self.assertEqual([p.name for p in plots_of_run], ["loop-top", "estimates"])
+        self.assertEqual(plots_of_run[0].alt, "Loop top over 0.1083 h: T1 at 87 degC, setpoint from 87 to 90 degC, Lr from 4 to 5 l/h. An interlock holds "
+                                              "Lr from 150 s to 200 s.")
+        self.assertEqual(plots_of_run[1].alt, "Estimates of the board: xD at 98.5 %w, at most 0.5 %w from the true value.")
+        for plot in plots_of_run:
+            width = [float(re.search(r'<svg [^>]*width="([\d.]+)pt"', text)[1]) for text in (plot.svg, plot.narrow)]
+            self.assertGreater(width[0], 2 * width[1])
+            self.assertLess(width[1] * 96 / 72, 400)  # px: on a phone of 390 px letters are hardly smaller than they were drawn
+            page = report.drawing(plot).html
+            self.assertIn(f'alt="{plot.alt}"', page)
+            self.assertIn('<source media="(max-width: 700px)"', page)
+
+    def test_a_page_has_a_dark_scheme_and_tables_that_are_lists_on_a_phone(self) -> None:
+        page = report.page(self.result(), [])
+        self.assertIn("(prefers-color-scheme: dark)", page)
+        self.assertIn(f"@media screen and (max-width: {page_style.PHONE_PX}px)", page)
+        self.assertNotIn("overflow-x", page)  # no table and no line is cut
+        table = page_style.grid(["loop", "IAE"], [["top", "3"]], text_columns=1).html
+        self.assertIn('<td data-label="loop">top</td><td class="n" data-label="IAE">3</td>', table)
+
+    def test_trips_are_told_from_events_and_one_that_is_not_over_lasts_to_the_end(self) -> None:
+        on, off = ("alarm", "INTERLOCK_ON", "Qrb 121 interlock holds"), ("info", "INTERLOCK_OFF", "Qrb 118 interlock released")
+        self.assertEqual(run_plots.trips_of([(10.0, *on), (40.0, *off), (70.0, *on)], 100.0),
+                         [run_plots.Trip("Qrb", 10.0, 40.0), run_plots.Trip("Qrb", 70.0, 100.0)])
+
+    def test_a_curve_with_fewer_points_keeps_its_extremes_and_its_ends(self) -> None:
+        y = [math.sin(k / 50) for k in range(5000)]
+        y[1234], y[4321], y[77] = 5.0, -5.0, math.nan
+        t, thin = plots.thinned(range(5000), y, 200)
+        self.assertLess(len(t), 220)
+        self.assertEqual((t[0], t[-1], thin[t.index(1234)], thin[t.index(4321)]), (0, 4999, 5.0, -5.0))
+        self.assertEqual(plots.thinned([1, 2], [3, 4], 200), ([1, 2], [3, 4]))
+
+    def test_a_second_opinion_says_where_it_differs_and_why(self) -> None:
+        model = results.model_of(["output T noise 0.05 degC",
+                                  "element T h gain 20 sd 0.1 degC/kW T 100 sd 2 s L 0 sd 1 s flags -", "moments T h gain 15 T 90 L 3 plateau 20 flags negative_L short",
+                                  "element T c gain 20 sd 0.1 degC/kW T 100 sd 2 s L 0 sd 1 s flags -", "moments T c gain 19 T 90 L 3 plateau 0 flags -"])
+        _header, rows = results.second_opinion_rows(model)
+        self.assertEqual(rows[0][5:], ["100", "-", "gain differs: moments 25 %; moments: a negative dead time came out, so its times mean nothing, the last test was short"])
+        self.assertEqual(rows[1][5:], ["100", "93", "gains agree within 10 %"])
+        self.assertNotIn("moments", " ".join(results.model_rows(model)[0]))
 
     def test_a_name_with_a_slash_stays_within_the_folder(self) -> None:
         (path,) = plots.write_pngs([plots.Plot("test-../../x", "", "", b"")], self.folder)

@@ -11,7 +11,7 @@ import html
 from dataclasses import dataclass
 from typing import Sequence, Union
 
-VOID = ("img", "meta")  # elements without an end
+VOID = ("img", "meta", "source")  # elements without an end
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,19 @@ def element(tag: str, *content: Content, **attributes: str) -> Markup:
     return Markup(f"<{tag}{words}>" + ("" if tag in VOID else f"{join(content).html}</{tag}>"))
 
 
-def picture(data: bytes, kind: str, caption: str) -> Markup:
-    """kind: svg+xml or png. The file's bytes stand in the page."""
-    source = f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
-    return element("figure", element("img", alt=caption, src=source), element("figcaption", caption))
+def embedded(data: bytes, kind: str) -> str:
+    """A file's bytes as an address. kind: svg+xml or png."""
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def picture(data: bytes, kind: str, caption: str, alt: str = "", narrow: bytes = b"", narrow_px: int = 0) -> Markup:
+    """The file's bytes stand in the page. alt: what a reader who cannot see the picture hears. narrow: another drawing of the same kind
+    for screens of at most narrow_px."""
+    image = element("img", alt=alt or caption, src=embedded(data, kind))
+    if narrow:
+        source = element("source", media=f"(max-width: {narrow_px}px)", srcset=embedded(narrow, kind))
+        image = element("picture", source, image)
+    return element("figure", image, element("figcaption", caption))
 
 
 def page(title: str, css: str, parts: Sequence[Content]) -> str:

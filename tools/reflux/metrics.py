@@ -154,3 +154,27 @@ def _window(data: Trace, loop: Loop, kind: str, what: str, start: float, end: fl
         settled = settling(t, y, target, band)
     errors = [abs(a - b) for a, b in zip(held, y)]
     return Window(loop.name, kind, what, start, end, step, iae(t, y, r), over, settled, travel(u), max(errors))
+
+
+HELD_BACK = 1e-3  # of the output's travel in the run: a larger share between command and applied is not rounding
+OFTEN = 0.5  # of a window's samples
+
+
+def why_never(log: Log, loop: Loop, window: Window, units: tuple[str, str]) -> str:
+    """A sentence for a window whose settling time is "never": how far the loop was from its setpoint when the window ended, and what
+    held its output back, where something did."""
+    data = trace(log, loop)
+    inside = [k for k, t in enumerate(data.t) if window.from_s <= t < window.to_s and math.isfinite(data.r[k]) and math.isfinite(data.y[k])]
+    band = loop.band or 0.05 * abs(window.step or 0.0)
+    words = f"{loop.name}, from {window.from_s:.4g} s: never within \u00b1{band:.4g} {units[0]} for good before the window ended at {window.to_s:.4g} s"
+    if inside:
+        words += f"; {loop.pv} was then {abs(data.r[inside[-1]] - data.y[inside[-1]]):.4g} {units[0]} from its setpoint"
+    if log.has(f"{loop.mv}.cmd"):
+        asked = log.numbers(f"{loop.mv}.cmd")
+        span = max(asked) - min(asked)
+        # A command holds from its sample on, so the plant's answer to it stands in the row after it.
+        short = [k for k in inside if k + 1 < len(asked) and abs(asked[k] - data.u[k + 1]) > HELD_BACK * span]
+        if inside and len(short) > OFTEN * len(inside):
+            last = short[-1]
+            return f"{words}. {loop.mv} did not follow: {asked[last]:.4g} {units[1]} was commanded, {data.u[last + 1]:.4g} {units[1]} applied."
+    return f"{words}."

@@ -1,4 +1,4 @@
-"""Plots of a run: one picture per loop, one of what was done to the plant."""
+"""What all plots of the tools have in common: colours, sizes for wide and narrow screens, files; and the plot of tools/plot."""
 
 from __future__ import annotations
 
@@ -7,26 +7,22 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable, Sequence
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  the backend has to be chosen first
 
-from reflux.logs import FIRMWARE_PREFIX, Log, bare, channel_unit, unit  # noqa: E402
-from reflux.metrics import trace  # noqa: E402
-from reflux.scenario import Loop, Scenario, is_stimulus  # noqa: E402
+from reflux.logs import FIRMWARE_PREFIX, Log, bare, unit  # noqa: E402
 
-BLUE, ORANGE, GREY, GREEN = "#1f5fa8", "#d2691e", "#8a929c", "#2e7d4f"
+BLUE, ORANGE, GREY, GREEN, RED = "#1f5fa8", "#d2691e", "#8a929c", "#2e7d4f", "#b3261e"
 STYLE = {
     "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "#e4e7eb", "grid.linewidth": 0.8, "axes.edgecolor": "#5c6670", "axes.titlesize": 10,
     "axes.titleweight": "bold", "axes.titlelocation": "left", "legend.frameon": False, "svg.fonttype": "path",
     "figure.constrained_layout.use": True, "svg.hashsalt": "reflux",
 }
-MAX_MARKER = 26
-LABEL_ROOM = 0.025  # of the run, between two labels
 
 
 @dataclass(frozen=True)
@@ -35,91 +31,90 @@ class Plot:
     caption: str
     svg: str
     png: bytes
+    alt: str = ""  # what a reader who cannot see the picture hears
+    narrow: str = ""  # SVG for a phone
 
 
-def scenario_plots(log: Log, scenario: Scenario) -> list[Plot]:
+@dataclass(frozen=True)
+class Size:
+    """The width for which a picture is drawn. Letters have the same size in all of them."""
+
+    inches: float
+    points: int  # of a curve at most
+    narrow: bool
+
+
+WIDE, NARROW = Size(9.6, 1000, False), Size(3.9, 400, True)
+
+
+def drawn(draw: Callable[[Size], Any], name: str, caption: str, alt: str = "") -> Plot:
+    """draw makes the figure for a size. The narrow one is an SVG alone."""
     with plt.rc_context(STYLE):
-        plots = [_loop_plot(log, scenario, loop) for loop in scenario.loops]
-        changed = changing_columns(log, scenario)
-        if changed:
-            plots.append(_inputs_plot(log, scenario, changed))
-    return plots
+        wide = finish(draw(WIDE), name, caption)
+        narrow = svg_of(draw(NARROW))
+    return Plot(name, caption, wide.svg, wide.png, alt, narrow)
+
+
+def finish(figure: Any, name: str, caption: str, with_svg: bool = True) -> Plot:
+    png = io.BytesIO()
+    if with_svg:  # laid out once for both files: that takes longer than drawing
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    figure.savefig(png, format="png", dpi=130)
+    plot = Plot(name, caption, svg_of(figure) if with_svg else "", png.getvalue())
+    plt.close(figure)
+    return plot
+
+
+def svg_of(figure: Any) -> str:
+    """With a transparent ground, because the page may be dark, and with coordinates to a hundredth of a point."""
+    svg = io.StringIO()
+    figure.savefig(svg, format="svg", metadata={"Date": None}, transparent=True)
+    plt.close(figure)
+    return re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg.getvalue())
+
+
+def thinned(t: Sequence[float], y: Sequence[float], most: int) -> tuple[list[float], list[float]]:
+    """At most about `most` points that look the same: of each stretch the smallest and the largest value, in order of time."""
+    if len(t) <= most:
+        return list(t), list(y)
+    stretch = math.ceil(2 * len(t) / most)
+    kept = {0, len(t) - 1}
+    for first in range(0, len(t), stretch):
+        inside = range(first, min(first + stretch, len(t)))
+        known = [k for k in inside if math.isfinite(y[k])]
+        kept |= {min(known, key=lambda k: y[k]), max(known, key=lambda k: y[k])} if known else {first}
+    return [t[k] for k in sorted(kept)], [y[k] for k in sorted(kept)]
+
+
+def from_to(name: str, values: Sequence[float], unit_name: str) -> str:
+    """A curve in words, for a picture's alternative text."""
+    known = [v for v in values if math.isfinite(v)]
+    if not known:
+        return f"{name} without a value"
+    low, high = min(known), max(known)
+    words = f"{name} from {low:.4g} to {high:.4g}" if f"{low:.4g}" != f"{high:.4g}" else f"{name} at {low:.4g}"
+    return f"{words} {unit_name}".rstrip(" -")
 
 
 def hours(log: Log) -> list[float]:
     return [t / 3600 for t in log.numbers("time")]
 
 
-def markers(scenario: Scenario) -> list[tuple[float, str, bool]]:
-    """Time in seconds, text, and whether it was done to the plant (not by the operator)."""
-    texts: dict[tuple[float, bool], list[str]] = {}
-    for event in scenario.events:
-        texts.setdefault((event.at_s, True), []).append(f"{event.name} = {event.value:g}")
-    for line in scenario.lines:
-        if is_stimulus(line):
-            texts.setdefault((line.at_s, False), []).append(line.text)
-    return [(t, "; ".join(words), plant) for (t, plant), words in sorted(texts.items())]
+# ---- tools/plot ----
+
+# Columns that hold from a sample to the next one, and those whose value is of the interval before their sample (docs/logs.md).
+HELD = (".cmd", ".app", ".sp", ".mode", ".q", ".quality", ".new", ".off")
+MEANS = (".applied",)
+HELD_ALONE = ("state", "safe", "seq", "step", "ev")
 
 
-def _mark(axes: list[Any], scenario: Scenario) -> None:
-    """A line for everything that happened, and its text where there is room for it."""
-    labelled = -math.inf
-    for at_s, text, plant in markers(scenario):
-        for ax in axes:
-            ax.axvline(at_s / 3600, color=ORANGE if plant else GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
-        if at_s - labelled >= LABEL_ROOM * scenario.duration_s:
-            labelled = at_s
-            short = text if len(text) <= MAX_MARKER else text[: MAX_MARKER - 1] + "…"
-            axes[0].annotate(short, (at_s / 3600, 1.02), xycoords=("data", "axes fraction"), rotation=22,
-                             fontsize=7.5, color=ORANGE if plant else "#5c6670", ha="left", va="bottom")
-
-
-def _loop_plot(log: Log, scenario: Scenario, loop: Loop) -> Plot:
-    data = trace(log, loop)
-    t = [x / 3600 for x in data.t]
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(9.6, 5.2), sharex=True, height_ratios=(3, 2))
-    if log.has(f"{loop.pv}.meas") and log.has(f"{loop.pv}.true"):
-        upper.plot(t, log.numbers(f"{loop.pv}.meas"), color=BLUE, alpha=0.3, linewidth=0.8,
-                   label=f"{loop.pv} measured")
-    upper.plot(t, data.y, color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if log.has(f"{loop.pv}.true") else loop.pv)
-    upper.step(t, data.r, where="post", color=ORANGE, linewidth=1.3, label="setpoint")
-    upper.set_ylabel(f"{loop.pv} [{channel_unit(log, loop.pv)}]")
-    upper.legend(loc="best", ncols=3, fontsize=8)
-    _output(lower, log, loop, t, data.u)
-    lower.set_xlabel("plant time [h]")
-    lower.set_xlim(t[0], t[-1])
-    _mark([upper, lower], scenario)
-    return finish(figure, f"loop-{loop.name}", f"Loop {loop.name}: {loop.pv} follows its setpoint by {loop.mv}. "
-                   "Grey: the operator's lines, orange: what was done to the plant.")
-
-
-def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float]) -> None:
-    if log.has(f"{loop.mv}.cmd"):
-        ax.step(t, log.numbers(f"{loop.mv}.cmd"), where="post", color=GREEN, alpha=0.45, linewidth=0.9,
-                label="commanded")
-    # The log's applied value is the mean over the interval before its sample.
-    ax.step(t, applied, where="pre", color=GREEN, linewidth=1.4, label=f"{loop.mv} applied")
-    ax.set_ylabel(f"{loop.mv} [{channel_unit(log, loop.mv)}]")
-    ax.legend(loc="best", ncols=2, fontsize=8)
-
-
-def changing_columns(log: Log, scenario: Scenario) -> list[str]:
-    """The plant's inputs that the scenario changes, which the log carries."""
-    names = dict.fromkeys(event.name for event in scenario.events)
-    return [name for name in names if log.has(name)]
-
-
-def _inputs_plot(log: Log, scenario: Scenario, names: list[str]) -> Plot:
-    figure, axes = plt.subplots(len(names), 1, figsize=(9.6, 1.0 + 1.15 * len(names)), sharex=True, squeeze=False)
-    rows = [row[0] for row in axes]
-    t = hours(log)
-    for ax, name in zip(rows, names):
-        ax.step(t, log.numbers(name), where="post", color=GREY, linewidth=1.5)
-        ax.set_ylabel(f"{name} [{log.unit(name)}]")
-        ax.margins(y=0.2)
-    rows[-1].set_xlabel("plant time [h]")
-    rows[-1].set_xlim(t[0], t[-1])
-    return finish(figure, "inputs", "What was done to the plant.")
+def curve_style(column: str) -> dict[str, str]:
+    """Steps for what is held, a straight line between the samples of what moves."""
+    name = column.removeprefix(FIRMWARE_PREFIX)
+    if name.endswith(HELD) or name in HELD_ALONE:
+        return {"drawstyle": "steps-post"}
+    return {"drawstyle": "steps-pre"} if name.endswith(MEANS) else {}
 
 
 def column_plot(log: Log, names: list[str], title: str) -> Plot:
@@ -133,21 +128,12 @@ def column_plot(log: Log, names: list[str], title: str) -> Plot:
         t = hours(log)
         for (row,), (name_of_unit, members) in zip(axes, groups.items()):
             for name in members:
-                row.plot(t, log.numbers(name), linewidth=1.2, label=bare(name))
+                row.plot(t, log.numbers(name), linewidth=1.2, label=bare(name), **curve_style(name))
             row.set_ylabel(f"[{name_of_unit or '-'}]")
             row.legend(loc="best", fontsize=8)
         axes[0][0].set_title(title)
         axes[-1][0].set_xlabel("plant time [h]")
         return finish(figure, "columns", title)
-
-
-def finish(figure: Any, name: str, caption: str, with_svg: bool = True) -> Plot:
-    svg, png = io.StringIO(), io.BytesIO()
-    if with_svg:
-        figure.savefig(svg, format="svg", metadata={"Date": None})
-    figure.savefig(png, format="png", dpi=130)
-    plt.close(figure)
-    return Plot(name, caption, svg.getvalue(), png.getvalue())
 
 
 def write_pngs(plots: list[Plot], folder: Path) -> list[Path]:

@@ -3,63 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Sequence
 
-from reflux import markup, table
+from reflux import margins, markup, metrics, run_margins, run_plots, runner, table
 from reflux import plots as plotting
-from reflux.markup import Content, Markup, element, join, picture
+from reflux.markup import Content, Markup, element, join
+from reflux.page_style import CSS, PHONE_PX, badge, grid, listed, note
 from reflux.runner import Result, events_in, replies_in, script_lines
 from reflux.scenario import relative
-
-CSS = """
-:root { color: #22292f; background: #fff; }
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1.2rem; }
-h1 { font-size: 1.55rem; margin: 0 0 .2rem; }
-h2 { font-size: 1.1rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #d8dde3; padding-bottom: .2rem; }
-.verdict { display: inline-block; padding: .15rem .7rem; border-radius: .9rem; font-weight: 600; }
-.pass { color: #14532d; background: #dcf3e3; } .fail { color: #7f1d1d; background: #fbdede; }
-.what { color: #55606b; margin: .2rem 0 1rem; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .88rem; width: 100%; }
-th { text-align: left; font-weight: 600; border-bottom: 2px solid #aab3bd; padding: .3rem .6rem; vertical-align: bottom; }
-td { border-bottom: 1px solid #e4e7eb; padding: .26rem .6rem; vertical-align: top; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-tr.total td { font-weight: 600; background: #f5f7f9; }
-.facts td:first-child { color: #55606b; width: 12rem; } .facts td { overflow-wrap: anywhere; }
-figure { margin: 1rem 0 1.6rem; } figure img { width: 100%; height: auto; }
-figcaption { font-size: .86rem; color: #55606b; }
-pre { background: #f5f7f9; padding: .7rem .9rem; font-size: .8rem; line-height: 1.4; overflow-x: auto; border-radius: .3rem; }
-pre.columns { columns: 3 14rem; }
-.note { font-size: .84rem; color: #55606b; }
-@media print { body { max-width: none; margin: 0; font-size: 11pt; } figure, table, tr { break-inside: avoid; }
-  h2 { break-after: avoid; } pre { white-space: pre-wrap; } }
-"""
-
-
-def grid(header: list[str], rows: Sequence[Sequence[Content]], text_columns: int = 2, total: str = "", kind: str = "") -> Markup:
-    """A table; columns after the first few hold numbers. total: rows whose second cell says so stand out."""
-    classes = ["" if i < text_columns else "n" for i in range(len(header))]
-
-    def line(tag: str, cells: Sequence[Content], mark: str = "") -> Markup:
-        return element("tr", *(element(tag, cell, class_=c) for c, cell in zip(classes, cells)), class_=mark)
-
-    body = [line("td", row, "total" if total and len(row) > 1 and row[1] == total else "") for row in rows]
-    head = [element("thead", line("th", header))] if any(header) else []
-    return element("div", element("table", *head, element("tbody", *body), class_=kind), class_="wide")
-
-
-def badge(passed: bool, yes: str = "pass", no: str = "fail") -> Markup:
-    return element("span", yes if passed else no, class_="verdict pass" if passed else "verdict fail")
-
-
-def note(*content: Content) -> Markup:
-    return element("p", *content, class_="note")
-
-
-def listed(lines: Sequence[str]) -> Markup:
-    """A list; nothing where there are no lines."""
-    return element("ul", *(element("li", line) for line in lines)) if lines else Markup("")
-
 
 def facts(result: Result) -> Markup:
     f = result.facts
@@ -92,8 +42,32 @@ def _metric(name: str) -> str:
             "tv": "total variation", "max_error": "largest error"}[name]
 
 
+def drawing(plot: plotting.Plot) -> Markup:
+    """A plot in the page: an SVG, and a narrow one for a phone."""
+    return markup.picture(plot.svg.encode(), "svg+xml", plot.caption, plot.alt, plot.narrow.encode(), PHONE_PX)
+
+
 def figures(plots: list[plotting.Plot]) -> Markup:
-    return join([picture(plot.svg.encode(), "svg+xml", plot.caption) for plot in plots], "\n")
+    return join([drawing(plot) for plot in plots], "\n")
+
+
+def margins_part(found: run_margins.Found) -> list[Content]:
+    """Gain margin, phase margin and Ms of each loop, or why there are none."""
+    if not found.loops:
+        return [note(f"No margins: {found.why_not}.")]
+    return [grid(["loop", *margins.HEADER], [[name, *m.cells()] for name, m in found.loops], text_columns=1),
+            note("On the plant's linearisation at its steady state, with the settings before the first sample. ", margins.NOTE)]
+
+
+def never_settled(result: Result) -> list[str]:
+    """What stands behind each "never" in the table of windows."""
+    units = result.units()
+    out = []
+    for loop in result.scenario.loops:
+        for w in result.windows:
+            if w.loop == loop.name and w.kind != "overall" and w.settling_s is not None and w.settling_s != w.settling_s:
+                out.append(metrics.why_never(result.log, loop, w, units.get(loop.name, ("", ""))))
+    return out
 
 
 def events_table(result: Result) -> Markup:
@@ -119,7 +93,7 @@ def lines_sent(result: Result) -> Markup:
     return element("pre", "\n".join(line.text for line in script_lines(result.scenario) if line.at_s == 0), class_="columns")
 
 
-def page(result: Result, plots: list[plotting.Plot]) -> str:
+def page(result: Result, plots: list[plotting.Plot], found: run_margins.Found | None = None) -> str:
     units = result.units()
     title = result.scenario.title
     said = replies_in(result.out / "transcript.txt", "version")
@@ -134,7 +108,9 @@ def page(result: Result, plots: list[plotting.Plot]) -> str:
         element("h2", "Loops, window by window"),
         grid(table.loop_header(units), table.loop_rows(result.windows, units), total="whole run"),
         note("A window runs from one change to the next. Over the whole run, overshoot and settling "
-             "time are those of the worst setpoint step. Definitions: docs/scenarios.md."),
+             "time are those of the worst setpoint step. A dash: nothing was stepped. Definitions: docs/scenarios.md."),
+        listed(never_settled(result)),
+        *([element("h2", "Margins"), *margins_part(found)] if found else []),
         element("h2", "What happened"), events_table(result),
         element("h2", "Console lines before the first sample"), lines_sent(result),
         element("h2", "How to repeat it"), how_to_repeat(result),
@@ -144,10 +120,11 @@ def page(result: Result, plots: list[plotting.Plot]) -> str:
 
 def write(result: Result) -> Path:
     """report.html and the plots as PNG files; returns the report."""
-    plots = plotting.scenario_plots(result.log, result.scenario)
+    plots = run_plots.scenario_plots(result.log, result.scenario, events_in(result.out / "transcript.txt"))
     plotting.write_pngs(plots, result.out)
     path = result.out / "report.html"
-    path.write_text(page(result, plots), encoding="utf-8")
+    found = run_margins.of_scenario(result.scenario, runner.plant_argument(result.scenario)) if result.scenario.loops else None
+    path.write_text(page(result, plots, found), encoding="utf-8")
     return path
 
 

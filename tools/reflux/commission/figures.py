@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from reflux.commission import frequency
+from reflux.commission import closed_loops, frequency
 from reflux.commission.record import Experiment, Record
 from reflux.commission.results import Element
-from reflux.plots import BLUE, GREEN, GREY, ORANGE, STYLE, Plot, finish, plt
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, Plot, Size, drawn, from_to, plt, thinned
 
+DARK = "#22292f"
+SAME_LAGS = 1e-6    # relative
 ONE_COLUMN = 4       # outputs that stand one below the other
 LEGEND_MOST = 10     # lines that are named
 FEW = 16             # relative gains that are all drawn; of more, those of the pairs
@@ -21,19 +23,13 @@ COLOURS = (*plt.get_cmap("tab20").colors[::2], *plt.get_cmap("tab20").colors[1::
 
 
 def plots(r: Record) -> list[Plot]:
-    with plt.rc_context(STYLE):
-        out: list[Plot | None] = [overview(r)] if r.experiments else []
-        out += [experiment(r, e) for e in r.experiments]
-        if r.gains.singular:
-            out += [rga(r), singular(r)]
-        if r.trial:
-            out.append(trial(r))
+    out: list[Plot | None] = [overview(r)] if r.experiments else []
+    out += [experiment(r, e) for e in r.experiments]
+    if r.gains.singular:
+        out += [rga(r), singular(r)]
+    if r.trial:
+        out.append(trial(r))
     return [p for p in out if p]
-
-
-def picture(figure: Any, name: str, caption: str) -> Plot:
-    """As a PNG alone: telemetry has too many points for drawings."""
-    return finish(figure, name, caption, with_svg=False)
 
 
 def scale(seconds: float) -> tuple[float, str]:
@@ -54,92 +50,115 @@ def baseline(t: np.ndarray, left: np.ndarray) -> np.ndarray:
 
 
 def response(t: np.ndarray, u: np.ndarray, e: Element) -> np.ndarray:
-    """First order with dead time, from rest: the steps of u one by one."""
+    """The element from rest: the steps of u one by one."""
     out = np.zeros(len(t))
     moves = np.flatnonzero(np.diff(u)) + 1
     for k in moves:
         since = t - t[k] - e.dead_s
-        lag = 1 - np.exp(-np.maximum(since, 0) / e.time_s) if e.time_s > 0 else 1.0
-        out += np.where(since > 0, e.gain * (u[k] - u[k - 1]) * lag, 0.0)
+        out += np.where(since > 0, e.gain * (u[k] - u[k - 1]) * step_response(e, np.maximum(since, 0)), 0.0)
     return out
+
+
+def step_response(e: Element, since: np.ndarray) -> np.ndarray:
+    """Of (zero s + 1)/(square s2 + time s + 1), gain 1."""
+    if e.time_s <= 0 and e.square_s2 <= 0:
+        return np.ones(len(since))
+    square = e.square_s2
+    if abs(e.time_s**2 - 4 * square) < SAME_LAGS * e.time_s**2:
+        square *= 1 - SAME_LAGS  # two equal lags: the sum below wants two poles
+    poles = np.roots([square, e.time_s, 1.0] if square > 0 else [e.time_s, 1.0]).astype(complex)
+    parts = [(e.zero_s * p + 1) / (p * (2 * square * p + e.time_s)) * np.exp(p * since) for p in poles]
+    return 1 + np.real(sum(parts))
 
 
 # ---- experiments ----
 
 def overview(r: Record) -> Plot:
     """Every output as a share of its limit, every input around where it was held."""
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(9.6, 5.4), sharex=True, height_ratios=(3, 2))
     t = np.array(r.time)
     first, last = r.experiments[0].first, r.experiments[-1].last
     by, unit = scale(t[last - 1] - t[first])
     names = r.model.measurements() or [n for n, c in r.channels.items() if not math.isnan(c.limit)]
-    for k, name in enumerate(names):
-        for n, e in enumerate(r.experiments):
-            rows = slice(e.first, e.last)
-            y = 100 * (np.array(r.column(name))[rows] - rest(r, e, name)) / r.channels[name].limit
-            upper.plot((t[rows] - t[first]) / by, y, color=COLOURS[k % 20], linewidth=1.0,
-                       label=name if n == 0 and k < LEGEND_MOST else None)
-    for sign in (1, -1):
-        upper.axhline(100 * sign, color=ORANGE, linewidth=1.0, linestyle="--",
-                      label="limit" if sign > 0 else None)
-    upper.set_ylabel("from rest [% of its limit]")
-    upper.legend(loc="upper right", ncols=6, fontsize=7.5)
-    for k, name in enumerate(dict.fromkeys(e.input for e in r.experiments)):
-        c = r.channels[name]
-        u = np.array(r.column(f"{name}.cmd"))[first:last]
-        lower.step((t[first:last] - t[first]) / by, 100 * (u - u[0]) / c.span, where="post", linewidth=1.1,
-                   color=COLOURS[k % 20], label=name if k < LEGEND_MOST else None)
-    lower.set_ylabel("input, from where\nit was held [% of span]")
-    lower.legend(loc="upper right", ncols=6, fontsize=7.5)
-    lower.set_xlabel(f"plant time since the first step [{unit}]")
-    for e in r.experiments:
-        for ax in (upper, lower):
-            ax.axvline((t[e.step] - t[first]) / by, color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
-    return picture(figure, "tests", "All tests: each output as a share of its limit (dashed), each input around where it was "
-                  "held. Grey: a test begins.")
+
+    def draw(size: Size) -> Any:
+        figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 5.4), sharex=True, height_ratios=(3, 2))
+        legend = {"loc": "upper right", "ncols": 3 if size.narrow else 6, "fontsize": 7.5}
+        for k, name in enumerate(names):
+            for n, e in enumerate(r.experiments):
+                rows = slice(e.first, e.last)
+                y = 100 * (np.array(r.column(name))[rows] - rest(r, e, name)) / r.channels[name].limit
+                upper.plot(*thinned((t[rows] - t[first]) / by, y, size.points), color=COLOURS[k % 20], linewidth=1.0,
+                           label=name if n == 0 and k < LEGEND_MOST else None)
+        for sign in (1, -1):
+            upper.axhline(100 * sign, color=ORANGE, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
+        upper.set_ylabel("from rest [% of its limit]")
+        upper.legend(**legend)
+        for k, name in enumerate(dict.fromkeys(e.input for e in r.experiments)):
+            c = r.channels[name]
+            u = np.array(r.column(f"{name}.cmd"))[first:last]
+            lower.step(*thinned((t[first:last] - t[first]) / by, 100 * (u - u[0]) / c.span, size.points), where="post", linewidth=1.1,
+                       color=COLOURS[k % 20], label=name if k < LEGEND_MOST else None)
+        lower.set_ylabel("input, from where\nit was held [% of span]")
+        lower.legend(**legend)
+        lower.set_xlabel(f"plant time since the first step [{unit}]")
+        for e in r.experiments:
+            for ax in (upper, lower):
+                ax.axvline((t[e.step] - t[first]) / by, color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
+        return figure
+
+    nearest = [f"{i.name} brought an output to {100 * i.worst:.0f} % of its limit" for i in r.model.inputs if i.rounds > 0]
+    return drawn(draw, "tests", "All tests: each output as a share of its limit (dashed), each input around where it was "
+                 "held. Grey: a test begins.", f"All {len(r.experiments)} tests over {(t[last - 1] - t[first]) / by:.4g} {unit}. "
+                 + "; ".join(nearest[:LEGEND_MOST]))
 
 
 def experiment(r: Record, e: Experiment) -> Plot:
     names = r.model.measurements() or [n for n, c in r.channels.items() if not math.isnan(c.limit)]
-    columns = 1 if len(names) <= ONE_COLUMN else 2 if len(names) <= 10 else 3
-    rows = -(-(len(names) + 1) // columns)
-    figure, grid = plt.subplots(rows, columns, figsize=(9.6, 0.7 + (1.55 if columns == 1 else 1.35) * rows), sharex=True,
-                                squeeze=False)
-    axes = list(grid.flat)
     span = slice(e.first, e.last)
     t = np.array(r.time)[span]
     by, unit = scale(t[-1] - t[0])
     x = (t - r.time[e.step]) / by
     u = np.array(r.column(f"{e.input}.cmd"))[span]
-    axes[0].step(x, u, where="post", color=GREEN, linewidth=1.3)
-    axes[0].set_ylabel(f"{e.input}\n[{r.channels[e.input].unit}]")
-    axes[0].margins(y=0.15)
-    for ax, name in zip(axes[1:], names):
-        _fit(ax, r, e, name, x, t, u)
-    for ax in axes[len(names) + 1:]:
-        ax.set_visible(False)
-    for ax in axes[max(0, len(names) + 1 - columns):len(names) + 1]:
-        ax.set_xlabel(f"since the step [{unit}]")
-        ax.tick_params(labelbottom=True)
-    figure.align_ylabels()
+
+    def draw(size: Size) -> Any:
+        columns = 1 if size.narrow or len(names) <= ONE_COLUMN else 2 if len(names) <= 10 else 3
+        rows = -(-(len(names) + 1) // columns)
+        figure, grid = plt.subplots(rows, columns, figsize=(size.inches, 0.7 + (1.55 if columns == 1 else 1.35) * rows), sharex=True,
+                                    squeeze=False)
+        axes = list(grid.flat)
+        axes[0].step(x, u, where="post", color=GREEN, linewidth=1.3)
+        axes[0].set_ylabel(f"{e.input}\n[{r.channels[e.input].unit}]")
+        axes[0].margins(y=0.15)
+        for ax, name in zip(axes[1:], names):
+            _fit(ax, r, e, name, x, t, u, size.points // columns)
+        for ax in axes[len(names) + 1:]:
+            ax.set_visible(False)
+        for ax in axes[max(0, len(names) + 1 - columns):len(names) + 1]:
+            ax.set_xlabel(f"since the step [{unit}]")
+            ax.tick_params(labelbottom=True)
+        figure.align_ylabels()
+        return figure
+
     words = "; ".join([*e.remarks, *([] if e.done else ["the start-up ended in this test"])])
-    return picture(figure, f"test-{e.input}-{e.round}",
-                  f"Test of {e.input}, round {e.round}: measured (blue), model of all rounds with level and drift of "
-                  f"this test (orange), limits where they are near (dashed)"
-                  f"{'; ' + words if words else ''}.")
+    moved = [from_to(name, r.column(name)[e.first:e.last], r.channels[name].unit) for name in names[:LEGEND_MOST]]
+    return drawn(draw, f"test-{e.input}-{e.round}",
+                 f"Test of {e.input}, round {e.round}: measured (blue), model of all rounds with level and drift of "
+                 f"this test (orange), limits where they are near (dashed)"
+                 f"{'; ' + words if words else ''}.",
+                 f"Test of {e.input}, round {e.round}: {from_to(e.input, list(u), r.channels[e.input].unit)}; {'; '.join(moved)}.")
 
 
-def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndarray, u: np.ndarray) -> None:
+def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndarray, u: np.ndarray, points: int) -> None:
     channel = r.channels[name]
     y = np.array(r.column(name))[e.first:e.last]
     level = rest(r, e, name)
-    ax.plot(x, y, color=BLUE, linewidth=0.9, alpha=0.8)
+    ax.plot(*thinned(x, y, points), color=BLUE, linewidth=0.9, alpha=0.8)
     element = r.model.elements.get((name, e.input))
     text = "no model"
     if element:
         model = response(t, u, element) if element.has_gain else np.zeros(len(t))
         model += baseline(t, y - model)
-        ax.plot(x, model, color=ORANGE, linewidth=1.2)
+        ax.plot(*thinned(x, model, points), color=ORANGE, linewidth=1.2)
         left = (y - model)[e.step - e.first:]
         left = float(np.sqrt(np.mean(left[np.isfinite(left)] ** 2))) if np.isfinite(left).any() else math.nan
         noise = r.model.noise.get(name, (0.0, ""))[0]
@@ -167,45 +186,55 @@ def rga(r: Record) -> Plot | None:
         return None
     omega, outputs, inputs, table = found
     paired = {(m, i) for m, i, _, _ in r.pairing.pairs}
-    figure, ax = plt.subplots(figsize=(9.6, 3.6))
     shown = [(m, i) for m in outputs for i in inputs]
     if len(shown) > FEW:
         shown = [p for p in shown if p in paired]
-    for k, (m, i) in enumerate(shown):
-        strong = (m, i) in paired
-        ax.semilogx(omega, table[:, outputs.index(m), inputs.index(i)], color=COLOURS[k % 20],
-                    linewidth=2.0 if strong else 1.0, linestyle="-" if strong else "--", label=f"{m} by {i}")
-    ax.axhline(1.0, color=GREY, linewidth=0.8)
-    ax.set_ylabel("|relative gain|")
-    ax.set_xlabel("frequency [rad/s]")
-    if ax.get_ylim()[1] > 20:
-        ax.set_yscale("log")
-    else:
-        ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
-    ax.legend(loc="best", ncols=4, fontsize=7.5)
-    return picture(figure, "rga", "Relative gains of the model along the frequency, up to half the sampling frequency; full "
-                  "lines are the pairs. A pair whose relative gain stays near 1 where its loop works is left alone by the "
-                  "others.")
+
+    def draw(size: Size) -> Any:
+        figure, ax = plt.subplots(figsize=(size.inches, 3.6))
+        for k, (m, i) in enumerate(shown):
+            strong = (m, i) in paired
+            ax.semilogx(omega, table[:, outputs.index(m), inputs.index(i)], color=COLOURS[k % 20],
+                        linewidth=2.0 if strong else 1.0, linestyle="-" if strong else "--", label=f"{m} by {i}")
+        ax.axhline(1.0, color=GREY, linewidth=0.8)
+        ax.set_ylabel("|relative gain|")
+        ax.set_xlabel("frequency [rad/s]")
+        if ax.get_ylim()[1] > 20:
+            ax.set_yscale("log")
+        else:
+            ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
+        ax.legend(loc="best", ncols=2 if size.narrow else 4, fontsize=7.5)
+        return figure
+
+    pairs = [from_to(f"{m} by {i}", table[:, outputs.index(m), inputs.index(i)], "") for m, i in shown if (m, i) in paired]
+    return drawn(draw, "rga", "Relative gains of the model along the frequency, up to half the sampling frequency; full "
+                 "lines are the pairs. A pair whose relative gain stays near 1 where its loop works is left alone by the "
+                 "others.", f"Relative gains along the frequency: {'; '.join(pairs) or 'there are no pairs'}.")
 
 
 def singular(r: Record) -> Plot:
     omega, values = frequency.singular_values(r)
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(9.6, 4.6), sharex=True)
-    for k in range(values.shape[1]):
-        upper.loglog(omega, np.maximum(values[:, k], 1e-12), color=COLOURS[k % 20], linewidth=1.2, label=f"{k + 1}")
-    upper.set_ylim(bottom=max(upper.get_ylim()[0], 1e-6 * float(values.max())))
-    upper.set_ylabel("singular values\n[span per span]")
-    upper.legend(loc="best", ncols=8, fontsize=7.5)
-    lower.loglog(omega, np.minimum(values[:, 0] / np.maximum(values[:, -1], 1e-12), 1e6), color=BLUE, linewidth=1.3)
-    lower.set_ylabel("condition number")
-    lower.set_xlabel("frequency [rad/s]")
-    for ax in (upper, lower):
-        low, high = ax.get_ylim()
-        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 200 * low else (1.0,)))
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
-        ax.yaxis.set_minor_formatter(NullFormatter())
-    return picture(figure, "singular", "Singular values of the model and their ratio, gains in spans. A large ratio: some "
-                  "directions of the outputs can hardly be moved.")
+    condition = np.minimum(values[:, 0] / np.maximum(values[:, -1], 1e-12), 1e6)
+
+    def draw(size: Size) -> Any:
+        figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 4.6), sharex=True)
+        for k in range(values.shape[1]):
+            upper.loglog(omega, np.maximum(values[:, k], 1e-12), color=COLOURS[k % 20], linewidth=1.2, label=f"{k + 1}")
+        upper.set_ylim(bottom=max(upper.get_ylim()[0], 1e-6 * float(values.max())))
+        upper.set_ylabel("singular values\n[span per span]")
+        upper.legend(loc="best", ncols=4 if size.narrow else 8, fontsize=7.5)
+        lower.loglog(omega, condition, color=BLUE, linewidth=1.3)
+        lower.set_ylabel("condition number")
+        lower.set_xlabel("frequency [rad/s]")
+        for ax in (upper, lower):
+            low, high = ax.get_ylim()
+            ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 200 * low else (1.0,)))
+            ax.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+            ax.yaxis.set_minor_formatter(NullFormatter())
+        return figure
+
+    return drawn(draw, "singular", "Singular values of the model and their ratio, gains in spans. A large ratio: some "
+                 "directions of the outputs can hardly be moved.", f"{from_to('Condition number', condition, '')} along the frequency.")
 
 
 # ---- trial ----
@@ -221,20 +250,56 @@ def trial(r: Record) -> Plot | None:
     by, unit = scale(t[-1] - begun)
     x = (t[rows] - begun) / by
     n = len(r.trial)
-    figure, grid = plt.subplots(n, 2, figsize=(9.6, 0.8 + 1.7 * n), sharex=True, squeeze=False, width_ratios=(3, 2))
-    for (left, right), loop in zip(grid, r.trial):
-        y, u = r.channels[loop.measurement], r.channels[loop.input]
-        left.plot(x, np.array(r.column(y.name))[rows], color=BLUE, linewidth=1.0)
-        for name in _setpoints(r, loop.measurement, loop.input):
-            left.step(x, np.array(r.column(name))[rows], where="post", color=ORANGE, linewidth=1.1)
-        left.set_ylabel(f"{y.name}\n[{y.unit}]")
-        right.step(x, np.array(r.column(f"{u.name}.cmd"))[rows], where="post", color=GREEN, linewidth=1.1)
-        right.set_ylabel(f"{u.name}\n[{u.unit}]")
-    for ax in grid[-1]:
-        ax.set_xlabel(f"since the trial began [{unit}]")
-    figure.align_ylabels()
-    return picture(figure, "trial", "The trial: each loop's setpoint (orange) is stepped once; where nothing drifts "
-                   "there and back, else with rests in between.")
+    model = _predicted(r, rows)
+
+    def draw(size: Size) -> Any:
+        down, across = (2 * n, 1) if size.narrow else (n, 2)
+        figure, grid = plt.subplots(down, across, figsize=(size.inches, 0.8 + 1.7 * down), sharex=True, squeeze=False,
+                                    width_ratios=(1,) if size.narrow else (3, 2))
+        for (left, right), loop in zip(grid.reshape(n, 2), r.trial):
+            y, u = r.channels[loop.measurement], r.channels[loop.input]
+            left.plot(*thinned(x, np.array(r.column(y.name))[rows], size.points), color=BLUE, linewidth=1.0, label="measured")
+            if y.name in model:
+                left.plot(*thinned(x, model[y.name], size.points), color=DARK, linewidth=1.1, linestyle="--", label="predicted")
+            for name in _setpoints(r, loop.measurement, loop.input):
+                left.step(*thinned(x, np.array(r.column(name))[rows], size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
+            left.set_ylabel(f"{y.name}\n[{y.unit}]")
+            left.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=7.5)
+            right.step(*thinned(x, np.array(r.column(f"{u.name}.cmd"))[rows], size.points), where="post", color=GREEN, linewidth=1.1)
+            right.set_ylabel(f"{u.name}\n[{u.unit}]")
+        for ax in grid[-1]:
+            ax.set_xlabel(f"since the trial began [{unit}]")
+        figure.align_ylabels()
+        return figure
+
+    told = " Dashed: predicted by the model." if model else ""
+    moved = [from_to(loop.measurement, r.column(loop.measurement)[rows], r.channels[loop.measurement].unit)
+             + f", overshoot {100 * loop.overshoot:.0f} % where {100 * loop.overshoot_predicted:.0f} % was predicted" for loop in r.trial]
+    return drawn(draw, "trial", "The trial: each loop's setpoint (orange) is stepped once; where nothing drifts "
+                 f"there and back, else with rests in between.{told}", f"The trial: {'; '.join(moved)}.")
+
+
+def _predicted(r: Record, rows: slice) -> dict[str, np.ndarray]:
+    """What the model makes of the setpoints of the trial, from the moment at which all loops are closed; not a number before. Empty without
+    a model of the loops, or where rows of the telemetry are missing."""
+    count = len(np.array(r.time)[rows])
+    names = [_setpoints(r, x.measurement, x.input) for x in r.proposal.loops]
+    if not all(names) or r.plant is None:
+        return {}
+    setpoints = [np.array(r.column(found[0]))[rows] for found in names]
+    closed = [np.flatnonzero(np.isfinite(sp)) for sp in setpoints]
+    if not all(len(k) for k in closed) or len(closed) == 0:
+        return {}
+    modes = [np.array(r.column(found[0].removesuffix(".sp") + ".mode"))[rows] if r.log.has(found[0].removesuffix(".sp") + ".mode") else sp * 0 + 1
+             for found, sp in zip(names, setpoints)]
+    ready = np.flatnonzero(np.all([np.isfinite(sp) & (mode > 0) for sp, mode in zip(setpoints, modes)], axis=0))
+    if not len(ready) or abs(np.diff(np.array(r.time)[rows][ready[0]:]) - r.plant.tick_s).max(initial=0.0) > 1e-3 * r.plant.tick_s:
+        return {}
+    at = ready[0]
+    inputs = [np.array(r.column(f"{x.input}.cmd"))[rows][at:] for x in r.proposal.loops]
+    found = closed_loops.predicted(r, [sp[at:] for sp in setpoints], inputs)
+    return {} if found is None else {x.measurement: np.concatenate([np.full(at, math.nan), y[:count - at]])
+                                     for x, y in zip(r.proposal.loops, found)}
 
 
 def _setpoints(r: Record, measurement: str, input_name: str) -> list[str]:

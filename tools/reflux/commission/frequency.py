@@ -6,6 +6,7 @@ import numpy as np
 
 from reflux import libreflux
 from reflux.commission.record import Record
+from reflux.commission.results import Element
 from reflux.errors import RunFailed
 
 POINTS = 240
@@ -25,11 +26,19 @@ def matrices(r: Record, omega: np.ndarray) -> np.ndarray:
     g = np.zeros((len(omega), len(outputs), len(inputs)), complex)
     for (m, i), e in r.model.elements.items():
         if m in outputs and i in inputs:
-            gain = e.gain * r.channels[i].span / r.channels[m].span
-            lag = e.time_s if e.has_gain else 0.0
-            dead = e.dead_s if e.has_gain else 0.0
-            g[:, outputs.index(m), inputs.index(i)] = gain * np.exp(-1j * omega * dead) / (1 + 1j * omega * lag)
+            g[:, outputs.index(m), inputs.index(i)] = in_spans(r, e) * shape(e, 1j * omega)
     return g
+
+
+def in_spans(r: Record, e: Element) -> float:
+    return e.gain * r.channels[e.input].span / r.channels[e.measurement].span
+
+
+def shape(e: Element, s: np.ndarray) -> np.ndarray:
+    """An element of gain 1 at s. One whose gain cannot be seen has no times."""
+    if not e.has_gain:
+        return np.ones_like(s)
+    return (e.zero_s * s + 1) * np.exp(-s * e.dead_s) / (e.square_s2 * s**2 + e.time_s * s + 1)
 
 
 def singular_values(r: Record) -> tuple[np.ndarray, np.ndarray]:

@@ -58,6 +58,7 @@ class Record:
     proposal: results.Proposal
     trial: list[results.TrialLoop]
     answers: str
+    probe: float = 1.0  # factor on a loop's gain on the way back of its step in the trial
     experiments: list[Experiment] = field(default_factory=list)
     time: list[float] = field(default_factory=list)
     outcome: str = ""  # kept, or why not
@@ -110,6 +111,7 @@ def load(folder: Path) -> Record:
                results.pairing_of(last("commission pairing")), results.structure_of(last("commission structure")),
                results.proposal_of(last("commission proposal")), results.trial_of(last("commission trial")),
                textfile.read(answers) if answers.is_file() else "")
+    r.probe = probe_of(said.get("list", []))
     r.time = r.column("time")
     r.experiments = experiments_of(r)
     r.kept, r.outcome = outcome_of(r, last("commission"))
@@ -138,6 +140,12 @@ def channels_of(lists: list[list[str]]) -> dict[str, Channel]:
                 0.5 if values.get(f"{group}.test_critical") == "on" else 1.0)
         out[name] = c
     return out
+
+
+def probe_of(lists: list[list[str]]) -> float:
+    """test.probe of the last listing that has it; 1 where it is off or the board has none."""
+    found = [number(line.split()[2]) for lines in lists for line in lines if line.startswith("test.probe = ")]
+    return found[-1] if found and found[-1] > 0 else 1.0
 
 
 def experiments_of(r: Record) -> list[Experiment]:

@@ -4,29 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflux import markup
+from reflux import margins, markup
 from reflux import plots as plotting
-from reflux.commission import figures, results
+from reflux.commission import closed_loops, figures, results
 from reflux.commission.record import Record, load
 from reflux.commission.progress import span_of_time
-from reflux.markup import Content, Markup, element, picture
-from reflux.report import CSS, badge, grid, listed, note
+from reflux.markup import Content, Markup, element
+from reflux.page_style import CSS, badge, folded, grid, listed, note
+from reflux.report import drawing
 
 FLAGS = {
     "no_gain": "the gain cannot be told from noise: the times mean nothing",
-    "negative_T": "moments: a negative time constant came out; taken as 0",
-    "negative_radicand": "moments: no lag to be seen; taken as 0",
-    "negative_L": "moments: a negative dead time came out; taken as 0",
     "short": "the test was short for what was found",
     "not_settled": "still moving when the test ended",
     "integrating": "looks like an integrator",
     "inverse": "moved the wrong way first",
     "oscillatory": "turned more often than a first-order response can",
 }
-
-
-def embedded(plot: plotting.Plot) -> Markup:
-    return picture(plot.png, "png", plot.caption)
 
 
 def facts(r: Record) -> Markup:
@@ -52,13 +46,13 @@ def facts(r: Record) -> Markup:
 
 
 def flags_used(r: Record) -> Markup:
-    used = [f for f in FLAGS if any(f in (*e.flags, *e.moments_flags) for e in r.model.elements.values())]
+    used = [f for f in FLAGS if any(f in e.flags for e in r.model.elements.values())]
     return listed([f"{f}: {FLAGS[f]}" for f in used])
 
 
 def tests_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
     parts = [element("h2", "Tests"), grid(*results.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
-    return parts + [embedded(p) for name, p in pictures.items() if name.startswith("test")]
+    return parts + [drawing(p) for name, p in pictures.items() if name.startswith("test")]
 
 
 def model_part(r: Record) -> list[Content]:
@@ -66,9 +60,22 @@ def model_part(r: Record) -> list[Content]:
         return []
     header, rows = results.model_rows(r.model)
     return [element("h2", "Model"),
-            note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard "
-                 "deviations; beside it what weighted moments and the plateaus make of the last round. docs/identification.md "
-                 "says how."), grid(header, rows, text_columns=2), flags_used(r), *direction_part(r)]
+            note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard deviations. Loops and predictions "
+                 "come from this model. docs/identification.md says how."),
+            grid(header, rows, text_columns=2), flags_used(r), *second_opinions(r), *direction_part(r)]
+
+
+def second_opinions(r: Record) -> list[Content]:
+    """Methods that contradict the fit, with the reason: folded, because no setting comes from them."""
+    header, rows = results.second_opinion_rows(r.model)
+    if not rows:
+        return []
+    agree = sum("differs" not in row[-1] for row in rows)
+    return [folded(f"Second opinions by moments and plateaus: {agree} of {len(rows)} gains agree within {100 * results.AGREE:.0f} %",
+                   note("Both look at the last round of a test alone. Weighted moments need a test that ends at rest and without drift, and "
+                        "their error goes into T and L with opposite signs; the plateau is a difference of two means and needs rest on both "
+                        "sides. The fit uses all rounds at once and knows level and drift, so it counts where they differ."),
+                   grid(header, rows, text_columns=2))]
 
 
 def direction_part(r: Record) -> list[Content]:
@@ -83,7 +90,7 @@ def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
     parts: list[Content] = [element("h2", "Interaction"), listed(results.gains_words(r.gains))]
     if r.gains.rga:
         parts += [element("p", "Relative gains at rest:"), grid(*results.rga_rows(r.gains), text_columns=1)]
-    parts += [embedded(pictures[name]) for name in ("rga", "singular") if name in pictures]
+    parts += [drawing(pictures[name]) for name in ("rga", "singular") if name in pictures]
     if "rga" not in pictures:
         parts.append(note("No relative gains along the frequency: the plant has none, or libreflux is not built "
                           "(cmake --build --preset host --target libreflux)."))
@@ -104,12 +111,22 @@ def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
                   note("Gain: output span per measurement span. Predicted on the model: after a step of the "
                        "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
                        "the step.")]
+        parts += margins_part(r)
     if r.trial:
         parts += [element("h2", "Trial"), grid(*results.trial_rows(r.trial)),
                   note("Kept when no loop overshoots, errs or wanders much further than predicted "
                        "(docs/commissioning.md).")]
-        parts += [embedded(pictures["trial"])] if "trial" in pictures else []
+        parts += [drawing(pictures["trial"])] if "trial" in pictures else []
     return parts
+
+
+def margins_part(r: Record) -> list[Content]:
+    """Gain margin, phase margin and Ms of the proposed loops on the model."""
+    found = closed_loops.of_proposal(r)
+    if not found:
+        return [note(f"No margins: {closed_loops.why_not(r) or 'the model has no loops'}.")]
+    return [grid(["loop", *margins.HEADER], [[name, *m.cells()] for name, m in found], text_columns=1),
+            note("Of the model above, without its uncertainty: Ms of the worst plant drawn is in the list above the loops. ", margins.NOTE)]
 
 
 def events_part(r: Record) -> Markup:
