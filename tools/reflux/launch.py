@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator
 
-from reflux import build
+from reflux import build, port_lock
 from reflux.boards import BOARDS
 from reflux.errors import RunFailed, UserError
 
@@ -82,7 +82,11 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
           extra: tuple[str, ...] = ()) -> Iterator[Firmware]:
     """extra: more options for the emulator."""
     if kind == "serial":
-        yield _serial(console_port, link_port)
+        firmware = _serial(console_port, link_port)
+        with contextlib.ExitStack() as stack:  # reflux-sim opens them too, and takes no lock itself
+            for port in (console_port, link_port):
+                stack.enter_context(port_lock.held((port or "").split("@")[0]))
+            yield firmware
         return
     check_ports(kind, console_port, link_port)
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:

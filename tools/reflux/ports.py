@@ -1,10 +1,11 @@
 """A line to a board's console: serial device, pseudo-terminal or unix socket, behind one set of calls.
 
-XOFF and XON from the board are obeyed here and never reach the caller.
+XOFF and XON from the board are obeyed here and never reach the caller. A device that another tool has open is refused (port_lock.py).
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import socket
@@ -14,6 +15,7 @@ import time
 import tty
 from typing import Any
 
+from reflux import port_lock
 from reflux.errors import RunFailed, UserError
 
 XON, XOFF = 0x11, 0x13
@@ -38,6 +40,11 @@ class Port:
                             "socket:PATH")
         elif os.path.realpath(path).startswith("/dev/pts/"):
             self._fd = _open(path)
+            try:
+                port_lock.claim(self._fd, path)
+            except UserError:
+                os.close(self._fd)
+                raise
             tty.setraw(self._fd, termios.TCSANOW)
         elif stat.S_ISCHR(os.stat(path).st_mode):
             self._serial = _open_serial(path, where)
@@ -119,7 +126,7 @@ def _open(path: str) -> int:
     try:
         return os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as error:
-        raise UserError(f"{path}: {error.strerror}") from None
+        raise UserError(port_lock.in_use(path) if error.errno == errno.EBUSY else f"{path}: {error.strerror}") from None
 
 
 def _open_serial(path: str, where: str) -> Any:
@@ -128,6 +135,8 @@ def _open_serial(path: str, where: str) -> Any:
     if not baud.isdigit():
         raise UserError(f'{where}: "{baud}" is not a baud rate')
     try:
-        return serial.Serial(path, int(baud), timeout=0, exclusive=True)
+        return serial.Serial(path, int(baud), timeout=0, exclusive=True)  # takes the lock of port_lock.py before it sets anything
     except (serial.SerialException, ValueError) as error:
+        if getattr(error, "errno", None) in (errno.EBUSY, errno.EAGAIN):
+            raise UserError(port_lock.in_use(path)) from None
         raise UserError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
