@@ -1,6 +1,7 @@
 """Reading, joining and comparing logs."""
 
 import unittest
+from unittest import mock
 
 from support import FolderTest, call
 
@@ -70,6 +71,19 @@ class Logs(FolderTest):
                 self.assertTrue(lines[0].startswith("number,time[s],"))
                 self.assertEqual({line.count(",") for line in lines}, {lines[0].count(",")})
                 self.assertEqual(logs.read(table).rows, logs.read(path).rows)
+
+    def test_what_is_held_is_drawn_as_steps_and_each_unit_has_a_frame(self) -> None:
+        from reflux import plots
+        styles = {name: plots.curve_style(name).get("drawstyle", "line")
+                  for name in ("T1.meas", "T1.true", "fw.T1", "fw.top.sp", "fw.top.mode", "Lr.cmd", "fw.Lr.app", "Lr.applied", "fw.T1.q")}
+        self.assertEqual(styles, {"T1.meas": "line", "T1.true": "line", "fw.T1": "line", "fw.top.sp": "steps-post", "fw.top.mode": "steps-post",
+                                  "Lr.cmd": "steps-post", "fw.Lr.app": "steps-post", "Lr.applied": "steps-pre", "fw.T1.q": "steps-post"})
+        log = logs.read(self.file("s.csv", SIM))
+        with mock.patch.object(plots, "finish", lambda figure, *_: figure):
+            figure = plots.column_plot(log, ["T1.true", "Lr.applied"], "title")
+        self.assertEqual([axes.get_ylabel() for axes in figure.axes], ["[degC]", "[l/h]"])
+        self.assertEqual([axes.lines[0].get_drawstyle() for axes in figure.axes], ["default", "steps-pre"])
+        plots.plt.close(figure)
 
     def test_identify_takes_the_telemetry_of_a_console(self) -> None:
         rows = "".join(f"> \x1b[KT,1,{k},{k}.000,{20 + (k // 5) % 3 + 0.1 * (k % 7)},{30 + 10 * (k // 5 % 2)}\n" for k in range(120))

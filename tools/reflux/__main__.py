@@ -7,11 +7,13 @@ import os
 import signal
 import sys
 
-from reflux.errors import RunFailed, UserError
+from reflux import ending
+from reflux.errors import Ended, RunFailed, UserError
 
 COMMANDS = {
     "run": "reflux.cmd_run",
     "demo": "reflux.cmd_demo",
+    "play": "reflux.cmd_play",
     "test": "dev.cmd_test",
     "campaign": "research.cmd_campaign",
     "bench": "dev.cmd_bench",
@@ -64,6 +66,9 @@ def call(name: str, arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return 1
+    except Ended as end:
+        print(f"tools/{name}: ended by {signal.Signals(end.number).name}", file=sys.stderr)
+        return 128 + end.number
     except KeyboardInterrupt:
         print(f"\ntools/{name}: interrupted", file=sys.stderr)
         return 130
@@ -80,10 +85,8 @@ def main() -> int:
     if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
         print(f"usage: python3 -m reflux {{{','.join(COMMANDS)}}} ...", file=sys.stderr)
         return 2
-    # Being ended by somebody else is like Ctrl-C: what was started here is ended too.
-    for ending in (signal.SIGTERM, signal.SIGHUP):  # a closed terminal ends what it started, too
-        signal.signal(ending, signal.default_int_handler)
-    return call(sys.argv[1], sys.argv[2:])
+    with ending.cleanly(sys.argv[1]):
+        return call(sys.argv[1], sys.argv[2:])
 
 
 if __name__ == "__main__":

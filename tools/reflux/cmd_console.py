@@ -5,23 +5,17 @@ from __future__ import annotations
 import argparse
 import contextlib
 import datetime
-import os
-import select
 import sys
-import termios
 import time
-import tty
 from pathlib import Path
 from typing import Iterator, TextIO
 
-from reflux import build, keys, launch, live, session, simulator, textfile
-from reflux.errors import RunFailed, UserError
+from reflux import build, keys, launch, live, session, simulator, textfile, watch
+from reflux.errors import Ended, RunFailed, UserError
 from reflux.paths import named, shown
 from reflux.ports import Port
-from reflux.session import Refused, Session
-
-LEAVE = 0x1D  # ^]
-AFTER_INPUT_S = 1.0
+from reflux.session import Session
+from reflux.terminal import interactive
 
 
 def parser() -> argparse.ArgumentParser:
@@ -44,6 +38,7 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument("--restore", type=named, metavar="FILE", help="send such a file, then compare")
     what.add_argument("--plot", metavar="T1,T10", help="plot channels as they come: a window, or a PNG file where "
                       "there is no display; ^C ends it")
+    what.add_argument("--watch", action="store_true", help="loops, outputs and alarms above the line where you type; ^C or ^] leaves")
     what.add_argument("--spark", metavar="T1,T10", help="plot channels as lines in the terminal")
     p.add_argument("--keep-going", action="store_true", help="with --run: go on after a refusal")
     p.add_argument("--png", type=named, metavar="FILE", help="with --plot: draw into this file, without a window")
@@ -64,6 +59,8 @@ def main(arguments: list[str]) -> int:
     if options.key and not scripted_by(options):
         raise UserError("--key goes with --run, --dump, --restore, --plot and --spark; at the terminal type `unlock KEY`")
     options.key = keys.key_of(options.key)
+    if options.watch:
+        watch.check_terminal()
     text = read_commands(options.run or options.restore)
     with contextlib.ExitStack() as stack:
         where = stack.enter_context(host_board(options)) if options.host else options.port
@@ -71,6 +68,8 @@ def main(arguments: list[str]) -> int:
         port = stack.enter_context(contextlib.closing(Port(where)))
         if scripted_by(options):
             return scripted(port, log, options, text)
+        if options.watch:
+            return watch.run(Session(port, log))
         return interactive(port, log)
 
 
@@ -119,7 +118,7 @@ def scripted(port: Port, log: TextIO | None, options: argparse.Namespace, text: 
             return save(talk, options.dump)
         if options.restore:
             return restore(talk, options.restore, text)
-        return watch(talk, channels, options)
+        return show(talk, channels, options)
     finally:
         with contextlib.suppress(RunFailed):
             talk.write("mode human")
@@ -165,7 +164,7 @@ def restore(talk: Session, path: Path, text: str) -> int:
     return 0
 
 
-def watch(talk: Session, channels: live.Channels, options: argparse.Namespace) -> int:
+def show(talk: Session, channels: live.Channels, options: argparse.Namespace) -> int:
     if not channels.names:
         raise UserError("which channels? such as T1,T10")
     if options.plot:
@@ -181,7 +180,9 @@ def watch(talk: Session, channels: live.Channels, options: argparse.Namespace) -
             with contextlib.suppress(TimeoutError):
                 talk.line(0.2)
             view.update()
-    except KeyboardInterrupt:
+    except Ended:
+        raise
+    except KeyboardInterrupt:  # Ctrl-C is how this is ended
         pass
     finally:
         with contextlib.suppress(RunFailed):
@@ -190,43 +191,4 @@ def watch(talk: Session, channels: live.Channels, options: argparse.Namespace) -
     if not channels.rows:
         raise RunFailed("no telemetry came: is a plant connected and the configuration applied?")
     print(f"{channels.rows} rows")
-    return 0
-
-
-def interactive(port: Port, log: TextIO | None) -> int:
-    """Bytes through, both ways. Input that is no terminal is sent line by line, and then the replies awaited."""
-    terminal = sys.stdin.isatty()
-    before = termios.tcgetattr(0) if terminal else None
-    if terminal:
-        tty.setraw(0)
-        print(f"{port.name}: ^] leaves", end="\r\n", flush=True)  # after: what is typed before is thrown away
-    try:
-        return pass_through(port, log, terminal)
-    finally:
-        if before:
-            termios.tcsetattr(0, termios.TCSADRAIN, before)
-            print(flush=True)
-
-
-def pass_through(port: Port, log: TextIO | None, terminal: bool) -> int:
-    open_input, quiet_since = True, time.monotonic()
-    while open_input or time.monotonic() - quiet_since < AFTER_INPUT_S:
-        ready = select.select([port.fileno(), *([0] if open_input else [])], [], [], 0.1)[0]
-        came = b""
-        if 0 in ready:
-            typed = os.read(0, 1024)
-            if not typed or (terminal and LEAVE in typed):
-                open_input = False
-                if typed:
-                    return 0
-            came = port.write(typed.replace(b"\n", b"\r") if not terminal else typed)
-            quiet_since = time.monotonic()
-        if port.fileno() in ready:
-            came += port.read()
-        if came:
-            quiet_since = time.monotonic()
-            os.write(1, came)
-            if log:
-                log.write(came.decode("latin-1").replace("\r\n", "\n"))
-                log.flush()
     return 0

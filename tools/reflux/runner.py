@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import json
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -98,9 +99,24 @@ def run(scenario: Scenario, options: Options) -> Result:
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Makes the folder. Two runs must not write into one."""
+    """Makes the folder. Two runs must not write into one. What is refused leaves no folder that was not there before."""
     if out.exists() and not out.is_dir():
         raise UserError(f"{shown(out)} is a file; --out names a folder")
+    made = [folder for folder in (out, *out.parents) if not folder.exists()]
+    try:
+        with _locked(out):
+            yield
+    except UserError:
+        if made:
+            shutil.rmtree(out, ignore_errors=True)
+        for folder in made[1:]:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
+
+
+@contextlib.contextmanager
+def _locked(out: Path) -> Iterator[None]:
     try:
         out.mkdir(parents=True, exist_ok=True)
         (out / ".lock").touch()

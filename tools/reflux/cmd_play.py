@@ -1,0 +1,182 @@
+"""tools/play: a simulated plant that runs under a configured board, and a console on it."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from reflux import build, launch, scenario_settings, session, simulator, textfile, watch
+from reflux import scenario as scenarios
+from reflux.errors import Ended, RunFailed, UserError
+from reflux.paths import SCENARIOS, named, shown
+from reflux.ports import Port
+from reflux.scenario import Scenario, check_speed
+from reflux.schema import load_toml
+from reflux.session import Refused, Session
+from reflux.terminal import CONTROL_C, LEAVE, interactive
+
+READY_S = 20.0
+SPEED = "60"
+UNUSED = "-"
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What is started: the plant as reflux-sim takes it, its options, and console lines."""
+
+    plant: str
+    options: tuple[str, ...]
+    lines: tuple[str, ...]
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/play",
+        description="Starts the firmware and a simulated plant on this computer, configures the board, brings the plant to its operating "
+        "point, closes the loops, and opens the console. Ctrl-C (or ^]) ends everything. "
+        f"NAME is a configuration in {shown(SCENARIOS)}: {', '.join(names())}.")
+    p.add_argument("name", nargs="?", default="pilot", metavar="NAME", help="a configuration by name, or a .conf file together with --plant (default pilot)")
+    p.add_argument("--plant", metavar="PLANT", help="another plant: a name of reflux-sim --list, or a plant file (.json)")
+    p.add_argument("--speed", default=SPEED, metavar="max|X", help=f"multiple of real time (default {SPEED})")
+    p.add_argument("--manual", action="store_true", help="leave the loops in manual and the outputs at their safe values")
+    p.add_argument("--watch", action="store_true", help="show loops, outputs and alarms above the line where you type, as tools/console --watch does")
+    p.add_argument("--no-build", action="store_true", help="do not build; use what is there")
+    options = p.parse_args(arguments)
+    check_speed(options.speed, "--speed")
+    if options.watch:
+        watch.check_terminal()
+    bench = bench_of(options.name, options.plant)
+    if not options.no_build:
+        build.build("host", ("reflux-host", "reflux-sim"))
+    simulator.check_plant(bench.plant)
+    try:
+        return play(bench, options)
+    except Ended:
+        raise
+    except KeyboardInterrupt:  # Ctrl-C is how this is ended
+        return 0
+
+
+def play(bench: Bench, options: argparse.Namespace) -> int:
+    with contextlib.ExitStack() as stack:
+        firmware = stack.enter_context(launch.start("host"))
+        stack.enter_context(launch.plant(firmware, bench.plant, "--speed", options.speed, *bench.options))
+        port = stack.enter_context(contextlib.closing(Port(firmware.console)))
+        talk = Session(port)
+        configure(talk, bench)
+        await_plant(talk, firmware)
+        hints = ["status"] if options.manual else operate(talk, bench)
+        print(f"{bench.plant} at {options.speed} times real time. Try: {'; '.join(hints)}. Ctrl-C ends everything.", flush=True)
+        if options.watch:
+            return watch.run(talk)
+        talk.write("mode human")
+        return interactive(port, None, (LEAVE, CONTROL_C), "Ctrl-C ends it")
+
+
+# ---- what is started ----
+
+def names() -> list[str]:
+    return sorted(path.stem for path in SCENARIOS.glob("*.conf"))
+
+
+def bench_of(name: str, plant: str | None) -> Bench:
+    """A name of ours brings plant, tick and start of the scenario that uses it; another file needs a plant."""
+    path = Path(name) if name.endswith(".conf") else SCENARIOS / f"{name}.conf"
+    if not path.is_file():
+        raise UserError(f'there is no configuration "{name}"; known are {", ".join(names())}, or name a .conf file with --plant')
+    if plant is not None:
+        return Bench(plant, (), tuple(line for _, line in session.commands_in(path, textfile.read(path))))
+    found = scenario_of(path)
+    if found is None:
+        raise UserError(f"{shown(path)}: no scenario beside it says which plant it is for; name one with --plant")
+    options: list[str] = ["--tick", f"{found.tick_s:.17g}"] if found.tick_s is not None else []
+    for channel in found.measure:
+        options += ["--measure", channel]
+    for channel, value in found.start:
+        options += ["--start", f"{channel}={value:.17g}"]
+    plant_name = str(found.file.parent / found.plant) if found.plant.endswith(".json") else found.plant
+    return Bench(plant_name, tuple(options), tuple(line.text for line in found.config))
+
+
+def scenario_of(path: Path) -> Scenario | None:
+    """The scenario of the same name, else one that this file alone configures, else any that uses it."""
+    users = []
+    for file in sorted(path.parent.glob("*.toml")):
+        with contextlib.suppress(UserError):
+            used = load_toml(file).get("console")
+            if isinstance(used, list) and path.name in used:
+                found = scenarios.load(file)
+                users.append((file.stem != path.stem, used != [path.name], file.name, found))
+    return min(users, key=lambda user: user[:3])[3] if users else None
+
+
+# ---- what is done first ----
+
+def configure(talk: Session, bench: Bench) -> None:
+    for line in bench.lines:
+        try:
+            talk.ask(line)
+        except Refused as error:
+            raise RunFailed(f"the board refuses `{line}`: {error}") from None
+
+
+def await_plant(talk: Session, firmware: launch.Firmware) -> None:
+    """Until a sample has met the configuration, because there is no measurement to begin from before that."""
+    end = time.monotonic() + READY_S
+    while True:
+        said = talk.ask("status")
+        ticks = next((int(found[1]) for line in said if (found := re.search(r"\bticks (\d+)", line))), 0)
+        if ticks > 1 and "link ready" in said[0] and not any("not announced" in line for line in said):
+            return
+        if died := firmware.died():
+            raise RunFailed(died)
+        if time.monotonic() > end:
+            return  # a slow plant: what follows is taken at its next tick
+        time.sleep(0.05)
+
+
+def operate(talk: Session, bench: Bench) -> list[str]:
+    """Outputs to the plant's operating point, then the loops to automatic from the inside out. Returns lines to try.
+
+    A plant that a sequence starts is left to the sequence."""
+    values = scenario_settings.values_of(bench.lines)
+    if any(value not in (UNUSED, "") for name, value in values.items() if re.fullmatch(r"step\d+\.seq", name)):
+        return ["seq start", "seq", "status"]
+    at_rest = simulator.at_rest(bench.plant)
+    for k in scenario_settings.numbered(values, "mv"):
+        name = values.get(f"{k}.name", UNUSED)
+        if name in at_rest:
+            tell(talk, f"out {name} {at_rest[name]:.7g}")
+    loops = {values[f"{k}.name"]: values.get(f"{k}.out", UNUSED) for k in scenario_settings.numbered(values, "loop")
+             if values.get(f"{k}.name", UNUSED) != UNUSED}
+    hints = []
+    for name in sorted(loops, key=lambda name: loops[name] in loops):  # inner loops first
+        inner = loops[name] in loops
+        if tell(talk, f"mode {loops[name]} cascade" if inner else f"mode {name} auto") and (not inner or tell(talk, f"mode {name} auto")):
+            hints.append(name)
+    end = time.monotonic() + READY_S  # modes are taken at the plant's next tick
+    while time.monotonic() < end and not all(any(re.match(rf"{re.escape(name)} (auto|cascade)\b", line) for line in talk.ask("loop")) for name in hints):
+        time.sleep(0.05)
+    return ["status", "loop"] + [f"sp {name} {setpoint}" for name in hints[-1:] if (setpoint := near(talk, name))]
+
+
+def tell(talk: Session, line: str) -> bool:
+    try:
+        talk.ask(line)
+        return True
+    except Refused as error:
+        print(f"{line}: {error}", flush=True)
+        return False
+
+
+def near(talk: Session, loop: str) -> str:
+    """A setpoint a little above the present one: a hundredth of the number."""
+    for line in talk.ask("loop"):
+        if found := re.match(rf"{re.escape(loop)} .*\bsp ([-\d.e+]+)", line):
+            value = float(found[1])
+            return f"{value + 0.01 * abs(value):.4g}" if value else ""
+    return ""
