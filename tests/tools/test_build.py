@@ -136,5 +136,14 @@ class EachBuild(FolderTest):
             build.build("host")
 
 
+class Forecast(unittest.TestCase):
+    def test_what_takes_longer_than_two_seconds_says_how_long_it_will(self) -> None:
+        for text, elapsed, told in (("3 of 12 runs", 10.0, "3 of 12 runs, about 30 s left"), ("30/120", 10.0, "30/120, about 30 s left"),
+                                    ("plant time 100 s of 1000 s (10 %), 7 ticks/s", 40.0, "plant time 100 s of 1000 s (10 %), 7 ticks/s, about 6 min left"),
+                                    ("3 of 12 runs", 1.0, "3 of 12 runs"), ("0 of 12 runs", 10.0, "0 of 12 runs"), ("12 of 12", 10.0, "12 of 12"),
+                                    ("3 of 12, about 4 s left", 10.0, "3 of 12, about 4 s left"), ("poles", 10.0, "poles")):
+            self.assertEqual(build.forecast(text, elapsed), told)
+
+
 if __name__ == "__main__":
     unittest.main()

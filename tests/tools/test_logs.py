@@ -85,6 +85,16 @@ class Logs(FolderTest):
         self.assertEqual([axes.lines[0].get_drawstyle() for axes in figure.axes], ["default", "steps-pre"])
         plots.plt.close(figure)
 
+    def test_a_thing_has_one_name_whoever_wrote_the_column(self) -> None:
+        simulator, board = logs.Log(["number", "time[s]", "T1.true[degC]", "T1.meas[degC]", "Lr.applied[l/h]", "fw.T1[degC]", "fw.top.sp[degC]"], []), \
+            logs.Log(["number", "time[s]", "T1[degC]", "T1.q", "Lr.app[l/h]", "top.sp[degC]"], [])
+        for asked, joined, telemetry in (("T1", "T1.meas", "T1"), ("T1.meas[degC]", "T1.meas", "T1"), ("fw.T1", "fw.T1", "T1"), ("Lr.app", "Lr.applied", "Lr.app"),
+                                         ("Lr.applied", "Lr.applied", "Lr.app"), ("top.sp", "fw.top.sp", "top.sp"), ("fw.top.sp", "fw.top.sp", "top.sp"),
+                                         ("T1.quality", "T1.quality", "T1.q"), ("nothing", "nothing", "nothing")):
+            self.assertEqual((simulator.named(asked), board.named(asked)), (joined, telemetry), asked)
+        self.assertEqual([logs.label(name) for name in ("T1.meas", "fw.T1", "Lr.app", "Lr.applied", "Lr.cmd", "fw.top.sp", "T1.true", "F")],
+                         ["T1", "T1", "Lr", "Lr", "Lr commanded", "top setpoint", "T1 true", "F"])
+
     def test_identify_takes_the_telemetry_of_a_console(self) -> None:
         rows = "".join(f"> \x1b[KT,1,{k},{k}.000,{20 + (k // 5) % 3 + 0.1 * (k % 7)},{30 + 10 * (k // 5 % 2)}\n" for k in range(120))
         path = self.file("session.log", "\x1b[KH,1,number,time[s],T1[degC],Q1.app[%]\n" + rows)

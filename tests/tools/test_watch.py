@@ -44,8 +44,8 @@ class State(unittest.TestCase):
             found.telemetry(row)
         self.assertEqual(found.lines(80), state().lines(80))
 
-    def test_the_value_of_an_event_has_four_digits_and_its_words_stay(self) -> None:
-        self.assertEqual(event_words("60.000", "warning", "NOT_FOLLOWING Qrb 0.75733340 output 1.23456"), "60 s  warning  NOT_FOLLOWING Qrb 0.7573 output 1.23456")
+    def test_numbers_of_an_event_have_four_digits_and_its_words_stay(self) -> None:
+        self.assertEqual(event_words("60.000", "warning", "NOT_FOLLOWING Qrb 0.75733340 output 1.23456"), "60 s  warning  NOT_FOLLOWING Qrb 0.7573 output 1.235")
         self.assertEqual(event_words("60.000", "info", "MODE top 1 loop is in auto"), "60 s  info  MODE top 1 loop is in auto")
 
 

@@ -123,6 +123,22 @@ def _run(what: str, command: list[str], quiet: bool) -> None:
         progress.end("up to date")
 
 
+DONE = re.compile(r"\b(\d+(?:\.\d+)?)(?: \w+)?(?: of |/)(\d+(?:\.\d+)?)\b")
+TOLD_AFTER_S = 2.0  # what is over sooner needs no forecast
+
+
+def forecast(text: str, elapsed_s: float) -> str:
+    """The text with the time that is left, from "3 of 12", "3/12" or "30 s of 120 s" in it."""
+    found = DONE.search(text)
+    if not found or elapsed_s < TOLD_AFTER_S or " left" in text:
+        return text
+    done, whole = float(found[1]), float(found[2])
+    if not 0 < done < whole:
+        return text
+    left = elapsed_s * (whole - done) / done
+    return f"{text}, about {left:.0f} s left" if left < 120 else f"{text}, about {left / 60:.0f} min left"
+
+
 class Progress:
     """One line that is written over on a terminal, and one line at the end elsewhere."""
 
@@ -130,12 +146,13 @@ class Progress:
         self.what, self.quiet = what, quiet
         self.terminal = sys.stdout.isatty()
         self.last = 0.0
+        self.started = time.monotonic()
 
     def show(self, text: str) -> None:
         now = time.monotonic()
         if self.terminal and not self.quiet and now - self.last > 0.1:
             self.last = now
-            print(f"\r\033[K{self.what}: {text}", end="", flush=True)
+            print(f"\r\033[K{self.what}: {forecast(text, now - self.started)}", end="", flush=True)
 
     def end(self, text: str) -> None:
         if not self.quiet:

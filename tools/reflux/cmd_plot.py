@@ -7,7 +7,7 @@ import sys
 
 from reflux.compare import log_of
 from reflux.errors import UserError
-from reflux.logs import bare, read, write_csv
+from reflux.logs import read, write_csv
 from reflux.paths import named, shown
 
 
@@ -15,7 +15,7 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(prog="tools/plot", description="Plots columns of a log into a PNG file (docs/logs.md).")
     p.add_argument("log", type=named, metavar="LOG", help="a log of any tool, or a folder that holds one")
     p.add_argument("columns", nargs="*", metavar="COLUMN",
-                   help="columns by their names without unit, such as T1.meas (default: measurements, setpoints, outputs)")
+                   help="columns by their names without unit, such as T1 or T1.true (default: measurements, setpoints, outputs)")
     p.add_argument("-o", "--out", type=named, metavar="PNG", help="file of the picture (default: plot.png beside the log)")
     p.add_argument("--list", action="store_true", help="print the columns of the log and stop")
     p.add_argument("--csv", type=named, metavar="FILE", help="write the log as one table instead of a picture")
@@ -35,7 +35,7 @@ def main(arguments: list[str]) -> int:
         print(shown(options.csv))
         return 0
     from reflux import plots  # matplotlib takes a second to load
-    names = [bare(c) for c in options.columns] or plots.default_columns(log)
+    names = [log.named(c) for c in options.columns] or plots.default_columns(log)
     for name in names:
         log.place(name)
     out = options.out or path.parent / "plot.png"

@@ -40,6 +40,11 @@ class Log:
             raise UserError(f"{self.source or 'log'}: no column {name}; there are {', '.join(dict.fromkeys(map(bare, self.columns)))}")
         return self._place[bare(name)]
 
+    def named(self, name: str) -> str:
+        """The column that a person means: the name as it stands, else as the simulator or the board writes it (docs/logs.md)."""
+        wanted = bare(name)
+        return next((other for other in (wanted, *aliases(wanted)) if self.has(other)), wanted)
+
     def unit(self, name: str) -> str:
         return unit(self.columns[self.place(name)])
 
@@ -62,6 +67,31 @@ def bare(column: str) -> str:
 def unit(column: str) -> str:
     match = re.search(r"\[(.*)\]\s*$", column)
     return match.group(1) if match else ""
+
+
+def aliases(name: str) -> list[str]:
+    """Other names of the same thing: T1 is T1.meas of the simulator or fw.T1 of the board, Q1.app is Q1.applied."""
+    own = name.removeprefix(FIRMWARE_PREFIX)
+    same = {own}
+    for short, long in ((".app", ".applied"), ("", ".meas"), (".q", ".quality")):
+        if own.endswith(long) and long:
+            same.add(own.removesuffix(long) + short)
+        elif short and own.endswith(short):
+            same.add(own.removesuffix(short) + long)
+    if "." not in own:
+        same.add(f"{own}.meas")
+    ordered = sorted(same, key=lambda other: (other != own, len(other)))
+    return [other for other in (*ordered, *(FIRMWARE_PREFIX + other for other in ordered)) if other != name]
+
+
+def label(name: str) -> str:
+    """A column's name for people: one for each thing, whoever wrote the column."""
+    own = name.removeprefix(FIRMWARE_PREFIX)
+    for suffix, words in ((".meas", ""), (".applied", ""), (".app", ""), (".cmd", " commanded"), (".sp", " setpoint"), (".true", " true"),
+                          (".mode", " mode"), (".quality", " quality"), (".q", " quality")):
+        if own.endswith(suffix):
+            return own.removesuffix(suffix) + words
+    return own
 
 
 def channel_unit(log: Log, channel: str) -> str:

@@ -14,7 +14,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  the backend has to be chosen first
 
-from reflux.logs import FIRMWARE_PREFIX, Log, bare, unit  # noqa: E402
+from reflux.logs import FIRMWARE_PREFIX, Log, bare, label, unit  # noqa: E402
 
 BLUE, ORANGE, GREY, GREEN, RED = "#1f5fa8", "#d2691e", "#8a929c", "#2e7d4f", "#b3261e"
 STYLE = {
@@ -127,8 +127,10 @@ def column_plot(log: Log, names: list[str], title: str) -> Plot:
                                     squeeze=False)
         t = hours(log)
         for (row,), (name_of_unit, members) in zip(axes, groups.items()):
-            for name in members:
-                row.plot(t, log.numbers(name), linewidth=1.2, label=bare(name), **curve_style(name))
+            labels = [label(name) for name in members]
+            for name, short in zip(members, labels):
+                shown = short if labels.count(short) == 1 else bare(name)
+                row.plot(t, log.numbers(name), linewidth=1.2, label=shown, **curve_style(name))
             row.set_ylabel(f"[{name_of_unit or '-'}]")
             row.legend(loc="best", fontsize=8)
         axes[0][0].set_title(title)

@@ -74,7 +74,7 @@ def events_table(result: Result) -> Markup:
     """Actions and the firmware's answers, in order of plant time."""
     rows = [(e.at_s, "plant", "", f"{e.name} = {e.value:g}") for e in result.scenario.events]
     rows += [(line.at_s, "console", "", line.text) for line in result.scenario.lines]
-    rows += [(t, "firmware", level, f"{code} {text}".strip())
+    rows += [(t, "firmware", level, table.rounded(f"{code} {text}".strip()))
              for t, level, code, text in events_in(result.out / "transcript.txt")]
     rows.sort(key=lambda row: row[0])
     if not rows:

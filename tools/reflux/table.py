@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from reflux.metrics import Window
 
@@ -18,6 +19,14 @@ def figure(value: float | None, digits: int = 3) -> str:
     if abs(value) >= 10 ** (digits - 1):
         return f"{value:.0f}"
     return f"{value:.{digits}g}"
+
+
+LONG_NUMBER = re.compile(r"(?<![\w.:-])-?\d+\.\d+(?:e[+-]?\d+)?(?![\w.:])")
+
+
+def rounded(text: str) -> str:
+    """A line of the board for people: four significant digits in each number that has a decimal point."""
+    return LONG_NUMBER.sub(lambda found: f"{float(found[0]):.4g}", text)
 
 
 def columns(header: list[str], rows: list[list[str]]) -> str:

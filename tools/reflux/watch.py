@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import select
 import shutil
 import sys
@@ -12,6 +11,7 @@ import time
 from collections import deque
 from typing import TextIO
 
+from reflux import table
 from reflux.errors import RunFailed, UserError
 from reflux.keys import masked
 from reflux.line_editor import LineEditor
@@ -23,7 +23,6 @@ DRAWN_S = 0.2
 ALARMS_S = 5.0  # between two looks at the alarms, beside those after each event
 ROWS_LEFT = 4  # for replies and the typed line, at the least
 PROMPT = "> "
-NUMBER = re.compile(r"-?\d+\.\d+(e[+-]\d+)?")
 
 
 def check_terminal() -> None:
@@ -145,10 +144,7 @@ class Watch:
 
 def event_words(time_s: str, level: str, rest: str) -> str:
     """CODE SUBJECT VALUE TEXT with four significant digits."""
-    words = rest.split(" ")
-    if len(words) > 2 and NUMBER.fullmatch(words[2]):
-        words[2] = f"{float(words[2]):.4g}"
-    return f"{float(time_s):.0f} s  {level}  {' '.join(words)}"
+    return f"{float(time_s):.0f} s  {level}  {table.rounded(rest)}"
 
 
 def run(talk: Session) -> int:

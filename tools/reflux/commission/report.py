@@ -130,7 +130,7 @@ def margins_part(r: Record) -> list[Content]:
 
 
 def events_part(r: Record) -> Markup:
-    rows = [[f"{e.at_s:g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:g}", e.text]
+    rows = [[f"{e.at_s:g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:.4g}", e.text]
             for e in r.events]
     return grid(["plant time [s]", "level", "event", "of", "value", ""], rows, text_columns=6)
 

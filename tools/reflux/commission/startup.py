@@ -399,7 +399,7 @@ class Startup:
     def leave(self) -> None:
         say()
         for line in self.board.ask("loop"):
-            say(line)
+            say(table.rounded(line))
         self.board.ask("list")
         saved = self.options.out / "board.conf"
         saved.write_text("\n".join(session.dump(self.board.session)) + "\n", encoding="latin-1")
