@@ -115,8 +115,8 @@ class Alone(Tool):
                      "<h2>Pairing and structure</h2>", "<h2>Proposal</h2>", "<h2>Trial</h2>", "<h2>Answers</h2>"):
             self.assertIn(part, page)
         # All tests, one for each input, relative gains, singular values, the trial.
-        self.assertEqual(page.count("data:image/png;base64,"), 6)
-        self.assertNotRegex(page, r'(src|href)="(?!data:)')
+        self.assertEqual((page.count("<figure>"), page.count("data:image/svg+xml;base64,")), (6, 12))  # wide and narrow
+        self.assertNotRegex(page, r'(src|srcset|href)="(?!data:)')
         (self.out / "report.html").unlink()
         answer = subprocess.run([str(TOOL), "--report", str(self.out)], text=True, capture_output=True, check=False)
         self.assertEqual((answer.returncode, answer.stderr), (0, ""))
@@ -225,7 +225,7 @@ class OnABoard(Tool):
 
     def test_interrupted_it_aborts_on_the_board_first(self) -> None:
         self.plant("--speed", "6000")
-        for ending, status in ((signal.SIGINT, 130), (signal.SIGTERM, 130)):
+        for ending, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
             process = self.start("--file", str(self.file("a.toml", self.OPERATING)))
             self.read_until(process, "R: at rest; step of")
             process.send_signal(ending)
