@@ -6,6 +6,7 @@ from typing import Sequence
 
 from reflux.markup import Content, Markup, element
 
+NUMBER_MOST = 16  # characters of a number with its unit; longer ones are words, whose lines may break
 MANY_COLUMNS = 9  # from here on a table is set closer
 # Below this width a table shows each row as a list of names and values, because columns would be cut. Pictures change to their narrow form there.
 PHONE_PX = 700
@@ -50,9 +51,10 @@ summary { cursor: pointer; } .note { font-size: .84rem; color: var(--dim); }
 
 
 def grid(header: list[str], rows: Sequence[Sequence[Content]], text_columns: int = 2, total: str = "", kind: str = "") -> Markup:
-    """A table; columns after the first few hold numbers. total: rows whose second cell says so stand out. On a phone each cell of a
+    """A table; columns after the first few hold numbers, unless one has words in it. total: rows whose second cell says so stand out. On a phone each cell of a
     table with a header has its column's name before it."""
-    classes = ["" if i < text_columns else "n" for i in range(len(header))]
+    wordy = {i for row in rows for i, cell in enumerate(row) if isinstance(cell, str) and len(cell) > NUMBER_MOST}
+    classes = ["" if i < text_columns or i in wordy else "n" for i in range(len(header))]
     named = any(header)
 
     def line(cells: Sequence[Content], mark: str) -> Markup:

@@ -79,7 +79,7 @@ def events_table(result: Result) -> Markup:
     rows.sort(key=lambda row: row[0])
     if not rows:
         return element("p", "Nothing happened.")
-    return grid(["time [s]", "from", "level", "what"], [[f"{t:g}", *rest] for t, *rest in rows], text_columns=4)
+    return grid(["time [s]", "from", "level", "what"], [[f"{t:.10g}", *rest] for t, *rest in rows], text_columns=4)
 
 
 def how_to_repeat(result: Result) -> Markup:

@@ -14,6 +14,7 @@ from reflux.commission.results import Element
 from reflux.plots import BLUE, GREEN, GREY, ORANGE, Plot, Size, drawn, from_to, plt, thinned
 
 DARK = "#22292f"
+AFTER_TRIAL = 0.15  # of its time, drawn after it
 SAME_LAGS = 1e-6    # relative
 ONE_COLUMN = 4       # outputs that stand one below the other
 LEGEND_MOST = 10     # lines that are named
@@ -244,10 +245,11 @@ def trial(r: Record) -> Plot | None:
     if begun is None:
         return None
     t = np.array(r.time)
-    rows = slice(int(np.searchsorted(t, begun)), len(t))
+    over = next((e.at_s for e in r.events if e.code in ("TRIAL_KEPT", "TRIAL_FAILED") and e.at_s > begun), t[-1])
+    rows = slice(int(np.searchsorted(t, begun)), int(np.searchsorted(t, over + AFTER_TRIAL * (over - begun), "right")))
     if len(t[rows]) < 2:
         return None
-    by, unit = scale(t[-1] - begun)
+    by, unit = scale(t[rows][-1] - begun)
     x = (t[rows] - begun) / by
     n = len(r.trial)
     model = _predicted(r, rows)

@@ -60,8 +60,8 @@ def model_part(r: Record) -> list[Content]:
         return []
     header, rows = results.model_rows(r.model)
     return [element("h2", "Model"),
-            note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard deviations. Loops and predictions "
-                 "come from this model. docs/identification.md says how."),
+            note("Each element: gain exp(-L s) / (T s + 1), or with the lags and the zero of the last column, by least squares over all rounds, with "
+                 "standard deviations. Loops and predictions come from this model. docs/identification.md says how."),
             grid(header, rows, text_columns=2), flags_used(r), *second_opinions(r), *direction_part(r)]
 
 
@@ -130,7 +130,7 @@ def margins_part(r: Record) -> list[Content]:
 
 
 def events_part(r: Record) -> Markup:
-    rows = [[f"{e.at_s:g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:.4g}", e.text]
+    rows = [[f"{e.at_s:.10g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:.4g}", e.text]
             for e in r.events]
     return grid(["plant time [s]", "level", "event", "of", "value", ""], rows, text_columns=6)
 
