@@ -62,9 +62,9 @@ class PortLock(unittest.TestCase):
             with contextlib.closing(Port(self.path)), self.assertRaisesRegex(UserError, re.escape(f"(process {os.getpid()})")):
                 Port(self.path)
 
-    def test_a_run_on_two_ports_takes_the_lock_for_the_simulator(self) -> None:
-        with port_lock.held(self.path), self.assertRaisesRegex(UserError, "is in use by"):
-            Port(self.path)
+    def test_a_run_is_refused_before_it_starts_and_leaves_the_lock_of_a_pseudo_terminal_to_the_simulator(self) -> None:
+        with port_lock.held(self.path), contextlib.closing(Port(self.path)), self.assertRaisesRegex(UserError, "is in use by"):
+            self.enterContext(port_lock.held(self.path))
 
     def test_a_tool_of_ours_is_called_as_people_start_it(self) -> None:
         folder = Path(self.enterContext(tempfile.TemporaryDirectory()))

@@ -83,7 +83,7 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
     """extra: more options for the emulator."""
     if kind == "serial":
         firmware = _serial(console_port, link_port)
-        with contextlib.ExitStack() as stack:  # reflux-sim opens them too, and takes no lock itself
+        with contextlib.ExitStack() as stack:
             for port in (console_port, link_port):
                 stack.enter_context(port_lock.held((port or "").split("@")[0]))
             yield firmware

@@ -27,16 +27,17 @@ def claim(descriptor: int, path: str) -> None:
 
 @contextlib.contextmanager
 def held(path: str) -> Iterator[None]:
-    """Holds the lock while a program that takes none uses the device."""
+    """For the time in which reflux-sim uses the device: it takes this lock on a pseudo-terminal itself, and none on a serial device."""
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as error:
         raise UserError(in_use(path) if error.errno == errno.EBUSY else f"{path}: {error.strerror}") from None
-    try:
+    with contextlib.ExitStack() as stack:
+        stack.callback(os.close, descriptor)
         claim(descriptor, path)
+        if os.path.realpath(path).startswith("/dev/pts/"):
+            stack.close()
         yield
-    finally:
-        os.close(descriptor)
 
 
 def in_use(path: str) -> str:
