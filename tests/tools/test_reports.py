@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 from support import GOOD, FolderTest, call
 
 from reflux import limits, logs, metrics, page_style, plots, report, run_plots, runner, scenario
-from reflux.commission import results
+from reflux.commission import results, second_opinions
 from reflux.markup import element
 
 HOSTILE = "<span/onclick=alert(1)>\"'&amp;</td><script>alert(1)</script>"
@@ -146,7 +146,7 @@ send = "sp top 90"
         model = results.model_of(["output T noise 0.05 degC",
                                   "element T h gain 20 sd 0.1 degC/kW T 100 sd 2 s L 0 sd 1 s flags -", "moments T h gain 15 T 90 L 3 plateau 20 flags negative_L short",
                                   "element T c gain 20 sd 0.1 degC/kW T 100 sd 2 s L 0 sd 1 s flags -", "moments T c gain 19 T 90 L 3 plateau 0 flags -"])
-        _header, rows = results.second_opinion_rows(model)
+        _header, rows = second_opinions.second_opinion_rows(model)
         self.assertEqual(rows[0][5:], ["100", "-", "gain differs: moments 25 %; moments: a negative dead time came out, so its times mean nothing, the last test was short"])
         self.assertEqual(rows[1][5:], ["100", "93", "gains agree within 10 %"])
         self.assertNotIn("moments", " ".join(results.model_rows(model)[0]))

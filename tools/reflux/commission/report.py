@@ -6,7 +6,7 @@ from pathlib import Path
 
 from reflux import margins, markup
 from reflux import plots as plotting
-from reflux.commission import closed_loops, figures, results
+from reflux.commission import closed_loops, figures, results, second_opinions
 from reflux.commission.record import Record, load
 from reflux.commission.progress import span_of_time
 from reflux.markup import Content, Markup, element
@@ -62,16 +62,16 @@ def model_part(r: Record) -> list[Content]:
     return [element("h2", "Model"),
             note("Each element: gain exp(-L s) / (T s + 1), or with the lags and the zero of the last column, by least squares over all rounds, with "
                  "standard deviations. Loops and predictions come from this model. docs/identification.md says how."),
-            grid(header, rows, text_columns=2), flags_used(r), *second_opinions(r), *direction_part(r)]
+            grid(header, rows, text_columns=2), flags_used(r), *second_opinions_part(r), *direction_part(r)]
 
 
-def second_opinions(r: Record) -> list[Content]:
+def second_opinions_part(r: Record) -> list[Content]:
     """Methods that contradict the fit, with the reason: folded, because no setting comes from them."""
-    header, rows = results.second_opinion_rows(r.model)
+    header, rows = second_opinions.second_opinion_rows(r.model)
     if not rows:
         return []
     agree = sum("differs" not in row[-1] for row in rows)
-    return [folded(f"Second opinions by moments and plateaus: {agree} of {len(rows)} gains agree within {100 * results.AGREE:.0f} %",
+    return [folded(f"Second opinions by moments and plateaus: {agree} of {len(rows)} gains agree within {100 * second_opinions.AGREE:.0f} %",
                    note("Both look at the last round of a test alone. Weighted moments need a test that ends at rest and without drift, and "
                         "their error goes into T and L with opposite signs; the plateau is a difference of two means and needs rest on both "
                         "sides. The fit uses all rounds at once and knows level and drift, so it counts where they differ."),
