@@ -65,28 +65,32 @@ static real_t variance_to_come(const struct commission *c, uint8_t j)
     return sum;
 }
 
-/* Level at point i of the record, and what the model says is still to come of the response to all edges. False: an edge is too
- * near. */
-static bool level_of_point(const struct commission *c, uint8_t j, uint32_t i, real_t *level,
-                           real_t *to_come)
+/* The end of an output's response to the direction, and the time it takes, s. */
+struct response_end {
+    real_t over_s, level;
+};
+
+/* Finds the level of the direction at point i of the record, and what is still to come of the responses to all edges, by the
+ * model. False: an edge is too near. */
+static bool level_of_point(const struct commission *c, uint8_t j, const struct response_end *end,
+                           uint32_t i, real_t *level, real_t *to_come)
 {
     const struct record *r = experiment_record(&c->work->experiment);
-    real_t over_s = direction_over_s(c, j, DIRECTION_LAGS), ends = direction_end(c, j);
     real_t half_s = REAL_C(0.5) * (real_t)r->block * r->h_s, at_s = record_time(r, i);
     *level = *to_come = REAL_C(0.0);
     for (uint32_t k = 0; k < r->input.edges; k++) {
         real_t since_s = at_s - (real_t)r->input.edge[k].sample * r->h_s;
         if (since_s + half_s <= REAL_C(0.0))
             continue;
-        if (since_s - half_s < over_s)
+        if (since_s - half_s < end->over_s)
             return false;
         *level += r->input.edge[k].change;
-        *to_come += r->input.edge[k].change * (direction_response(c, j, since_s) - ends);
+        *to_come += r->input.edge[k].change * (direction_response(c, j, since_s) - end->level);
     }
     return true;
 }
 
-/* Sums over the points at which the responses are over. */
+/* Sums over the points at which the responses are over. rr and r1 sum what the gain leaves of them. */
 struct sums {
     real_t uu, u, ut, uy, rr, r1;
     uint32_t n;
@@ -96,11 +100,13 @@ NOT_INLINE static void add_points(const struct commission *c, uint8_t j, const s
                                   real_t gain, struct sums *s)
 {
     const struct record *r = experiment_record(&c->work->experiment);
+    const struct response_end end = {.over_s = direction_over_s(c, j, DIRECTION_LAGS),
+                                     .level = direction_end(c, j)};
     real_t before = REAL_C(0.0);
     *s = (struct sums){0};
     for (uint32_t i = 0; i < r->points; i++) {
         real_t level, to_come, at_s = record_time(r, i);
-        if (!level_of_point(c, j, i, &level, &to_come) || !(real_abs(level) > REAL_C(0.0)))
+        if (!level_of_point(c, j, &end, i, &level, &to_come) || !(real_abs(level) > REAL_C(0.0)))
             continue;
         real_t y = r->y[j][i] - b->offset - b->slope_per_s * at_s - to_come;
         real_t left = y - gain * level;
@@ -137,7 +143,7 @@ bool direction_plateau_sd(const struct commission *c, uint8_t j, real_t gain, re
     struct sums s;
     if (experiment_baseline(&c->work->experiment, j, &b) != ERR_OK)
         return false;
-    add_points(c, j, &b, gain, &s);
+    add_points(c, j, &b, gain, &s); /* again, because the residuals need the gain */
     real_t noise = b.noise_sd * b.noise_sd / (real_t)r->block;
     real_t variance = s.rr / (real_t)(s.n - 1u), together = s.r1 / s.rr;
     if (!(variance > noise))

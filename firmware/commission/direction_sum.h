@@ -1,9 +1,9 @@
-/* What the outputs answer along a direction (direction.h), by the single tests and by the record of its own test.
+/* Responses of the outputs along a direction (direction.h), by the single tests and by the record of the direction's own test.
  *
- * The lags of the inputs nearly cancel in a direction: what is left begins like a pulse, and a fit of its shape leaves the end wide
- * open. The single tests know when everything is over, so the end is read from the points after that, less the little that the model
- * says is still to come: a mean of noise, and as sure as it is long. Main loop; direction_response(), direction_end() and
- * direction_over_s() in the tick, too. */
+ * In a direction the lags of the inputs nearly cancel. What remains begins like a pulse, and a fit of its shape leaves the end wide
+ * open. The single tests tell when every response is over, so the end is the mean of the points after that time, less the small part
+ * that the model says is still to come. Such a mean is the surer the longer it lasts. Main loop; direction_response(),
+ * direction_end() and direction_over_s() run in the tick, too. */
 #ifndef REFLUX_COMMISSION_DIRECTION_SUM_H
 #define REFLUX_COMMISSION_DIRECTION_SUM_H
 
@@ -16,16 +16,17 @@
 
 struct commission;
 
-/* Response of output j, span, to a level of 1 in the direction, after t_s; its end. By the single tests. */
+/* Response of output j to a level of 1 in the direction after t_s, and its end, in fractions of span. By the single tests. */
 real_t direction_response(const struct commission *c, uint8_t j, real_t t_s);
 real_t direction_end(const struct commission *c, uint8_t j);
-/* Dead time and so many lags of the slowest element of output j that the direction uses, s. */
+/* Dead time plus the given number of lags of the slowest element of output j that the direction uses, s. */
 real_t direction_over_s(const struct commission *c, uint8_t j, real_t lags);
 
-/* Gain of output j along the direction, from the record of the latest test. False: the test did not last so long. A long piece of
- * work: every point of the record takes the responses of all inputs. */
+/* Finds the gain of output j along the direction from the record of the latest test. False: the test ended before the responses were
+ * over. This is a long piece of work, because every point of the record takes the responses of all inputs. */
 bool direction_plateau(const struct commission *c, uint8_t j, real_t *gain);
-/* Its standard deviation, as long a piece; the record must still be the same. False: it is not finite. */
+/* Finds the standard deviation of that gain in a second piece of work as long as the first. The record must not have changed
+ * meanwhile. False: the deviation is not finite. */
 bool direction_plateau_sd(const struct commission *c, uint8_t j, real_t gain, real_t *sd);
 
 #endif
