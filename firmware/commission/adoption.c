@@ -2,6 +2,7 @@
 
 #include "base/assertion.h"
 #include "commission/adoption_state.h"
+#include "commission/margin_probe.h"
 #include "commission/swing.h"
 #include "commission/trial_step.h"
 
@@ -54,17 +55,11 @@ static uint8_t all_loops(const struct adoption *a)
     return (uint8_t)(a->n + a->n_inner);
 }
 
-static uint32_t duration(const struct adoption_loop *l, const struct supervisor *s)
-{
-    real_t ticks = l->duration_s / s->plan->tick_s;
-    return ticks < REAL_C(20.0) ? 20u : ticks > REAL_C(1e6) ? 1000000u : (uint32_t)ticks;
-}
-
 static uint32_t longest(const struct adoption *a, const struct supervisor *s)
 {
     uint32_t most = 0;
     for (uint8_t k = 0; k < a->n; k++) {
-        uint32_t d = duration(&a->loop[k], s);
+        uint32_t d = adoption_step_samples(&a->loop[k], s->plan->tick_s);
         most = d > most ? d : most;
     }
     return most;
@@ -73,7 +68,7 @@ static uint32_t longest(const struct adoption *a, const struct supervisor *s)
 static void enter_stage(struct adoption *a, enum stage stage, uint32_t ticks)
 {
     a->stage = (uint8_t)stage;
-    a->raised = (a->raised && stage == STAGE_RETURN) || (a->probing && stage != STAGE_REST);
+    margin_probe_enter(&a->probe, stage == STAGE_REST, stage == STAGE_RETURN);
     a->ticks = 0;
     a->stage_ticks = ticks;
     trial_step_begin(&a->trial_step);
@@ -117,7 +112,8 @@ enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct o
     a->steady = work;
     a->result = a->doubt = ADOPTION_RUNNING;
     a->turn = a->culprit = a->repeats = 0;
-    a->drifting = a->placed = a->probing = false;
+    a->drifting = a->placed = false;
+    margin_probe_repeat(&a->probe, false);
     a->since = 0;
     a->patience = PATIENCE;
     for (uint8_t k = 0; k < a->n; k++)
@@ -228,8 +224,8 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
             return fail_trial(a, a->doubt, a->turn);
         a->repeats++;
         a->drifting = true;
-        a->probing =
-            a->doubt == ADOPTION_MARGIN; /* the step has passed, its way back is in doubt */
+        /* Where the margin is in doubt the step has passed, and only its way back is in doubt. */
+        margin_probe_repeat(&a->probe, a->doubt == ADOPTION_MARGIN);
         a->doubt = ADOPTION_RUNNING;
     }
     for (uint8_t k = 0; k < a->n; k++)
@@ -346,8 +342,8 @@ static void say_setpoint(const struct adoption *a, const struct supervisor *s)
 static void begin_stage(struct adoption *a, struct supervisor *s, enum stage stage)
 {
     REFLUX_ASSERT(a->turn < a->n);
-    enter_stage(a, stage, duration(&a->loop[a->turn], s));
-    if (stage == STAGE_STEP && !a->probing)
+    enter_stage(a, stage, adoption_step_samples(&a->loop[a->turn], s->plan->tick_s));
+    if (stage == STAGE_STEP && !margin_probe_repeats(&a->probe))
         a->loop[a->turn].iae = a->loop[a->turn].peak = REAL_C(0.0);
     place_setpoints(a, s);
     say_setpoint(a, s);
@@ -365,7 +361,7 @@ static void look_at_step(struct adoption *a, const struct supervisor *s)
         if (output_of(a, s, k) != PLAN_NONE)
             trial_step_watch_output(&a->trial_step, s, k, output_of(a, s, k));
     bool ends = a->ticks > a->stage_ticks - a->stage_ticks / 4u;
-    if (a->probing)
+    if (margin_probe_repeats(&a->probe))
         trial_step_rest(&a->trial_step, setpoint_error(a, s), ends);
     else
         trial_step_sample(&a->trial_step, &a->loop[a->turn], setpoint_error(a, s), s->plan->tick_s,
@@ -378,8 +374,8 @@ static enum adoption_result verdict_of_probe(const struct adoption *a)
     REFLUX_ASSERT(a->turn < a->n);
     real_t step = a->loop[a->turn].step, direction = a->stage == STAGE_RETURN ? -step : step;
     bool fails = trial_step_swings(&a->trial_step) ||
-                 trial_step_is_restless(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
-                                        direction, a->probe[a->turn].left);
+                 margin_probe_is_restless(&a->probe, &a->trial_step, &a->loop[a->turn],
+                                          &a->channel[a->turn], a->turn, direction);
     return fails ? ADOPTION_MARGIN : ADOPTION_RUNNING;
 }
 
@@ -397,12 +393,12 @@ static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
     REFLUX_ASSERT(a->turn < a->n);
-    if (a->probing)
+    if (margin_probe_repeats(&a->probe))
         a->doubt = verdict_of_probe(a);
     else
         a->doubt = trial_step_verdict(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
                                       all_loops(a), a->stage_ticks, s->plan->tick_s);
-    a->probing = false;
+    margin_probe_repeat(&a->probe, false);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
         return ADOPTION_RUNNING;
@@ -413,25 +409,20 @@ static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
     return ADOPTION_RUNNING;
 }
 
-/* The way back of this loop is its margin probe. A plant that drifts has no way back. */
-static bool is_probed(const struct adoption *a)
-{
-    REFLUX_ASSERT(a->turn < a->n);
-    return a->probe && a->probe[a->turn].planned && !a->drifting;
-}
-
-/* Raises the gain just before the way back, because the controller has to make the setpoint's step with it. */
+/* Raises the gain just before the way back, because the controller has to make the setpoint's step with it. A plant that drifts has
+ * no way back. */
 static void raise_in_time(struct adoption *a, const struct supervisor *s)
 {
+    REFLUX_ASSERT(a->turn < a->n);
     uint32_t turn = s->plan->config.loop[a->loop[a->turn].loop].divisor;
-    if (is_probed(a) && a->ticks + turn >= a->stage_ticks)
-        a->raised = true;
+    if (!a->drifting && a->ticks + turn >= a->stage_ticks)
+        margin_probe_raise(&a->probe, a->turn);
 }
 
 static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 {
     REFLUX_ASSERT(a->turn < a->n);
-    if (a->raised)
+    if (margin_probe_is_raised(&a->probe))
         a->doubt = verdict_of_probe(a);
     else if (trial_step_swings(&a->trial_step))
         a->doubt = ADOPTION_SWINGS;
@@ -446,8 +437,9 @@ static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
 /* A stage ends after its time; with a raised gain at the first sign, because the gain must go back to normal. */
 static bool is_over(const struct adoption *a)
 {
-    bool probes = a->probing || a->stage == STAGE_RETURN;
-    return a->ticks >= a->stage_ticks || (probes && a->raised && trial_step_swings(&a->trial_step));
+    bool probes = margin_probe_repeats(&a->probe) || a->stage == STAGE_RETURN;
+    return a->ticks >= a->stage_ticks ||
+           (probes && margin_probe_is_raised(&a->probe) && trial_step_swings(&a->trial_step));
 }
 
 static enum adoption_result end_stage(struct adoption *a, struct supervisor *s)
@@ -467,7 +459,7 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
         listen(a, s);
     enum adoption_result r = watch_trial(a, s);
-    if (r == ADOPTION_PAST_LIMIT && a->raised && a->culprit == a->turn)
+    if (r == ADOPTION_PAST_LIMIT && margin_probe_is_raised(&a->probe) && a->culprit == a->turn)
         return fail_trial(a, ADOPTION_MARGIN, a->turn);
     if (r != ADOPTION_RUNNING)
         return r;
@@ -475,7 +467,8 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
         look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
         trial_step_swing(&a->trial_step, &a->loop[a->turn], &a->channel[a->turn],
-                         setpoint_error(a, s), a->raised ? &swing_raised : &swing_accepted,
+                         setpoint_error(a, s),
+                         margin_probe_is_raised(&a->probe) ? &swing_raised : &swing_accepted,
                          a->ticks >= a->stage_ticks);
     if (a->stage == STAGE_RETURN)
         trial_step_rest(&a->trial_step, setpoint_error(a, s),

@@ -3,6 +3,7 @@
 #define REFLUX_COMMISSION_ADOPTION_STATE_H
 
 #include "base/assertion.h"
+#include "commission/margin_probe_state.h"
 #include "commission/trial_records.h"
 #include "commission/trial_step_state.h"
 #include "exchange/plan.h"
@@ -22,16 +23,21 @@ struct adoption {
     uint8_t stage, repeats, patience;
     bool drifting; /* a measurement has drifted: rest between any two steps */
     bool placed;   /* the setpoints are written */
-    bool probing;  /* a margin probe is made again, as a step away */
-    bool raised;   /* the loop under trial is to have its gain raised */
     uint32_t ticks, stage_ticks;
-    uint32_t since;                  /* ticks since the lines were fitted */
-    real_t asked[CONFIG_LOOPS];      /* setpoints, as written */
-    struct trial_step trial_step;    /* of the loop under trial */
-    const struct trial_probe *probe; /* one for each loop; NULL: none is probed */
-    struct steady *steady;           /* work */
+    uint32_t since;               /* ticks since the lines were fitted */
+    real_t asked[CONFIG_LOOPS];   /* setpoints, as written */
+    struct trial_step trial_step; /* of the loop under trial */
+    struct margin_probe probe;    /* of the loop under trial */
+    struct steady *steady;        /* work */
     struct origin *origin;
 };
+
+/* Samples of a setpoint step, 20 to 1e6. */
+static inline uint32_t adoption_step_samples(const struct adoption_loop *l, real_t tick_s)
+{
+    real_t ticks = l->duration_s / tick_s;
+    return ticks < REAL_C(20.0) ? 20u : ticks > REAL_C(1e6) ? 1000000u : (uint32_t)ticks;
+}
 
 /* The setpoint step of loop k becomes another. */
 static inline void adoption_set_step(struct adoption *a, unsigned k, real_t step)
@@ -43,14 +49,14 @@ static inline void adoption_set_step(struct adoption *a, unsigned k, real_t step
 /* Predictions for the ways back with a raised gain, one for each loop; they must stay until the trial ends. */
 static inline void adoption_probe_with(struct adoption *a, const struct trial_probe *probe)
 {
-    a->probe = probe;
+    margin_probe_with(&a->probe, probe);
 }
 
 /* The loop, an index in the plan, that is to have its gain raised now; PLAN_NONE: none. */
 static inline uint8_t adoption_raised(const struct adoption *a)
 {
     REFLUX_ASSERT(a->turn <= a->n);
-    return a->raised ? a->loop[a->turn].loop : PLAN_NONE;
+    return margin_probe_is_raised(&a->probe) ? a->loop[a->turn].loop : PLAN_NONE;
 }
 
 /* Number of loops with a setpoint to step. */

@@ -22,7 +22,7 @@
  *     experiment  analysis  kept_watch ...    methods that know nothing of start-up
  *
  * In the tick run results, tests, by_relay, analysis_single, acceptance, watching, kept_watch, next_test, direction, start_stop, status,
- * test_outputs, test_inputs, origin, adoption, trial_step, swing, experiment, limits, progress and combine. In the main loop run
+ * test_outputs, test_inputs, origin, adoption, trial_step, margin_probe, swing, experiment, limits, progress and combine. In the main loop run
  * interim_fit, analysis,
  * analysis_structure, certainty, test_verdict, words, expected, lease, proposal, proposal_loops, proposal_structure and trial_plan.
  * Both use commission, model, analysis_job, background, blocking, channels, requests and reasons, as the heads of these say. Only

@@ -14,11 +14,9 @@
 #define MOVED_LEAST  REAL_C(1e-6)
 #define AT_LIMIT     REAL_C(1e-5) /* of span */
 
-/* Samples of a setpoint step. */
-static uint32_t step_samples(const struct adoption_loop *l, const struct supervisor *s)
+static uint32_t step_samples(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
-    real_t ticks = l->duration_s / s->plan->tick_s;
-    return ticks < REAL_C(20.0) ? 20u : ticks > REAL_C(1e6) ? 1000000u : (uint32_t)ticks;
+    return adoption_step_samples(adoption_loop(a, k), s->plan->tick_s);
 }
 
 static real_t output_now(const struct adoption *a, const struct supervisor *s, uint8_t k)
@@ -38,7 +36,7 @@ void kept_watch_begin(struct kept_watch *w, const struct adoption *a, const stru
         l->limit = adoption_channel(a, k)->limit;
         l->target = num_to_float(s->loop[adoption_loop(a, k)->loop].setpoint);
         l->output = output_now(a, s, k);
-        l->held = step_samples(adoption_loop(a, k), s);
+        l->held = step_samples(a, s, k);
     }
 }
 
@@ -95,12 +93,12 @@ static enum kept_sign look_at_loop(struct kept_watch *w, const struct adoption *
     l->output = u;
     if (loop->mode == LOOP_MANUAL) {
         l->stuck = 0;
-        l->held = step_samples(adoption_loop(a, k), s);
+        l->held = step_samples(a, s, k);
         if (by_hand(a, s, k) && l->manual == 0)
             return KEPT_HAND;
         return ++l->manual > w->length / MANUAL_SHARE ? KEPT_IN_MANUAL : KEPT_FINE;
     }
-    uint32_t lasts = step_samples(adoption_loop(a, k), s);
+    uint32_t lasts = step_samples(a, s, k);
     l->stuck = is_stuck(a, s, k) ? l->stuck + 1u : 0;
     if ((real_t)l->stuck > STUCK_TIMES * (real_t)lasts)
         return KEPT_STUCK;

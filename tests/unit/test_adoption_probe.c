@@ -188,7 +188,7 @@ static void an_error_that_stays_with_the_raised_gain_fails_the_probe(void)
         while (a.ticks < a.stage_ticks - a.stage_ticks / 4u)
             one_tick();
         double y = plant.y, error = (0.5 + 0.02 * side) * STEP;
-        while (result == ADOPTION_RUNNING && a.raised) {
+        while (result == ADOPTION_RUNNING && margin_probe_is_raised(&a.probe)) {
             plant.y = error; /* held there */
             one_tick();
         }

@@ -215,7 +215,7 @@ static void no_probe_is_planned_without_a_prediction_a_setting_or_a_gain_that_a_
         prepare();
         TEST_ASSERT_EQUAL(n == 0, a->probe[0].planned);
     }
-    TEST_ASSERT_EQUAL_PTR(a->probe, t->probe);
+    TEST_ASSERT_EQUAL_PTR(a->probe, t->probe.predicted);
 }
 
 static void other_channels_and_loops_that_are_not_there_have_no_trial(void)
