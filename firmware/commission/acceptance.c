@@ -22,11 +22,11 @@ void commission_back_to_old(struct commission *c, struct supervisor *s,
 bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor *s)
 {
     const char *subject;
-    if (!outputs_plan_in_force(&c->outputs, s)) {
+    enum commission_reason reason = commission_interruption(c, s);
+    if (reason == REASON_CONFIG) {
         commission_end(c, s, REASON_CONFIG, NULL, REAL_C(0.0)); /* that one stays */
         return true;
     }
-    enum commission_reason reason = outputs_were_safe(&c->outputs, s) ? REASON_SAFE : REASON_NOT;
     if (reason == REASON_NOT)
         reason = blocking_reason(c, s, &subject);
     int end = outputs_at_end(&c->outputs);

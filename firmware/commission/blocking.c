@@ -220,15 +220,24 @@ enum err commission_may_try(const struct commission *c, const struct supervisor 
     return reason == REASON_NOT ? ERR_OK : ERR_STATE;
 }
 
+enum commission_reason commission_interruption(const struct commission *c,
+                                               const struct supervisor *s)
+{
+    if (!outputs_plan_in_force(&c->outputs, s))
+        return REASON_CONFIG;
+    /* The safe state may have been left again within this very tick. */
+    return outputs_were_safe(&c->outputs, s) ? REASON_SAFE : REASON_NOT;
+}
+
 enum commission_reason commission_disturbance(const struct commission *c,
                                               const struct supervisor *s, const char **subject)
 {
     const struct config *config = &s->plan->config;
+    enum commission_reason reason = commission_interruption(c, s);
     *subject = NULL;
-    if (!outputs_plan_in_force(&c->outputs, s))
-        return REASON_CONFIG;
-    /* The safe state may have been left again within this very tick. */
-    if (s->state == SUPERVISOR_SAFE || outputs_were_safe(&c->outputs, s))
+    if (reason != REASON_NOT)
+        return reason;
+    if (s->state == SUPERVISOR_SAFE)
         return REASON_SAFE;
     for (uint8_t j = 0; j < outputs_count(&c->outputs); j++) {
         *subject = outputs_name(&c->outputs, s, j);

@@ -18,6 +18,10 @@ MUST_CHECK enum err commission_may_relay(const struct supervisor *s, uint8_t loo
 MUST_CHECK enum err commission_may_try(const struct commission *c, const struct supervisor *s,
                                        const char **what, const char **wanted);
 
+/* Another configuration is in force, or the outputs have been safe since tests or a trial began: REASON_CONFIG, REASON_SAFE, or
+ * REASON_NOT. Ends whatever start-up does. */
+enum commission_reason commission_interruption(const struct commission *c,
+                                               const struct supervisor *s);
 /* Reason for which a trial cannot begin or go on; REASON_NOT: none. */
 enum commission_reason blocking_reason(const struct commission *c, const struct supervisor *s,
                                        const char **subject);

@@ -2,6 +2,7 @@
 
 #include "commission/acceptance.h"
 #include "commission/adoption.h"
+#include "commission/blocking.h"
 #include "commission/commission_state.h"
 #include "commission/kept_watch_state.h"
 #include "commission/lease.h"
@@ -90,12 +91,9 @@ void commission_watch(struct commission *c, struct supervisor *s)
         [KEPT_IN_MANUAL] = REASON_WATCH_MANUAL,
         [KEPT_HAND] = REASON_HAND,
     };
-    if (!outputs_plan_in_force(&c->outputs, s)) {
-        commission_end_watch(c, s, REASON_CONFIG, NULL);
-        return;
-    }
-    if (outputs_were_safe(&c->outputs, s)) {
-        commission_end_watch(c, s, REASON_SAFE, NULL);
+    enum commission_reason interruption = commission_interruption(c, s);
+    if (interruption != REASON_NOT) {
+        commission_end_watch(c, s, interruption, NULL);
         return;
     }
     enum kept_sign sign = kept_watch_tick(watch_of(c), &c->adoption, s);
