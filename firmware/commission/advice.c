@@ -139,29 +139,21 @@ static unsigned after_end(const struct commission *c, const struct supervisor *s
     }
 }
 
-/* The longest half that an open response asks for, where a setting forbids it. */
+/* A response whose end was not seen, so that its time is not known, where a setting forbids the longest half. */
 static unsigned after_short(const struct commission *c, const struct supervisor *s,
                             struct advice *a)
 {
     const struct analysis *analysis = &c->work->analysis;
-    real_t longest_s = REAL_C(0.0);
+    real_t needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
     for (uint8_t j = 0; j < analysis->plant.outputs; j++)
         for (uint8_t i = 0; i < analysis->plant.inputs; i++) {
-            struct advice one;
             uint8_t k = analysis_job_input(&c->analysis_job, i);
-            unsigned open = certainty_flags(analysis, j, i) & CERTAINTY_OPEN_FLAGS;
-            real_t needed_s = TIME_MORE * commission_half_needed(c, j, k);
-            if (open & (IDENTIFIED_SLOW | IDENTIFIED_UNKNOWN)) /* its time is not known */
-                needed_s = (real_t)COMMISSION_HALF_MOST * s->plan->tick_s;
-            if (!open ||
-                !longer_half(s, inputs_get(&c->inputs, k)->output,
-                             outputs_measurement(&c->outputs, j), needed_s, &one) ||
-                !(needed_s > longest_s))
-                continue;
-            longest_s = needed_s;
-            *a = one;
+            if (certainty_flags(analysis, j, i) &&
+                longer_half(s, inputs_get(&c->inputs, k)->output,
+                            outputs_measurement(&c->outputs, j), needed_s, a))
+                return 1;
         }
-    return longest_s > REAL_C(0.0);
+    return 0;
 }
 
 /* A set length binds, and nothing is known that says how long it should be: the board finds it. open: a response is not seen to

@@ -13,9 +13,7 @@ struct analysis;
 
 /* The test did not show the end of the response, so its gain may be anything: while any element has one of these, nothing is
  * determined. Longer tests may resolve them. */
-#define CERTAINTY_OPEN_FLAGS                                                                       \
-    (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED | IDENTIFIED_SLOW |        \
-     IDENTIFIED_UNKNOWN)
+#define CERTAINTY_OPEN_FLAGS (IDENTIFIED_SLOW | IDENTIFIED_UNKNOWN)
 
 /* Reasons why a channel that was tested has no loop. */
 enum left_over {

@@ -33,12 +33,10 @@ static void doubt_element_line(const struct client *c, unsigned j, unsigned i, s
         return;
     text_str(line, "doubt element ");
     names(c, j, i, line);
-    if (bits & CERTAINTY_OPEN_FLAGS) {
-        uint8_t k = analysis_job_input(&m->analysis_job, i);
-        text_named_float(line, "half", (float)inputs_get(&m->inputs, k)->half_s);
-        text_named_float(line, "s needs", (float)commission_half_needed(m, (uint8_t)j, k));
-        text_str(line, " s");
-    }
+    uint8_t k = analysis_job_input(&m->analysis_job, i);
+    text_named_float(line, "half", (float)inputs_get(&m->inputs, k)->half_s);
+    text_named_float(line, "s needs", (float)commission_half_needed(m, (uint8_t)j, k));
+    text_str(line, " s");
     commission_flags(line, bits);
 }
 

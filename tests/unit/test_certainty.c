@@ -1,8 +1,8 @@
 /* commission/certainty.[ch]: what has to agree with the draws before a pairing is determined, on either side of each bound.
  *
  * Contract
- *   flags          slow, unknown, integrating, short, not settled: not determined, whether a pair uses the element or not;
- *                  oscillatory: where a pair uses it; other flags never, nor a ramp whose slope is known
+ *   flags          slow, unknown: not determined, whether a pair uses the element or not; other flags never, nor a ramp whose
+ *                  slope is known
  *   signs, rank    a gain, a determinant, a direction that does not stand out of its error: not determined
  *   second opinion gains over residence times that pair otherwise: shown, no doubt
  *   what is left   every channel without a loop, with the reason
@@ -77,19 +77,14 @@ static void an_unresolved_flag_counts_whether_paired_or_not(void)
 {
     static const struct {
         uint16_t flag;
-        uint8_t paired, elsewhere;
-    } cases[] = {{IDENTIFIED_SHORT, DOUBT_SHAPE, DOUBT_SHAPE},
-                 {IDENTIFIED_NOT_SETTLED, DOUBT_SHAPE, DOUBT_SHAPE},
-                 {IDENTIFIED_INTEGRATING, DOUBT_SHAPE, DOUBT_SHAPE},
-                 {IDENTIFIED_OSCILLATORY, 0, 0},
-                 {IDENTIFIED_SLOW, DOUBT_SHAPE, DOUBT_SHAPE},
-                 {IDENTIFIED_UNKNOWN, DOUBT_SHAPE, DOUBT_SHAPE},
-                 {IDENTIFIED_INVERSE, 0, 0},
-                 {IDENTIFIED_RAMP, 0, 0},
-                 {IDENTIFIED_NEGATIVE_L | IDENTIFIED_NEGATIVE_T, 0, 0}};
+        uint8_t doubts;
+    } cases[] = {{IDENTIFIED_SLOW, DOUBT_SHAPE},
+                 {IDENTIFIED_UNKNOWN, DOUBT_SHAPE},
+                 {IDENTIFIED_INVERSE, 0},
+                 {IDENTIFIED_RAMP, 0}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++)
         for (uint8_t i = 0; i < 2; i++) {
-            uint8_t doubts = i == 1 ? cases[n].paired : cases[n].elsewhere;
+            uint8_t doubts = cases[n].doubts;
             good();
             a.flags[1][i] = cases[n].flag;
             run();
@@ -103,8 +98,7 @@ static void an_unresolved_flag_counts_whether_paired_or_not(void)
 /* A gain that is lost in its error is no proof that there is none: the test was too short to know. */
 static void a_flag_counts_where_the_gain_does_not_stand_out(void)
 {
-    static const uint16_t flags[] = {IDENTIFIED_INTEGRATING, IDENTIFIED_SHORT,
-                                     IDENTIFIED_NOT_SETTLED, IDENTIFIED_SLOW, IDENTIFIED_UNKNOWN};
+    static const uint16_t flags[] = {IDENTIFIED_SLOW, IDENTIFIED_UNKNOWN};
     for (unsigned n = 0; n < sizeof flags / sizeof flags[0]; n++) {
         good();
         element(0, 1, 0.029, 0.01, 100);
@@ -117,7 +111,7 @@ static void a_flag_counts_where_the_gain_does_not_stand_out(void)
 static void words_name_a_response_not_seen_to_its_end(void)
 {
     good();
-    a.flags[0][1] = IDENTIFIED_SHORT;
+    a.flags[0][1] = IDENTIFIED_SLOW;
     run();
     TEST_ASSERT_EQUAL_STRING("not determined: a response was not seen to its end",
                              words_of_verdict(&a));
@@ -140,7 +134,7 @@ static void a_flag_counts_for_the_inner_loop_of_a_cascade_too(void)
     TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_output_left(&a, 0));
     element(0, 0, 1.0, 0.005, 10); /* the loop above it is designed on another plant */
     element(1, 0, 0.8, 0.005, 200);
-    a.flags[0][0] = IDENTIFIED_SHORT;
+    a.flags[0][0] = IDENTIFIED_SLOW;
     run();
     TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.certainty.doubts);
 }
@@ -294,7 +288,7 @@ static void pairs_that_are_given_need_all_else(void)
     run();
     TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.layout.second);
     TEST_ASSERT_EQUAL_HEX8(0, a.certainty.doubts);
-    a.flags[0][1] = IDENTIFIED_SHORT;
+    a.flags[0][1] = IDENTIFIED_SLOW;
     run();
     TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.certainty.doubts);
     memset(a.flags, 0, sizeof a.flags);
