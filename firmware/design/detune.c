@@ -30,23 +30,15 @@ void detune_config_default(struct detune_config *config)
 
 static enum err check_detuning(const struct detune_config *c, struct interact_refusal *reason)
 {
-    const struct {
-        real_t value, lo, hi;
-        const char *field, *wanted;
-    } fields[] = {{c->db_per_loop, REAL_C(0.1), REAL_C(20.0), "db_per_loop", "0.1 to 20 dB"},
-                  {c->db_most, REAL_C(0.1), REAL_C(40.0), "db_most", "0.1 to 40 dB"},
-                  {c->gain_margin, REAL_C(1.0), REAL_C(10.0), "gain_margin", "1 to 10"},
-                  {c->factor_hi, REAL_C(1.0), REAL_C(1e4), "factor_hi", "1 to 1e4"},
-                  {c->gain_hi, REAL_C(1e-6), REAL_C(1e6), "gain_hi", "1e-6 to 1e6"},
-                  {c->noise_least, REAL_C(0.0), REAL_C(1.0), "noise_least", "0 to 1"},
-                  {c->noise_times, REAL_C(0.01), REAL_C(1e6), "noise_times", "0.01 to 1e6"}};
-    for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
-        if (!real_within(fields[k].value, fields[k].lo, fields[k].hi)) {
-            *reason = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
-                                                INTERACT_NONE};
-            return ERR_RANGE;
-        }
-    return ERR_OK;
+    const struct interact_range ranges[] = {
+        {c->db_per_loop, REAL_C(0.1), REAL_C(20.0), "db_per_loop", "0.1 to 20 dB"},
+        {c->db_most, REAL_C(0.1), REAL_C(40.0), "db_most", "0.1 to 40 dB"},
+        {c->gain_margin, REAL_C(1.0), REAL_C(10.0), "gain_margin", "1 to 10"},
+        {c->factor_hi, REAL_C(1.0), REAL_C(1e4), "factor_hi", "1 to 1e4"},
+        {c->gain_hi, REAL_C(1e-6), REAL_C(1e6), "gain_hi", "1e-6 to 1e6"},
+        {c->noise_least, REAL_C(0.0), REAL_C(1.0), "noise_least", "0 to 1"},
+        {c->noise_times, REAL_C(0.01), REAL_C(1e6), "noise_times", "0.01 to 1e6"}};
+    return interact_check_ranges(ranges, sizeof ranges / sizeof ranges[0], reason);
 }
 
 /* Returns the way from the input of loop l to the output of loop k as one lag with dead time. */

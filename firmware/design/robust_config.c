@@ -20,12 +20,13 @@ static enum err refuse_robust(struct interact_refusal *reason, const char *field
 enum err robust_config_check(const struct robust_config *c, const struct loops *start,
                              struct interact_refusal *reason)
 {
-    if (!real_within(c->s_most, REAL_C(1.2), REAL_C(10.0)))
-        return refuse_robust(reason, "s_most", "1.2 to 10");
-    if (!real_within(c->t_most, REAL_C(1.05), REAL_C(10.0)))
-        return refuse_robust(reason, "t_most", "1.05 to 10");
-    if (!real_within(c->t_nominal, REAL_C(1.05), c->t_most))
-        return refuse_robust(reason, "t_nominal", "1.05 to t_most");
+    const struct interact_range ranges[] = {
+        {c->s_most, REAL_C(1.2), REAL_C(10.0), "s_most", "1.2 to 10"},
+        {c->t_most, REAL_C(1.05), REAL_C(10.0), "t_most", "1.05 to 10"},
+        {c->t_nominal, REAL_C(1.05), c->t_most, "t_nominal", "1.05 to t_most"}};
+    enum err err = interact_check_ranges(ranges, sizeof ranges / sizeof ranges[0], reason);
+    if (err)
+        return err;
     if (c->members > 1000 || (c->members > 0 && !c->draw))
         return refuse_robust(reason, "members", "0 to 1000, and a function that draws them");
     for (size_t k = 0; k < start->pairs.n; k++) {

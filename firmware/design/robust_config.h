@@ -29,7 +29,7 @@ struct robust_config {
 /* s_most 2, t_most 1.5, t_nominal 1.3, gains to 100, all of one part, no members. */
 void robust_config_default(struct robust_config *config);
 
-/* ERR_RANGE: a field out of its range, NaN included, or a loop with a derivative; reason says which. start is checked. */
+/* ERR_RANGE, ERR_NOT_FINITE: a field out of its range, or a loop with a derivative; reason says which. start is checked. */
 MUST_CHECK enum err robust_config_check(const struct robust_config *config,
                                         const struct loops *start, struct interact_refusal *reason);
 

@@ -17,20 +17,13 @@ void static_decoupler_config_default(struct static_decoupler_config *config)
 static enum err check_decoupling(const struct static_decoupler_config *c,
                                  struct interact_refusal *reason)
 {
-    *reason = (struct interact_refusal){"element_hi", "1 to 1000", INTERACT_NONE, INTERACT_NONE};
-    if (!real_within(c->element_hi, REAL_C(1.0), REAL_C(1000.0)))
-        return ERR_RANGE;
-    reason->field = "lambda_hi";
-    if (!real_within(c->lambda_hi, REAL_C(1.0), REAL_C(1000.0)))
-        return ERR_RANGE;
-    *reason = (struct interact_refusal){"significance", "0 to 20", INTERACT_NONE, INTERACT_NONE};
-    if (!real_within(c->significance, REAL_C(0.0), REAL_C(20.0)))
-        return ERR_RANGE;
-    *reason = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
-    if (!real_within(c->floor, REAL_C(0.0), REAL_C(0.5)))
-        return ERR_RANGE;
-    *reason = (struct interact_refusal){"left_hi", "0.01 to 10", INTERACT_NONE, INTERACT_NONE};
-    return real_within(c->left_hi, REAL_C(0.01), REAL_C(10.0)) ? ERR_OK : ERR_RANGE;
+    const struct interact_range ranges[] = {
+        {c->element_hi, REAL_C(1.0), REAL_C(1000.0), "element_hi", "1 to 1000"},
+        {c->lambda_hi, REAL_C(1.0), REAL_C(1000.0), "lambda_hi", "1 to 1000"},
+        {c->significance, REAL_C(0.0), REAL_C(20.0), "significance", "0 to 20"},
+        {c->floor, REAL_C(0.0), REAL_C(0.5), "floor", "0 to 0.5"},
+        {c->left_hi, REAL_C(0.01), REAL_C(10.0), "left_hi", "0.01 to 10"}};
+    return interact_check_ranges(ranges, sizeof ranges / sizeof ranges[0], reason);
 }
 
 static enum err refuse_element(struct interact_refusal *reason, const char *field,

@@ -10,19 +10,11 @@ enum { STAGE_GAINS, STAGE_NEXT, STAGE_SUBSETS, STAGE_BRANCH, STAGE_DRAWS, STAGE_
 
 static enum err check_candidates(const struct candidates_config *c, struct interact_refusal *reason)
 {
-    const struct {
-        real_t value, lo, hi;
-        const char *field, *wanted;
-    } fields[] = {{c->smallest_lambda, REAL_C(0.001), REAL_C(1.0), "smallest_lambda", "0.001 to 1"},
-                  {c->floor, REAL_C(0.0), REAL_C(0.5), "floor", "0 to 0.5"},
-                  {(real_t)c->draws, REAL_C(20.0), REAL_C(10000.0), "draws", "20 to 10000"}};
-    for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
-        if (!real_within(fields[k].value, fields[k].lo, fields[k].hi)) {
-            *reason = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
-                                                INTERACT_NONE};
-            return real_is_finite(fields[k].value) ? ERR_RANGE : ERR_NOT_FINITE;
-        }
-    return ERR_OK;
+    const struct interact_range ranges[] = {
+        {c->smallest_lambda, REAL_C(0.001), REAL_C(1.0), "smallest_lambda", "0.001 to 1"},
+        {c->floor, REAL_C(0.0), REAL_C(0.5), "floor", "0 to 0.5"},
+        {(real_t)c->draws, REAL_C(20.0), REAL_C(10000.0), "draws", "20 to 10000"}};
+    return interact_check_ranges(ranges, sizeof ranges / sizeof ranges[0], reason);
 }
 
 static void sort_channels(uint8_t *channel, uint8_t n)

@@ -4,6 +4,7 @@
 
 #ifdef REFLUX_REAL_DOUBLE
 #define interact_check               interact_check_double
+#define interact_check_ranges        interact_check_ranges_double
 #define pairs_check                  pairs_check_double
 #define interact_gains               interact_gains_double
 #define interact_response            interact_response_double

@@ -15,6 +15,20 @@ static enum err check_number(real_t x, real_t lo, real_t hi)
     return x < lo || x > hi ? ERR_RANGE : ERR_OK;
 }
 
+enum err interact_check_ranges(const struct interact_range *ranges, size_t n,
+                               struct interact_refusal *reason)
+{
+    for (size_t k = 0; k < n; k++) {
+        enum err err = check_number(ranges[k].value, ranges[k].lo, ranges[k].hi);
+        if (err) {
+            *reason = (struct interact_refusal){ranges[k].field, ranges[k].wanted, INTERACT_NONE,
+                                                INTERACT_NONE};
+            return err;
+        }
+    }
+    return ERR_OK;
+}
+
 static enum err check_shape(const struct fopdt *e, const struct interact_shape *shape,
                             struct interact_refusal *reason)
 {

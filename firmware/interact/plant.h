@@ -53,6 +53,16 @@ struct interact_refusal {
     uint8_t output, input;
 };
 
+/* A number of a configuration, and the bounds that it must be within. */
+struct interact_range {
+    real_t value, lo, hi;
+    const char *field, *wanted;
+};
+
+/* Checks n numbers in turn. ERR_RANGE, ERR_NOT_FINITE: reason gets the first that is not within its bounds. */
+MUST_CHECK enum err interact_check_ranges(const struct interact_range *ranges, size_t n,
+                                          struct interact_refusal *reason);
+
 /* First thing that is wrong: ERR_RANGE or ERR_NOT_FINITE; why may be NULL. */
 MUST_CHECK enum err interact_check(const struct interact_plant *plant,
                                    struct interact_refusal *reason);
