@@ -59,25 +59,28 @@ static void say_loops(const struct commission *c, const struct supervisor *s)
     }
 }
 
+static void leave_watch(struct commission *c, const struct supervisor *s, enum event_code code,
+                        enum commission_reason reason, const char *subject)
+{
+    event_put(status_events(&c->status), s->time_ms, code, subject, hours_so_far(c, s),
+              (uint8_t)reason);
+    status_watched(&c->status, reason, subject);
+}
+
 void commission_end_watch(struct commission *c, struct supervisor *s, enum commission_reason reason,
                           const char *subject)
 {
-    event_put(status_events(&c->status), s->time_ms, EVENT_WATCH_ENDED, subject, hours_so_far(c, s),
-              (uint8_t)reason);
-    status_watched(&c->status, reason, subject);
+    leave_watch(c, s, EVENT_WATCH_ENDED, reason, subject);
 }
 
 /* A loop has gone wrong: the old settings return where the outputs of that time would hold the plant, else they stay. */
 static void act_on_sign(struct commission *c, struct supervisor *s, enum commission_reason reason,
                         const char *subject)
 {
-    if (kept_watch_is_near(watch_of(c), &c->adoption, s)) {
+    if (kept_watch_is_near(watch_of(c), &c->adoption, s))
         commission_back_to_old(c, s, reason, subject, REAL_C(0.0));
-        return;
-    }
-    event_put(status_events(&c->status), s->time_ms, EVENT_WATCH_SIGN, subject, hours_so_far(c, s),
-              (uint8_t)reason);
-    status_watched(&c->status, reason, subject);
+    else
+        leave_watch(c, s, EVENT_WATCH_SIGN, reason, subject);
 }
 
 void commission_watch(struct commission *c, struct supervisor *s)
