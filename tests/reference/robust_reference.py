@@ -10,15 +10,11 @@ sensitivities in double.
 
 usage: tests/reference/robust_reference.py
 """
-from pathlib import Path
-
 import numpy as np
 
-from shaped_loops import Element, Loops
+from shaped_loops import Element, Loops, one_lag as LAG, write
 
-HERE = Path(__file__).parent
 SEED = 35
-LAG = lambda k, dead, t: (k, dead, t, 0.0, 0.0)
 
 
 def two_modes(slow, fast):
@@ -158,21 +154,14 @@ def peaks(rows):
             yield [number, *padded(gain * times), *padded(ti * slower), *padded(s), *padded(t)]
 
 
-def write(name, head, columns, rows):
-    with open(HERE / name, "w") as f:
-        f.write(f"# {head}\n# made by tests/reference/robust_reference.py\n{columns}\n")
-        for row in rows:
-            f.write(",".join(f"{float(x):.12g}" for x in row) + "\n")
-
-
 def main():
     rows = list(plants())
     settings = "gain1,gain2,gain3,ti1,ti2,ti3"
     elements = ",".join(f"{x}{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3) for x in ("gain", "dead", "lag", "square", "zero"))
-    write("robust_plants.csv", "Plants and the best decentralised PI with |S| up to 2 and |T| up to 1.5",
+    write(__file__, "robust_plants.csv", "Plants and the best decentralised PI with |S| up to 2 and |T| up to 1.5",
           f"plant,loops,interval_s,duration_s,{elements},setpoints,loads,{settings}", rows)
-    write("peaks.csv", "Largest sensitivities of PI loops on the plants of robust_plants.csv", f"plant,{settings},s1,s2,s3,t1,t2,t3",
-          peaks(rows))
+    write(__file__, "peaks.csv", "Largest sensitivities of PI loops on the plants of robust_plants.csv",
+          f"plant,{settings},s1,s2,s3,t1,t2,t3", peaks(rows))
 
 
 if __name__ == "__main__":

@@ -16,20 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
+from shaped_loops import exponential
+
 FILE = Path(__file__).resolve().parent / "shape_response.csv"
 DEAD_STEP = 1e-3
-
-
-def exponential(a):
-    halvings = max(0, math.ceil(math.log2(max(np.abs(a).sum(), 1e-300))) + 4)
-    a = a / 2.0 ** halvings
-    term = total = np.eye(len(a))
-    for n in range(1, 16):
-        term = term @ a / n
-        total = total + term
-    for _ in range(halvings):
-        total = total @ total
-    return total
 
 
 def simulate(lag, square, zero, dead, edges, samples):

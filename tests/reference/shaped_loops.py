@@ -1,10 +1,27 @@
 """Plants whose elements have one or two lags and a zero, with sampled PI loops, in double and without the firmware's own
-way of splitting an element into lags. Used by shapes_reference.py and robust_reference.py.
+way of splitting an element into lags. Used by shapes_reference.py and robust_reference.py; shape_reference.py takes exponential().
 
 An element is (K, L, T, q, z): K (z s + 1) e^{-L s} / (q s^2 + T s + 1). Inputs are held between samples; the element is a
 state space that is stepped with its matrix exponential.
 """
+from pathlib import Path
+
 import numpy as np
+
+HERE = Path(__file__).parent
+
+
+def one_lag(gain, dead, lag):
+    """An element of one lag."""
+    return (gain, dead, lag, 0.0, 0.0)
+
+
+def write(script, name, head, columns, rows):
+    """A table of references beside the scripts, with the name of the one that made it."""
+    with open(HERE / name, "w") as f:
+        f.write(f"# {head}\n# made by tests/reference/{Path(script).name}\n{columns}\n")
+        for row in rows:
+            f.write(",".join(f"{float(x):.12g}" for x in row) + "\n")
 
 
 def exponential(a):

@@ -9,13 +9,9 @@
 
 usage: tests/reference/shapes_reference.py
 """
-from pathlib import Path
-
 import numpy as np
 
-from shaped_loops import Element, Loops
-
-HERE = Path(__file__).parent
+from shaped_loops import Element, Loops, one_lag as LAG, write
 
 # gain, dead time, time constant, square, zero
 ELEMENTS = [
@@ -24,7 +20,6 @@ ELEMENTS = [
     (1.0, 0.4, 1000.0, 900.0, 0.0), (3.0, 12.0, 60.0, 899.0, 0.0), (1.0, 2.0, 0.5, 0.06, 0.0), (1.0, 3.0, 0.0, 0.0, 0.0),
     (1.0, 6.0, 4e4, 1e8, 1e4),
 ]
-LAG = lambda k, dead, t: (k, dead, t, 0.0, 0.0)
 PLANTS = {
     "two lags": (1.0, [[(1.0, 2.0, 30.0, 125.0, 0.0), LAG(0.4, 5.0, 20.0)], [LAG(0.3, 4.0, 15.0), (-0.8, 3.0, 24.0, 80.0, 0.0)]],
                  [2.0, -2.0], [25.0, 20.0]),
@@ -99,16 +94,9 @@ def shape_loops():
                    *(peak / 0.01)]
 
 
-def write(name, head, columns, rows):
-    with open(HERE / name, "w") as f:
-        f.write(f"# {head}\n# made by tests/reference/shapes_reference.py\n{columns}\n")
-        for row in rows:
-            f.write(",".join(f"{float(x):.12g}" for x in row) + "\n")
-
-
 def main():
-    write("shapes.csv", "Responses of sampled and continuous elements of one and two lags", SHAPES, shapes())
-    write("shape_loops.csv", "Stability and steps of two PI loops on such elements", SHAPE_LOOPS, shape_loops())
+    write(__file__, "shapes.csv", "Responses of sampled and continuous elements of one and two lags", SHAPES, shapes())
+    write(__file__, "shape_loops.csv", "Stability and steps of two PI loops on such elements", SHAPE_LOOPS, shape_loops())
 
 
 if __name__ == "__main__":
