@@ -84,6 +84,12 @@ class Advice(MadePlants):
         self.assertTrue(any("mv2" in line and "coarse" in line for line in lines), lines)
         self.succeeds(of, ["set mv1.test_step 0.5"], "mv2.test_step")
 
+    def test_a_step_that_both_noise_and_a_coarse_sensor_hide_is_advised_once(self):
+        _, lines = self.advised(self.alike(1.2, resolution=2), ["set mv1.test_step 1", "set mv2.test_step 0.5"])
+        self.assertTrue(any("set mv1.test_step" in line and "coarse" in line for line in lines), lines)
+        names = [line.split()[1] for line in changes(lines)]
+        self.assertEqual(len(names), len(set(names)), lines)
+
     def test_noise_is_answered_with_a_larger_multiple_of_it(self):
         of = self.alike(1.48, 180, 30)
         for seed in (1, 2, 3):
