@@ -84,14 +84,19 @@ static void design_first(const struct matrix *decoupler)
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
 }
 
-static enum err search(void)
+static enum err search_from(const struct loops *start)
 {
-    TEST_ASSERT_EQUAL_INT_MESSAGE(
-        ERR_OK, robust_begin(&robust, &plant, &detune.loops, &config, &reason), reason.field);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, robust_begin(&robust, &plant, start, &config, &reason),
+                                  reason.field);
     enum err err;
     while ((err = robust_step(&robust)) == ERR_BUSY)
         ;
     return err;
+}
+
+static enum err search(void)
+{
+    return search_from(&detune.loops);
 }
 
 /* Largest |S| of all loops on a plant; infinite where they are unstable. t may be NULL. */
@@ -411,11 +416,7 @@ static void parts_are_searched_one_by_one(void)
     start.tuning[4] = (struct tuning){.gain = 1, .ti_s = 20};
     const uint8_t part[5] = {0, 0, 1, 1, 2};
     memcpy(config.part, part, sizeof part);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, robust_begin(&robust, &plant, &start, &config, &reason));
-    enum err err;
-    while ((err = robust_step(&robust)) == ERR_BUSY)
-        ;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, search_from(&start));
     for (unsigned k = 0; k < 4; k++) {
         TEST_ASSERT_EQUAL_FLOAT((float)alone.tuning[k % 2].gain,
                                 (float)robust.loops.tuning[k].gain);
@@ -482,6 +483,47 @@ static void no_gain_is_larger_than_noise_allows(void)
     double a = exp(-0.25 / 10.9), moves = 6.6 * sqrt((1 - a) / (1 + a)) * 0.002;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 2 * 0.001 / moves,
                               (double)detune_largest_gain(&plant, &detune.loops, &c, 0));
+}
+
+/* A plant of inverse responses twice, as one part. The nominal plant keeps its bounds with a margin of 0.99. */
+static void four_loops_are_searched_until_no_setting_may_improve_by_a_small_step(void)
+{
+    double v[57];
+    known_plant_of(4, v);
+    design_first(NULL);
+    struct loops start = detune.loops;
+    plant.outputs = plant.inputs = start.pairs.n = 4;
+    for (unsigned k = 2; k < 4; k++) {
+        start.pairs.output[k] = start.pairs.input[k] = (uint8_t)k;
+        start.tuning[k] = start.tuning[k - 2];
+        for (unsigned j = 0; j < 2; j++) {
+            plant.element[k][2 + j] = plant.element[k - 2][j];
+            plant.shape[k][2 + j] = plant.shape[k - 2][j];
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, search_from(&start));
+    for (unsigned k = 0; k < 8; k++) {
+        struct loops better = robust.loops;
+        if (k < 4)
+            better.tuning[k].gain *= (real_t)exp(0.055);
+        else
+            better.tuning[k - 4].ti_s *= (real_t)exp(-0.055);
+        double t, s = judged(&plant, &better, &t);
+        TEST_ASSERT_TRUE(s > 0.99 * 2.0 || t > 0.99 * 1.3);
+    }
+}
+
+/* The best gain of this loop is below the least that a PID takes. */
+static void no_gain_is_below_the_least_that_a_pid_takes(void)
+{
+    plant.outputs = plant.inputs = 1;
+    plant.element[0][0] = (struct fopdt){REAL_C(6e5), 30, 10};
+    const struct loops start = {.pairs = {.n = 1},
+                                .interval_s = 2,
+                                .derivative_filter = 8,
+                                .tuning = {{.gain = ROBUST_GAIN_LEAST, .ti_s = 100}}};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, search_from(&start));
+    TEST_ASSERT_TRUE(robust.loops.tuning[0].gain >= ROBUST_GAIN_LEAST);
 }
 
 static void unstable_settings_are_slowed_first(void)
@@ -619,6 +661,8 @@ int main(void)
     RUN_TEST(parts_that_act_on_each_other_are_slowed_until_all_is_sound);
     RUN_TEST(loops_behind_a_decoupler_are_searched_with_it);
     RUN_TEST(no_gain_is_larger_than_noise_allows);
+    RUN_TEST(four_loops_are_searched_until_no_setting_may_improve_by_a_small_step);
+    RUN_TEST(no_gain_is_below_the_least_that_a_pid_takes);
     RUN_TEST(unstable_settings_are_slowed_first);
     RUN_TEST(a_plant_without_sound_settings_is_said);
     RUN_TEST(a_member_without_sound_settings_is_named);
