@@ -12,7 +12,7 @@
 
 /* Relative error of any gain, because a first-order model is not the plant. */
 #define GAIN_FLOOR REAL_C(0.005)
-#define MEMBERS    24u          /* plants drawn, that the settings must bear */
+#define MEMBERS    24u          /* plants drawn, for which the settings must be sound */
 #define STEP       REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
 /* Longest lag of an element of the plant, s: that of an integrator (lti/shape.h) may be longer, and is then as good with less. */

@@ -10,9 +10,9 @@
 struct analysis;
 
 /* Begins with the settings of a->pairs, with a->d where decoupled; parts of the plant that do not act on each other count where
- * they are known. First a rule for each loop, all slowed until they are stable together (design/detune.h), then from there a
- * search for the best that the plant and what it may be bear (design/robust.h). ERR_UNSUPPORTED: gains or times that no rule is
- * for. */
+ * they are known. First a rule for each loop, all slowed until they are stable together (design/detune.h). From there begins a
+ * search for the best settings that are sound for the plant and for every plant that it may be (design/robust.h).
+ * ERR_UNSUPPORTED: gains or times that no rule is for. */
 enum err settings_begin(struct analysis *a, bool decoupled);
 /* A step of the rule, ERR_BUSY while there is more to do; then a->loops are its settings. */
 enum err settings_by_rule(struct analysis *a);

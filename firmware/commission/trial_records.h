@@ -52,7 +52,7 @@ enum adoption_result {
     ADOPTION_RESTLESS,
     ADOPTION_SWINGS,  /* half cycles of the error that do not decay */
     ADOPTION_BLOCKED, /* an output stood at its limit */
-    ADOPTION_MARGIN,  /* the loop does not bear a raised gain */
+    ADOPTION_MARGIN,  /* the loop is not stable with a raised gain */
     ADOPTION_LEFT,    /* at rest too far from the operating point */
     ADOPTION_HAND /* a loop did not go to automatic, or somebody moved a mode, a setpoint or an output */
 };

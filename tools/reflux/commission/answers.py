@@ -72,7 +72,7 @@ TEST = (
     TestField("longest", "test.longest", "s", "longest half of a double step; 0: as long as the responses ask for, 20,000 samples at most"),
     TestField("confidence", "test.confidence", "", "smallest probability of a pairing that counts as determined"),
     TestField("rounds", "test.rounds", "", "most tests of each input, repeated until the pairing is determined", whole=True),
-    TestField("probe", "test.probe", "", "factor on each loop's gain on the way back in the trial, which it must bear; 0: no such probe"),
+    TestField("probe", "test.probe", "", "factor on each loop's gain on the way back in the trial, with which it must stay stable; 0: no such probe"),
 )
 
 
