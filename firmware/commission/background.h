@@ -10,7 +10,7 @@ struct startup_background;
 /* piece(context) does a piece of the present task and says whether there is more. */
 void background_init(struct startup_background *b, const char *name, bool (*piece)(void *context),
                      void *context);
-/* The result is taken so many ticks later; a task that is under way is given up. Tick. */
+/* The result is taken the given number of ticks later; a task that is under way is given up. Tick. */
 void background_ask(struct startup_background *b, enum background_task task, uint32_t ticks);
 
 #endif

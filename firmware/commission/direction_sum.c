@@ -50,7 +50,7 @@ NOT_INLINE real_t direction_over_s(const struct commission *c, uint8_t j, real_t
     return longest_s;
 }
 
-/* Variance of what the model says is still to come after so many lags, by the errors of the time constants. */
+/* Variance of the response that the model still expects after DIRECTION_LAGS lags, by the errors of the time constants. */
 static real_t variance_to_come(const struct commission *c, uint8_t j)
 {
     real_t sum = REAL_C(0.0), left = DIRECTION_LAGS * real_exp(-DIRECTION_LAGS);

@@ -30,7 +30,7 @@ void experiment_take_interim_fit(struct experiment *e);
  * first sample, and once DONE or FAILED. */
 MUST_CHECK enum err experiment_missed(struct experiment *e);
 
-/* The sensor of output j reads in steps of that share of its span (0: fine ones) and is renewed every so many samples. */
+/* The sensor of output j reads in steps of that share of its span (0: fine ones) and is renewed every `renewal` samples. */
 void experiment_know_sensor(struct experiment *e, uint8_t j, real_t step, unsigned renewal);
 
 /* Gives level, drift and noise of output j without its response, once DONE; times count from the first edge. */

@@ -40,7 +40,7 @@ void kept_watch_begin(struct kept_watch *w, const struct adoption *a, const stru
     }
 }
 
-/* Whether somebody, and not the firmware itself, has put the loop into manual: its measurement is good, and no interlock has its output. */
+/* A person, and not the firmware, has put the loop into manual: its measurement is good, and no interlock holds its output. */
 static bool by_hand(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
     uint8_t i = adoption_loop(a, k)->loop, j = s->plan->loop[i].mv;

@@ -23,10 +23,10 @@ enum kept_sign {
     KEPT_SWINGS,
     KEPT_STUCK,
     KEPT_IN_MANUAL,
-    KEPT_HAND /* somebody has put a loop into another mode */
+    KEPT_HAND /* a person has put a loop into another mode */
 };
 
-/* Begins a watch of so many samples of the loops of *a. */
+/* Begins to watch the loops of *a. length: of the watch, samples. */
 void kept_watch_begin(struct kept_watch *w, const struct adoption *a, const struct supervisor *s,
                       uint32_t length);
 /* A sample, after validate. Returns the first sign; *w then says which loop. */

@@ -378,7 +378,7 @@ static void take_shape(struct commission *c)
     doubt_dead_time(&c->work->experiment, j, f);
     uint16_t flags = flags_of_kind(f);
     c->model.fitted[j] = element_of_found(f, flags);
-    /* Of an open shape one lag says how long the response might take, if there is such a time at all. */
+    /* The end of an open shape is unknown, so the fit with one lag tells how long the response might take. */
     if (flags & CERTAINTY_OPEN_FLAGS) {
         const struct identified *lag = &fits->shape.straight.element;
         c->model.fitted[j] = *lag;

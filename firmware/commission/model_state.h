@@ -16,7 +16,7 @@ struct model_fits {
     enum err error;
     uint8_t output; /* under work */
     uint8_t stage;  /* its fit: model.c */
-    /* Its gain along the direction, read from the plateaus; of no use where there is none. */
+    /* Gain of the output along the direction, read from the plateaus; valid where has_plateau. */
     real_t plateau;
     bool plateau_read, has_plateau;
 };

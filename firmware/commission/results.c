@@ -266,7 +266,7 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                 (!a->designed && a->design_error == ERR_TIMEOUT &&
                  inputs_round(&c->inputs) < s->plan->config.test.rounds);
     uint8_t round = inputs_round(&c->inputs);
-    /* Who asks for one round asks for one test of each input. */
+    /* With one round in the settings each input gets one test, and there is no test of a direction. */
     if (open && s->plan->config.test.rounds > 1u && direction_is_wanted(c)) {
         want_longer_tests(c);
         direction_line_up(c);
@@ -280,7 +280,7 @@ static void take_analysis(struct commission *c, struct supervisor *s)
         return;
     }
     status_ready(&c->status, s->time_ms);
-    /* Who waits for a proposal must not wait for a trial that cannot come. */
+    /* PROPOSAL only comes with settings, because a script that sees it waits for a trial. */
     if (a->designed)
         commission_say_of_all(c, s, EVENT_PROPOSAL, a->probability, 1);
     else

@@ -10,7 +10,7 @@
 #include "commission/test_outputs.h"
 
 #define STEPS_WANTED REAL_C(6.0) /* steps of a coarse sensor that a response must have */
-/* A response below so many times the noise floor is lost in a span that is too wide; a span of that share would show it. */
+/* A response below LOST_FLOORS times the noise floor is lost in a span that is too wide. It should be SHOWN_SHARE of its span. */
 #define LOST_FLOORS REAL_C(20.0)
 #define SHOWN_SHARE REAL_C(0.1)
 #define MOVED_SDS   REAL_C(3.0) /* a gain nearer to 0 may be none */

@@ -1,5 +1,5 @@
-/* What the samples of the tests say about a sensor: it reads in coarse steps, gives a new value only every few ticks, or has a span so wide
- * that responses are lost in it. Main loop, under hal_tick_lock, and tick. */
+/* Faults of a sensor that the samples of the tests show: it reads in coarse steps, gives a new value only every few ticks, or has a span
+ * so wide that responses are lost in it. Main loop, under hal_tick_lock, and tick. */
 #ifndef REFLUX_COMMISSION_SENSOR_ADVICE_H
 #define REFLUX_COMMISSION_SENSOR_ADVICE_H
 

@@ -5,12 +5,12 @@
 #define CHANGES_LEAST  8u           /* changes before anything is said */
 /* Share of the samples that repeat the one before, in eighths, from which steps are larger than the noise. */
 #define REPEATS_EIGHTHS 2u
-/* Renewed rarely: the largest change is so many times the smallest, because noise is no multiple of a step. */
+/* A sensor is renewed rarely where its largest change exceeds this many times the smallest, because noise is no multiple of a step. */
 #define NOT_STEPS REAL_C(3.0)
 #define BEYOND_SHARE                                                                               \
     4u /* at most one run in four is longer than the shortest, because two values were equal */
-/* Steps: at least so many changes are equal to the smallest but for rounding, and one in so many of all; those of a response that
- * bends are not. */
+/* A sensor reads in steps where at least EQUAL_LEAST changes, and one in EQUAL_SHARE of all, equal the smallest but for rounding. The
+ * changes of a response that bends are not equal. */
 #define EQUAL_LEAST   3u
 #define EQUAL_SHARE   4u
 #define SAME_STEP     REAL_C(0.02)

@@ -35,9 +35,9 @@ real_t sensor_watch_coarse(const struct sensor_watch *w);
 /* Ticks after which the sensor gives a new value; 1: every tick. */
 unsigned sensor_watch_renewal(const struct sensor_watch *w);
 
-/* Corrects what was found at rest. Successive differences see little noise where most of them are 0: of a sensor that gives a new
- * value every `renewal` samples they show one part in so many of the variance, and less beside coarse steps, whose deviation is
- * coarse_sd (0: fine ones). variance_limit: of the ratio, as in steady_config. */
+/* Corrects what was found at rest. Successive differences see little noise where most of them are 0. With a sensor that gives a new
+ * value every `renewal` samples they show 1/renewal of the variance, and less with coarse steps, whose deviation is coarse_sd (0: fine
+ * steps). variance_limit: of the ratio, as in steady_config. */
 void sensor_allow(struct steady_result *at, unsigned renewal, real_t coarse_sd,
                   real_t variance_limit);
 

@@ -1,4 +1,4 @@
-/* Which results of start-up are there. Main loop; the tick asks only for the proposal. */
+/* Tells which results of start-up there are. Main loop; the tick asks only for the proposal. */
 #ifndef REFLUX_COMMISSION_STARTUP_RESULTS_H
 #define REFLUX_COMMISSION_STARTUP_RESULTS_H
 

@@ -11,7 +11,7 @@
 
 #include "num/real.h"
 
-/* When two half cycles decay. */
+/* Condition under which two half cycles decay. */
 struct swing_rule {
     real_t decay; /* largest ratio of the second to the first */
     real_t sds;   /* standard deviations of the noise in both areas that do not count */

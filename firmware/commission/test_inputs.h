@@ -46,7 +46,7 @@ void inputs_count_round(struct test_inputs *t);
 
 /* Wishes for the repeated test of the input whose turn it is; they return how often such a wish has been made. */
 uint8_t inputs_want_longer(struct test_inputs *t, uint32_t half);
-/* The next half is at least so many samples long. */
+/* Sets the least length of the next half, samples. */
 void inputs_want_half(struct test_inputs *t, uint32_t half);
 uint8_t inputs_want_linear(struct test_inputs *t, real_t amplitude);
 uint8_t inputs_want_uncut(struct test_inputs *t, real_t amplitude);

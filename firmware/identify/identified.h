@@ -24,10 +24,10 @@ enum identified_flag {
         1 << 6, /* not distinguishable from an integrator: no gain to be had, refuse */
     IDENTIFIED_INVERSE = 1 << 7,     /* moved the wrong way first */
     IDENTIFIED_OSCILLATORY = 1 << 8, /* turned more often than a first-order response can */
-    /* Of a shape (shape_found.h): at least this gain and time; nothing is known of the element; an integrator whose slope is known. */
-    IDENTIFIED_SLOW = 1 << 9,
-    IDENTIFIED_UNKNOWN = 1 << 10,
-    IDENTIFIED_RAMP = 1 << 11
+    /* The last three are flags of a shape (shape_found.h). */
+    IDENTIFIED_SLOW = 1 << 9,     /* its gain and time are at least these */
+    IDENTIFIED_UNKNOWN = 1 << 10, /* nothing is known of it */
+    IDENTIFIED_RAMP = 1 << 11     /* an integrator whose slope is known */
 };
 
 struct identified {

@@ -262,7 +262,7 @@ void shape_choice_weights(const struct shape_fit *f, struct shape_weights *w)
     real_t point = (best > floor ? best : floor) / effective;
     for (unsigned k = SHAPE_FORMULA_TWO; k <= SHAPE_FORMULA_ZERO; k++)
         redundant[k] = f->candidate[k].squares > f->candidate[k - 1u].squares - point;
-    /* What the even part leaves of a curve looks like a tail without an end. */
+    /* The even part leaves a rest of a curve, which looks like a tail without an end. */
     const struct shape_place *zero = &f->candidate[SHAPE_FORMULA_ZERO].place;
     if (shape_curve_is_on(f) && zero->time >= SHAPE_AT_BOUND * f->level)
         redundant[SHAPE_FORMULA_ZERO] = true;

@@ -16,7 +16,7 @@ void shape_choice_residuals(struct shape_fit *f);
 /* Covariance of f->formula, right after shape_search_slopes() at its best place. */
 void shape_choice_covariance(struct shape_fit *f);
 
-/* What the choice looks at besides. Two evaluations. */
+/* Works out what else the choice needs, in two evaluations. */
 void shape_choice_prepare(struct shape_fit *f);
 
 /* Weights of the formulas, of sum 1 each. */

@@ -33,7 +33,7 @@ enum shape_phase {
 
 enum { NONE_FITTED = -1 };
 
-/* Where a search begins: a start that the grid has found, the lag that was given, or what another formula has come to. */
+/* A search begins at a start that the grid has found, at the lag that was given, or at the result of another formula. */
 enum start_place { FROM_GRID, FROM_ONE, FROM_TWO, FROM_ZERO };
 
 struct search_run {

@@ -32,7 +32,7 @@ struct shape_candidate {
     real_t gain, gain_zero; /* of the integrator: of the lag that stands for it */
     real_t squares;         /* sum that is left; negative: not fitted */
     real_t correlation;     /* lag one, of the residuals */
-    /* Of gain, dead time, residence time, square, zero in units of the record, seconds: lower triangle by rows. */
+    /* Covariance of gain, dead time, residence time, square and zero, in units of the record and seconds: lower triangle by rows. */
     real_t covariance[15];
     real_t lag_variance;
 };

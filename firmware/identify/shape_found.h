@@ -1,4 +1,4 @@
-/* What is kept of an element whose shape has been fitted: the shape that was chosen, how sure it is, and the next plausible
+/* Record of an element whose shape has been fitted: the shape that was chosen, how sure it is, and the next plausible
  * one. The deviations include the choice: shapes that explain the record as well, each with its weight. */
 #ifndef REFLUX_IDENTIFY_SHAPE_FOUND_H
 #define REFLUX_IDENTIFY_SHAPE_FOUND_H

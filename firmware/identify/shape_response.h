@@ -30,7 +30,7 @@ struct shape_modes {
 /* Modes of 1/(square s^2 + lag s + 1). lag [0, 1e9] samples, square from 0 to 100 lag^2, 0 for one lag. */
 void shape_modes_find(real_t lag, real_t square, struct shape_modes *m);
 
-/* What a column gets: the response to `gain (zero s + 1)` with gain_zero = gain zero, or its derivative by the dead time. */
+/* A column gets the response to `gain (zero s + 1)` with gain_zero = gain zero, or its derivative by the dead time. */
 struct shape_column {
     real_t *value; /* points values, overwritten */
     real_t gain, gain_zero;
@@ -45,8 +45,8 @@ void shape_response(const struct excitation *u, const struct shape_modes *m, rea
                     uint32_t block, uint32_t points, const struct shape_column *columns,
                     uint32_t count);
 
-/* What a unit step leaves to come after a time without the dead time, samples, of a response of 1: 1 right after it begins,
- * 0 in the end, below 0 while it is beyond. zero: of the element, samples. */
+/* Returns the part of a response of 1 to a unit step that is still to come: 1 right after it begins, 0 in the end, below 0 while the
+ * response is beyond its end. time: since the step, without the dead time, samples; zero: of the element, samples. */
 real_t shape_response_to_come(const struct shape_modes *m, real_t time, real_t zero);
 
 #endif

@@ -19,7 +19,7 @@
 #define INTERACT_MAX  MATRIX_MAX
 #define INTERACT_NONE 255 /* no input, no output */
 
-/* What an element has beyond one lag. With gain K, dead time L and time constant T of the element it is
+/* The part of an element beyond one lag. With gain K, dead time L and time constant T of the element it is
  *     K (zero_s s + 1) e^{-Ls} / (square_s2 s^2 + T s + 1)
  * T is then the sum of the lags, and square_s2 their product. Both 0: one lag. */
 struct interact_shape {

@@ -125,7 +125,7 @@ static void find_blocks(const struct pairs *pairs, const uint16_t *reach, struct
         }
 }
 
-/* Which blocks disturb which, directly; and the number of the independent part each belongs to. */
+/* Finds which blocks disturb which directly, and numbers the independent parts to which they belong. */
 static void join_blocks(const struct pairs *pairs, struct structure *s)
 {
     for (size_t l = 0; l < pairs->n; l++)

@@ -65,7 +65,7 @@ static bool gave_signals(struct supervisor *s, uint8_t block, const struct gathe
 
 /* ---- bumpless transfer ---- */
 
-/* Which members drive their MVs now, and which of these begin to act, even if they stopped and began again between two ticks. */
+/* Members that drive their MVs now, and those of them that begin to act, even if they stopped and began again between two ticks. */
 struct taking_part {
     uint8_t acting, joining;
     uint32_t loops; /* the acting ones, by loop */

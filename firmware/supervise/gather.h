@@ -1,11 +1,11 @@
-/* What a block is given and gives in a tick, for all blocks of a stage. Within supervise only. */
+/* Inputs and outputs of a block in a tick, for all blocks of a stage. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_GATHER_H
 #define REFLUX_SUPERVISE_GATHER_H
 
 #include "exchange/block_links.h"
 #include "exchange/state.h"
 
-/* What only blocks with a number (blockN) have is a struct that is empty on a board without them. */
+/* Arrays that only blocks with a number (blockN) have. The struct is empty on a board without them. */
 #if CONFIG_BLOCKS
 #define GATHER_INPUTS BLOCK_INPUTS_MAX
 #define GATHER_POINTS BLOCK_POINTS_MAX

@@ -1,5 +1,5 @@
-/* What only a block with a number (blockN) has beside the other blocks of its stage: work, test signals, proposals, events,
- * and that it may give up. Within supervise only. */
+/* A block with a number (blockN) has work, test signals, proposals and events, which the other blocks of its stage do not have, and
+ * it may give up. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_NUMBERED_H
 #define REFLUX_SUPERVISE_NUMBERED_H
 

@@ -10,7 +10,7 @@ static inline void numbered_must_follow(struct supervisor *s, uint8_t block)
 {
     s->block[block].must_follow = true;
 }
-/* What comes next may come from another plant, or hours later: estimators begin anew, controllers follow. */
+/* The next samples may come from another plant, or hours later, so estimators begin anew and controllers follow. */
 void numbered_forget(struct supervisor *s);
 /* After loops have taken over, and whenever none of its members acts: the blocks that have to follow do. */
 void controllers_follow(struct supervisor *s);

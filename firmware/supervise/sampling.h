@@ -1,4 +1,4 @@
-/* Which readings of an analyser (exchange/sampling.h) the tick looks at. */
+/* Selects the readings of an analyser (exchange/sampling.h) that the tick looks at. */
 #ifndef REFLUX_SUPERVISE_SAMPLING_H
 #define REFLUX_SUPERVISE_SAMPLING_H
 
