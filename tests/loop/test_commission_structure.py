@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, plant, whole  # noqa: E402
-from reflux.commission import results  # noqa: E402
+from reflux.commission import results, results_text  # noqa: E402
 
 DATA = Path(__file__).resolve().parent / "data"
 STRUCTURE = "commission structure"
@@ -54,8 +54,8 @@ class Cascade(unittest.TestCase):
         proposal = results.proposal_of(run.reply("commission proposal"))
         self.assertEqual([(x.measurement, x.input, x.below) for x in proposal.inner], [("steam", "valve", "heated")])
         self.assertEqual(proposal.others, [])
-        words = " ".join([*results.structure_words(results.structure_of(run.reply(STRUCTURE))),
-                          *results.proposal_words(proposal)])
+        words = " ".join([*results_text.structure_words(results.structure_of(run.reply(STRUCTURE))),
+                          *results_text.proposal_words(proposal)])
         self.assertIn("cascade: heated follows steam", words)
         self.assertIn("drives the setpoint of one on steam by valve", words)
         tried = next(line for line in run.reply("commission trial") if " heated " in line).split()
@@ -152,7 +152,7 @@ class Triangular(unittest.TestCase):
         self.assertTrue(line.startswith("feedforward from y1 u1 to y2 u2 ") and line.endswith("used yes"), line)
         proposal = results.proposal_of(run.reply("commission proposal"))
         self.assertEqual([(x.source, x.to, x.used) for x in proposal.feedforwards], [("u1", "u2", "yes")])
-        self.assertIn("feedforward from u1 to u2: gain 0.8", " ".join(results.proposal_words(proposal)))
+        self.assertIn("feedforward from u1 to u2: gain 0.8", " ".join(results_text.proposal_words(proposal)))
         have = settings(run)
         self.assertEqual((have["ff1.from"], have["ff1.to"]), ("u1", "u2"))
         # -0.8/-1.0; the plant's lags and the difference of its dead times, less the tick by which the element is late
@@ -213,7 +213,7 @@ class Blocks(unittest.TestCase):
         said = [line for line in run.reply(STRUCTURE) if line.startswith("multivariable ")]
         self.assertEqual(len(said), 1, said)
         self.assertIn("block 1 wants a multivariable controller", said[0])
-        words = " ".join(results.structure_words(results.structure_of(run.reply(STRUCTURE))))
+        words = " ".join(results_text.structure_words(results.structure_of(run.reply(STRUCTURE))))
         self.assertIn("it wants a multivariable controller, and gets single loops", words)
 
     def test_wood_berry_gets_a_second_opinion_that_agrees(self):
@@ -221,7 +221,7 @@ class Blocks(unittest.TestCase):
         run = Run(of, whole(of, accept=False, after=[STRUCTURE]), events=of.perfect_sensors())
         said = run.reply("commission pairing")
         self.assertTrue(any(line.startswith("second_opinion agrees") for line in said), said)
-        self.assertIn("second opinion agrees", " ".join(results.pairing_words(results.pairing_of(said))))
+        self.assertIn("second opinion agrees", " ".join(results_text.pairing_words(results.pairing_of(said))))
         # docs/interaction.md
         self.assertAlmostEqual(float(facts(next(x for x in said if x.startswith("pair ")))["phi"]), 1.56, delta=0.03)
 

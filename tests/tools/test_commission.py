@@ -9,7 +9,7 @@ from unittest import mock
 from support import FolderTest, call
 
 from reflux import session
-from reflux.commission import answers, answers_board, answers_file, board, figures, next_steps, progress, record, results
+from reflux.commission import answers, answers_board, answers_file, board, figures, next_steps, progress, record, results, results_text
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
 
@@ -110,7 +110,7 @@ class Lines(unittest.TestCase):
         g = results.gains_of(["rank 1 exact 2 condition 900 scaled 800", "singular 1 0.001", "null inputs a 0.7 b -0.7",
                               "null outputs y 1 z 0.01", "rga none: the gains have no inverse"])
         self.assertEqual((g.rank, g.rank_exact, g.null_inputs, g.rga), (1, 2, {"a": 0.7, "b": -0.7}, {}))
-        self.assertIn("a 0.70, b -0.70", results.gains_words(g)[1])
+        self.assertIn("a 0.70, b -0.70", results_text.gains_words(g)[1])
         p = results.pairing_of(["pairing not determined: within error, inputs act alike probability 0.4 niederlinski 0",
                                 "open y share 0.4 rival b"])
         self.assertEqual((p.verdict, p.probability, p.open), ("not determined: within error, inputs act alike", 0.4,
@@ -126,7 +126,7 @@ class Lines(unittest.TestCase):
                                   "member y a block 1 single_loop yes",
                                   "member z b block 2 single_loop no",
                                   "way from y a to z b gain -0.5 lead 100 lag 50 dead 3 late 0"])
-        words = " ".join(results.structure_words(s))
+        words = " ".join(results_text.structure_words(s))
         for told in ("block 2: z by b", "single loops will not serve z well", "disturbed by block 1",
                      "feedforward from a to b would be -0.5"):
             self.assertIn(told, words)

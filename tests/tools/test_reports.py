@@ -149,7 +149,7 @@ send = "sp top 90"
         _header, rows = second_opinions.second_opinion_rows(model)
         self.assertEqual(rows[0][5:], ["100", "-", "gain differs: moments 25 %; moments: a negative dead time came out, so its times mean nothing, the last test was short"])
         self.assertEqual(rows[1][5:], ["100", "93", "gains agree within 10 %"])
-        self.assertNotIn("moments", " ".join(results.model_rows(model)[0]))
+        self.assertNotIn("moments", " ".join(results_text.model_rows(model)[0]))
 
     def test_a_name_with_a_slash_stays_within_the_folder(self) -> None:
         (path,) = plots.write_pngs([plots.Plot("test-../../x", "", "", b"")], self.folder)

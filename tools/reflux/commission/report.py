@@ -6,7 +6,7 @@ from pathlib import Path
 
 from reflux import margins, markup
 from reflux import plots as plotting
-from reflux.commission import closed_loops, figures, results, second_opinions
+from reflux.commission import closed_loops, figures, results_text, second_opinions
 from reflux.commission.record import Record, load
 from reflux.commission.progress import span_of_time
 from reflux.markup import Content, Markup, element
@@ -51,14 +51,14 @@ def flags_used(r: Record) -> Markup:
 
 
 def tests_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
-    parts = [element("h2", "Tests"), grid(*results.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
+    parts = [element("h2", "Tests"), grid(*results_text.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
     return parts + [drawing(p) for name, p in pictures.items() if name.startswith("test")]
 
 
 def model_part(r: Record) -> list[Content]:
     if not r.model.elements:
         return []
-    header, rows = results.model_rows(r.model)
+    header, rows = results_text.model_rows(r.model)
     return [element("h2", "Model"),
             note("Each element: gain exp(-L s) / (T s + 1), or with the lags and the zero of the last column, by least squares over all rounds, with "
                  "standard deviations. Loops and predictions come from this model. docs/identification.md says how."),
@@ -81,23 +81,23 @@ def second_opinions_part(r: Record) -> list[Content]:
 def direction_part(r: Record) -> list[Content]:
     if not r.model.direction:
         return []
-    return [note(results.direction_words(r.model)), grid(*results.direction_rows(r.model), text_columns=1)]
+    return [note(results_text.direction_words(r.model)), grid(*results_text.direction_rows(r.model), text_columns=1)]
 
 
 def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
     if not r.gains.singular:
         return []
-    parts: list[Content] = [element("h2", "Interaction"), listed(results.gains_words(r.gains))]
+    parts: list[Content] = [element("h2", "Interaction"), listed(results_text.gains_words(r.gains))]
     if r.gains.rga:
-        parts += [element("p", "Relative gains at rest:"), grid(*results.rga_rows(r.gains), text_columns=1)]
+        parts += [element("p", "Relative gains at rest:"), grid(*results_text.rga_rows(r.gains), text_columns=1)]
     parts += [drawing(pictures[name]) for name in ("rga", "singular") if name in pictures]
     if "rga" not in pictures:
         parts.append(note("No relative gains along the frequency: the plant has none, or libreflux is not built "
                           "(cmake --build --preset host --target libreflux)."))
     parts += [element("h2", "Pairing and structure")]
     if r.pairing.pairs:
-        parts.append(grid(*results.pairing_rows(r.pairing)))
-    parts.append(listed([*results.pairing_words(r.pairing), *results.structure_words(r.structure)]))
+        parts.append(grid(*results_text.pairing_rows(r.pairing)))
+    parts.append(listed([*results_text.pairing_words(r.pairing), *results_text.structure_words(r.structure)]))
     return parts
 
 
@@ -105,15 +105,15 @@ def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
     p = r.proposal
     if not (p.why_not or p.loops):
         return []
-    parts: list[Content] = [element("h2", "Proposal"), listed([*results.reasons(r.pairing), *results.proposal_words(p)])]
+    parts: list[Content] = [element("h2", "Proposal"), listed([*results_text.reasons(r.pairing), *results_text.proposal_words(p)])]
     if p.loops:
-        parts += [grid(*results.loop_rows(p)),
+        parts += [grid(*results_text.loop_rows(p)),
                   note("Gain: output span per measurement span. Predicted on the model: after a step of the "
                        "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
                        "the step.")]
         parts += margins_part(r)
     if r.trial:
-        parts += [element("h2", "Trial"), grid(*results.trial_rows(r.trial)),
+        parts += [element("h2", "Trial"), grid(*results_text.trial_rows(r.trial)),
                   note("Kept when no loop overshoots, errs or wanders much further than predicted "
                        "(docs/commissioning.md).")]
         parts += [drawing(pictures["trial"])] if "trial" in pictures else []

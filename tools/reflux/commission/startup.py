@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Callable, Iterator
 
 from reflux import session, table
-from reflux.commission import answers_board, answers_file, dialogue, next_steps, results
+from reflux.commission import answers_board, answers_file, dialogue, next_steps, results, results_text
 from reflux.commission.answers import TEST, Answers, Room
 from reflux.commission.board import UNDER_WAY, Board, Event, Plant, Progress
 from reflux.commission.dialogue import heading, say
@@ -268,27 +268,27 @@ class Startup:
         model, gains = results.model_of(said["model"]), results.gains_of(said["gains"])
         pairing, proposal = results.pairing_of(said["pairing"]), results.proposal_of(said["proposal"])
         heading("Model")
-        say(table.columns(*results.model_rows(model)))
+        say(table.columns(*results_text.model_rows(model)))
         if model.direction:
-            say("\n" + results.direction_words(model))
-            say(table.columns(*results.direction_rows(model)))
+            say("\n" + results_text.direction_words(model))
+            say(table.columns(*results_text.direction_rows(model)))
         heading("Gains")
-        for words in results.gains_words(gains):
+        for words in results_text.gains_words(gains):
             say(words)
         if gains.rga:
             say("\nrelative gains")
-            say(table.columns(*results.rga_rows(gains)))
+            say(table.columns(*results_text.rga_rows(gains)))
         heading("Pairing")
         if pairing.pairs:
-            say(table.columns(*results.pairing_rows(pairing)))
-        for words in (*results.pairing_words(pairing), *results.structure_words(results.structure_of(said["structure"]))):
+            say(table.columns(*results_text.pairing_rows(pairing)))
+        for words in (*results_text.pairing_words(pairing), *results_text.structure_words(results.structure_of(said["structure"]))):
             say(words)
-        self.left = results.left_words(pairing)
+        self.left = results_text.left_words(pairing)
         heading("Proposal")
-        for words in results.proposal_words(proposal):
+        for words in results_text.proposal_words(proposal):
             say(words)
         if proposal.loops:
-            say(table.columns(*results.loop_rows(proposal)))
+            say(table.columns(*results_text.loop_rows(proposal)))
         if not proposal.loops:
             heading("What to do next")
             self.show_advice()
@@ -392,7 +392,7 @@ class Startup:
         self.pending = False
         p = follow(self.board, answers, self.keyboard, self.alive, ("kept", "returned", "ended", "idle"), ("abort",))
         loops = results.trial_of(self.board.ask("commission trial"))
-        say(table.columns(*results.trial_rows(loops)))
+        say(table.columns(*results_text.trial_rows(loops)))
         if p.phase != "kept":
             raise RunFailed(f"the proposal was rolled back: {p.text or p.phase}; the old settings are in force")
 
