@@ -77,6 +77,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--only", metavar="NAME", help="startup: runs of this plant or class alone")
     p.add_argument("--starts", type=int, metavar="N", help="startup: up to N start-ups of a run, each with the changes that the board advises")
     p.add_argument("--set", action="append", default=[], metavar="'NAME VALUE'", help="startup: a setting of the firmware besides channels and limits")
+    p.add_argument("--fixed", action="store_true", help="startup: the firmware in fixed point; tables and rows are named startup-fixed")
     p.add_argument("--iae", action="store_true", help="startup: compare kept settings with the best of equal sensitivity instead")
     p.add_argument("--week", action="store_true", help="startup: let a sample of the kept runs in the folder run for a week, beside a plain PI")
     p.add_argument("--table", action="store_true", help="startup: run nothing; print the tables of the runs in the folder")
@@ -90,8 +91,8 @@ def main(arguments: list[str]) -> int:
     campaign = load(options.name)
     if not isinstance(campaign, startup_campaign.Startup) and (
             options.sample is not None or options.starts is not None or options.only or options.set or options.iae or options.table or
-            options.week):
-        raise UserError("--sample, --only, --starts, --set, --iae, --week and --table belong to the campaign startup")
+            options.week or options.fixed):
+        raise UserError("--sample, --only, --starts, --set, --fixed, --iae, --week and --table belong to the campaign startup")
     options.results = CAMPAIGNS / "results" if options.keep else options.out or out_root() / "campaign"
     if not options.check:
         options.results.mkdir(parents=True, exist_ok=True)
@@ -107,6 +108,8 @@ def main(arguments: list[str]) -> int:
         return feedforward_alone_campaign.execute(campaign, options)
     if not options.no_build:
         launch.build_for(campaign.scenario.firmware if isinstance(campaign, Campaign) else "memory")
+        if options.fixed:
+            build.build("host-fixed", ("reflux-sim-memory",))
     if isinstance(campaign, startup_campaign.Startup):
         return startup_campaign.execute(campaign, options)
     if isinstance(campaign, relay_campaign.Comparison):

@@ -16,7 +16,7 @@ import os
 import random
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Callable
 
@@ -54,6 +54,7 @@ class Startup:
     starts: int  # start-ups of a run at most, each with what the one before has advised
     longest_s: float  # of one start-up, on the clock
     checked: tuple[Job, ...]  # the fixed sample of --check
+    preset: str = "host"  # of the build whose program runs
 
     def jobs(self) -> list[Job]:
         """In the order in which a sample takes them: each named plant once, in an order of seeds and noises of its own, and so many random
@@ -161,7 +162,7 @@ def number(value: float) -> str:
 
 @functools.cache
 def program() -> str:
-    return hashlib.sha256(build.find_program("host", "reflux-sim-memory").read_bytes()).hexdigest()[:8]
+    return hashlib.sha256(startup_runs.program().read_bytes()).hexdigest()[:8]
 
 
 @functools.cache
@@ -212,20 +213,21 @@ def read_rows(path: Path) -> list[Row]:
         return [row for row in csv.DictReader(lines) if None not in row and None not in row.values()]
 
 
-def single_threaded(workers: int) -> ProcessPoolExecutor:
-    """Processes of their own in which numpy's library has one thread: with small matrices several only wait for each other."""
+def processes(workers: int, preset: str) -> ProcessPoolExecutor:
+    """They run the program of the preset. In them numpy's library has one thread: with small matrices several only wait for each other."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"),
+                               initializer=startup_runs.use, initargs=(preset,))
 
 
-def run_missing(what: str, jobs: list[Job], rows: Rows, workers: int, call: Callable[..., Row], *arguments: Any) -> None:
+def run_missing(what: str, jobs: list[Job], rows: Rows, workers: int, preset: str, call: Callable[..., Row], *arguments: Any) -> None:
     missing = [job for job in jobs if job.key() not in rows.done]
     if len(missing) < len(jobs):
         print(f"{what}: {len(jobs) - len(missing)} of {len(jobs)} are finished already")
     if not missing:
         return
     progress, begun = build.Progress(what), time.monotonic()
-    with single_threaded(workers) as pool:
+    with processes(workers, preset) as pool:
         waiting = [pool.submit(call, job, *arguments) for job in missing]
         try:
             for count, future in enumerate(as_completed(waiting), 1):
@@ -252,6 +254,9 @@ def chosen(start: Startup, options: argparse.Namespace) -> list[Job]:
 
 
 def execute(start: Startup, options: argparse.Namespace) -> int:
+    if options.fixed:
+        start = replace(start, name=f"{start.name}-fixed", title=f"{start.title}, in fixed point", preset="host-fixed")
+    startup_runs.use(start.preset)
     if any(n is not None and n < 1 for n in (options.sample, options.starts)):
         raise UserError("--sample and --starts must be 1 or more")
     if options.check:
@@ -271,10 +276,10 @@ def execute(start: Startup, options: argparse.Namespace) -> int:
     rows = Rows(files[0], FIELDS, ("program", program()), options.again)
     if rows.others:
         raise UserError(f"{shown(files[0])} holds {rows.others} rows of another program: --again forgets them, --out names another folder")
-    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, run_one, options.starts or start.starts, start.longest_s,
+    run_missing(f"{start.name}: runs", jobs, rows, options.jobs, start.preset, run_one, options.starts or start.starts, start.longest_s,
                 tuple(options.set))
     engineers = Rows(files[1], ENGINEER_FIELDS, ("version", engineer_version()), more=KEPT_ENGINEER)
-    run_missing(f"{start.name}: engineer", jobs, engineers, options.jobs, engineer_one)
+    run_missing(f"{start.name}: engineer", jobs, engineers, options.jobs, start.preset, engineer_one)
     keys = [job.key() for job in jobs]
     page = startup_table.text(start.title, [rows.done[key] for key in keys], [engineers.done[key] for key in keys])
     (options.results / f"{start.name}.md").write_text(page, encoding="utf-8")
@@ -295,7 +300,7 @@ def weeks(start: Startup, options: argparse.Namespace) -> int:
         path.unlink(missing_ok=True)
     done = startup_week.whole(read_rows(path))
     missing = [row for row in kept if startup_week.key(row) not in done]
-    with single_threaded(options.jobs) as pool:
+    with processes(options.jobs, start.preset) as pool:
         progress = build.Progress(f"{start.name}: weeks")
         waiting = [pool.submit(startup_week.week_of, row) for row in missing]
         for count, future in enumerate(as_completed(waiting), 1):
@@ -313,7 +318,7 @@ def weeks(start: Startup, options: argparse.Namespace) -> int:
 def compare(start: Startup, workers: int) -> int:
     """Settings beside the best of equal sensitivity."""
     jobs = [(name, seed) for name in startup_iae.PLANTS for seed in startup_iae.SEEDS]
-    with single_threaded(workers) as pool:
+    with processes(workers, start.preset) as pool:
         waiting = [pool.submit(startup_iae.compare, name, seed, start.longest_s) for name, seed in jobs]
         rows = [future.result() for future in waiting]
     print("Integral of the absolute error over the least at equal Ms, after steps of setpoints and loads:\n")

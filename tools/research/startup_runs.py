@@ -69,13 +69,26 @@ def script(case: startup_plants.PlantCase, settings: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
+_preset = "host"
+
+
+def use(preset: str) -> None:
+    """The build whose program runs, in this process: "host" or "host-fixed"."""
+    global _preset
+    _preset = preset
+
+
+def program() -> Path:
+    return build.find_program(_preset, "reflux-sim-memory")
+
+
 def start_up(case: startup_plants.PlantCase, noise: float, seed: int, settings: list[str], longest_s: float) -> Said:
     """settings: "NAME VALUE", besides channels and limits. longest_s: on the clock."""
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         where = Path(folder)
         (where / "plant.json").write_text(startup_plants.text(case), encoding="utf-8")
         (where / "script").write_text(script(case, settings), encoding="utf-8")
-        command = [str(build.find_program("host", "reflux-sim-memory")), "--plant", str(where / "plant.json"), "--port", "memory",
+        command = [str(program()), "--plant", str(where / "plant.json"), "--port", "memory",
                    "--console", "memory", "--duration", "1e8", "--script", str(where / "script"), "--transcript", str(where / "said"),
                    "--log", str(where / "log"), "--seed", str(seed), "--noise", "1", "--timeout", "300"]
         for event in case.all_events(noise, seed):

@@ -23,8 +23,8 @@ from typing import Any, Iterable, Sequence
 
 import numpy as np
 
-from reflux import build, table
-from research import startup_engineer, startup_judge, startup_plants
+from reflux import table
+from research import startup_engineer, startup_judge, startup_plants, startup_runs
 from research.startup_judge import PI
 
 EVERY = 12  # kept run of a class
@@ -129,7 +129,7 @@ def alone(case: startup_plants.PlantCase, noise: float, seed: int, loops: Sequen
         where = Path(folder)
         (where / "plant.json").write_text(json.dumps(data), encoding="utf-8")
         (where / "script").write_text(script(case, loops, decoupler, setpoints), encoding="utf-8")
-        command = [str(build.find_program("host", "reflux-sim-memory")), "--plant", str(where / "plant.json"), "--port", "memory",
+        command = [str(startup_runs.program()), "--plant", str(where / "plant.json"), "--port", "memory",
                    "--console", "memory", "--duration", f"{length_s:g}", "--script", str(where / "script"), "--transcript", str(where / "said"),
                    "--log", str(where / "log"), "--seed", str(seed), "--noise", "1", "--timeout", f"{LONGEST_S:g}"]
         for event in [*case.all_events(noise, seed), *events]:
