@@ -60,6 +60,9 @@ static void join_times(struct shape_found *sum, const struct shape_found *next)
     if (sum->parameters > 4)
         join(&sum->shape.zero_s, &sum->sd[SHAPE_ZERO], next->shape.zero_s, next->sd[SHAPE_ZERO]);
     sum->residence_sd_s = wider / real_sqrt(a + b);
+    a = weight(sum->residence_drawn_sd_s, before);
+    b = weight(next->residence_drawn_sd_s, after);
+    sum->residence_drawn_sd_s = wider / real_sqrt(a + b);
 }
 
 /* Gives a ramp another lag that stands for the integrator (lti/shape.h), which is as long as the record of its test asks. The

@@ -40,7 +40,7 @@ struct shape_candidate {
 /* A slow tail beside a formula (shape_tail.h): what gain and residence time change by, and their covariance with it. */
 struct shape_tail {
     real_t gain, residence_s;
-    real_t gain_variance, residence_variance, product;
+    real_t gain_variance, residence_variance;
     real_t squares; /* sum that is left */
     real_t odds;    /* of there being one, by how well the record would show it; 0: none could be */
 };

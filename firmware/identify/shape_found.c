@@ -82,7 +82,14 @@ void shape_found_pack(struct shape_found *f, const struct shape *chosen, uint8_t
         }
     }
     f->residence_sd_s = f->sd[RESIDENCE];
+    f->residence_drawn_sd_s = real_sqrt(within[lower(RESIDENCE, RESIDENCE)]);
     f->sd[SHAPE_LAG] = real_sqrt(lag_variance);
+}
+
+void shape_found_add_tails(struct shape_found *f, real_t variance)
+{
+    if (variance > ZERO)
+        f->residence_sd_s = real_sqrt(f->residence_sd_s * f->residence_sd_s + variance);
 }
 
 real_t shape_found_other(const struct shape_found *f, struct shape *other)
@@ -104,10 +111,10 @@ static real_t deviations_within(const struct shape_found *f, real_t *sd, real_t 
     to_numbers(&other, apart);
     for (uint32_t i = 0; i < SHAPE_PARAMETERS; i++) {
         apart[i] -= a[i];
-        real_t all = i == RESIDENCE ? f->residence_sd_s : f->sd[i];
-        real_t variance = all * all - weight * apart[i] * apart[i];
+        real_t variance = f->sd[i] * f->sd[i] - weight * apart[i] * apart[i];
         sd[i] = variance > ZERO ? real_sqrt(variance) : ZERO;
     }
+    sd[RESIDENCE] = f->residence_drawn_sd_s;
     return weight;
 }
 

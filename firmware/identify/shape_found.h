@@ -38,6 +38,9 @@ struct shape_found {
     /* Standard deviations in the order of enum shape_parameter, the choice included. */
     real_t sd[SHAPE_PARAMETERS];
     real_t residence_sd_s; /* of the average residence time, likewise */
+    /* The same of one shape and without slow tails. Draws use it: a tail changes little at the frequencies at which a loop
+     * acts, a lag of the tail's deviation would change much there. */
+    real_t residence_drawn_sd_s;
     /* The next plausible shape, each parameter by the upper half of its float. */
     uint16_t other[SHAPE_PARAMETERS];
     uint8_t other_weight; /* of 255 */
@@ -51,10 +54,13 @@ struct shape_found {
 
 /* Packs: chosen and other with the weight of the other (0 to 1), `within`, the covariance of gain, dead time, residence time,
  * square and zero without the difference of the two (lower triangle by rows with its diagonal), and the variance of the lag,
- * the choice included. sd and residence_sd_s are found. */
+ * the choice included. The deviations are found. */
 void shape_found_pack(struct shape_found *f, const struct shape *chosen, uint8_t parameters,
                       const struct shape *other, uint8_t other_parameters, real_t other_weight,
                       const real_t *within, real_t lag_variance);
+
+/* Adds a variance of the residence time, s2, of which draws know nothing. */
+void shape_found_add_tails(struct shape_found *f, real_t variance);
 
 /* The next plausible shape; returns its weight, 0 to 1. */
 real_t shape_found_other(const struct shape_found *f, struct shape *other);
@@ -64,7 +70,7 @@ real_t shape_found_other(const struct shape_found *f, struct shape *other);
 void shape_found_covariance(const struct shape_found *f, real_t *covariance);
 
 /* Draw number n of a seed: a plausible member. It takes the chosen shape or the other by weight, and its parameters from
- * their covariance. The result is stable: times are not below 0, the lag not below a twentieth of the chosen one, damping not
+ * their covariance, of which slow tails of the residence time are left out. The result is stable: times are not below 0, the lag not below a twentieth of the chosen one, damping not
  * below 0.1. A gain of three deviations keeps its sign and a tenth of its size. Same seed and n, same member. */
 void shape_found_draw(const struct shape_found *f, uint32_t seed, uint32_t n, struct shape *member);
 

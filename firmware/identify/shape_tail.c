@@ -65,7 +65,6 @@ static void find_one(struct shape_fit *f, struct shape_tail *t, real_t lag, cons
     t->gain_variance = variance * product(gain, gain, count) + size_variance * of_gain * of_gain;
     t->residence_variance =
         variance * product(residence, residence, count) + size_variance * by_size * by_size;
-    t->product = variance * product(gain, residence, count) + size_variance * of_gain * by_size;
     t->squares = c->squares - part_seen * seen * seen * apart;
     t->odds = real_sqrt(ONE - part_seen);
 }

@@ -59,12 +59,12 @@ static real_t gain_misfit(const struct shape_fit *f, enum shape_formula best, bo
     return beyond > ZERO ? MISFIT_SHARE * real_sqrt(beyond) / f->peak : ZERO;
 }
 
-/* Mixes slow tails in. sum: of the weights so far. */
-static void mix_tails(const struct shape_fit *f, const struct shape_weights *w, real_t sum,
-                      const real_t *middle, real_t *within, real_t *lag)
+/* Mixes slow tails in. sum: of the weights so far. Returns the variance that they add to the residence time. */
+static real_t mix_tails(const struct shape_fit *f, const struct shape_weights *w, real_t sum,
+                        const real_t *middle, real_t *within, real_t *lag)
 {
     const struct shape_candidate *base = &f->candidate[f->tail_base];
-    real_t all = sum;
+    real_t all = sum, added = ZERO;
     for (unsigned k = 0; k < SHAPE_TAILS; k++)
         all += w->tail[k];
     for (unsigned n = 0; n < 15; n++)
@@ -83,10 +83,10 @@ static void mix_tails(const struct shape_fit *f, const struct shape_weights *w, 
             for (unsigned j = 0; j <= i; j++, n++)
                 within[n] += share * base->covariance[n];
         within[0] += share * (gain * gain + t->gain_variance - base->covariance[0]);
-        within[3] += share * (gain * residence + t->product - base->covariance[3]);
-        within[5] += share * (residence * residence + t->residence_variance - base->covariance[5]);
+        added += share * (residence * residence + t->residence_variance - base->covariance[5]);
         *lag += share * (residence * residence + t->residence_variance);
     }
+    return added;
 }
 
 /* Mixes the plausible formulas about the chosen one, and packs. The integrator mixes with none. */
@@ -127,8 +127,9 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const stru
                     within[n] += share * (number[i] - middle[i]) * (number[j] - middle[j]);
             }
     }
+    real_t tails = ZERO;
     if (chosen != SHAPE_FORMULA_INTEGRATING)
-        mix_tails(f, w, sum, middle, within, &lag);
+        tails = mix_tails(f, w, sum, middle, within, &lag);
     real_t doubt = chosen == SHAPE_FORMULA_INTEGRATING ? ZERO : share_to_come(f, chosen);
     doubt *= UNSEEN_DOUBT;
     within[0] += misfit * misfit + doubt * doubt * shape.gain * shape.gain;
@@ -137,6 +138,7 @@ static void mix(const struct shape_fit *f, enum shape_formula chosen, const stru
     shape_found_pack(found, &shape, shape_parameter_counts[chosen], &second,
                      shape_parameter_counts[other], other == chosen ? ZERO : part[other] / sum,
                      within, lag);
+    shape_found_add_tails(found, tails);
 }
 
 /* Makes of a shape what has been seen of it: its slow lag and its gain shrink by the share that is still to come, so that the

@@ -60,6 +60,8 @@ static void two_tests_of_one_shape_count_by_how_well_they_know_each_parameter(vo
     next.shape.zero_s = REAL_C(-33.0);
     next.sd[SHAPE_ZERO] = 6;
     next.residence_sd_s = 20;
+    sum.residence_drawn_sd_s = 4;
+    next.residence_drawn_sd_s = 3;
     combine_shapes(&sum, &next, false);
     TEST_ASSERT_EQUAL_UINT8(SHAPE_TWO_WITH_ZERO, sum.kind);
     TEST_ASSERT_EQUAL_UINT8(5, sum.parameters);
@@ -73,6 +75,7 @@ static void two_tests_of_one_shape_count_by_how_well_they_know_each_parameter(vo
     for (unsigned i = 0; i < SHAPE_PARAMETERS; i++) /* the squares are 1.05 deviations apart */
         TEST_ASSERT_DOUBLE_WITHIN(0.1 * sd[i], sd[i] * sqrt(0.8), (double)sum.sd[i]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10 * sqrt(0.8), (double)sum.residence_sd_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12 / 5.0, (double)sum.residence_drawn_sd_s);
 }
 
 static void a_small_gain_counts_by_how_well_it_is_known_too(void)

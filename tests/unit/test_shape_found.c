@@ -102,6 +102,21 @@ static void members_have_the_mean_and_the_deviations(void)
     }
 }
 
+static void draws_leave_slow_tails_out_of_the_residence_time(void)
+{
+    struct shape_found f = packed(&damped, 0.0, 0.4);
+    shape_found_add_tails(&f, 150 * 150);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(150 * 150 + 16), (double)f.residence_sd_s);
+    double square = 0;
+    for (uint32_t n = 0; n < DRAWS; n++) {
+        struct shape m;
+        shape_found_draw(&f, 7, n, &m);
+        double v = (double)shape_residence_s(&m) - 130.0;
+        square += v * v / DRAWS;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.06 * sds[2], sds[2], sqrt(square));
+}
+
 static void a_member_is_the_same_every_time_and_another_for_another_number(void)
 {
     struct shape_found f = packed(&damped, 0.0, 0.4);
@@ -181,6 +196,7 @@ int main(void)
     RUN_TEST(deviations_and_covariance_are_those_that_were_packed);
     RUN_TEST(the_other_shape_counts_with_its_weight);
     RUN_TEST(members_have_the_mean_and_the_deviations);
+    RUN_TEST(draws_leave_slow_tails_out_of_the_residence_time);
     RUN_TEST(a_member_is_the_same_every_time_and_another_for_another_number);
     RUN_TEST(members_keep_the_parameters_of_their_shape);
     RUN_TEST(a_member_of_an_unsure_element_is_bounded);
