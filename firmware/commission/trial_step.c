@@ -61,10 +61,10 @@ static bool is_apart(const struct trial_step *t, const struct adoption_loop *loo
 {
     real_t left = t->error_n ? t->error_sum / (real_t)t->error_n : REAL_C(0.0);
     left *= direction;
-    /* Nearer to the setpoint than predicted is no failure. */
-    real_t apart = left - foreseen;
-    left = real_abs(apart) < real_abs(left) ? apart : left;
-    return real_abs(left) >
+    /* Nearer to the setpoint than predicted is no failure: between the two the loop was only faster. */
+    real_t low = foreseen < REAL_C(0.0) ? foreseen : REAL_C(0.0), high = foreseen - low;
+    real_t apart = left > high ? left - high : left < low ? low - left : REAL_C(0.0);
+    return apart >
            share * real_abs(loop->step) + channel->noise_sd + lag_behind_drift(loop, channel);
 }
 

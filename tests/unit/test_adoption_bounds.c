@@ -27,6 +27,7 @@ static struct {
 } part[4];
 static bool on_the_way_back;
 static unsigned blocked; /* samples of the step at the limit of the output */
+static double foreseen;  /* error predicted for the last quarter, in units of the step */
 
 void setUp(void)
 {
@@ -35,6 +36,7 @@ void setUp(void)
     part[0].error = 1.0;
     on_the_way_back = false;
     blocked = 0;
+    foreseen = 0.0;
     noise_sd = 0.0;
 }
 void tearDown(void) {}
@@ -65,6 +67,7 @@ static void begin(void)
     a.loop[0] =
         (struct adoption_loop){.step = (real_t)STEP, .duration_s = LASTS, .size = (real_t)STEP};
     a.loop[0].predicted.iae = (real_t)(STEP * RISE);
+    a.loop[0].left = (real_t)(STEP * foreseen);
     a.channel[0] = (struct adoption_channel){.noise_sd = (real_t)noise_sd, .limit = (real_t)LIMIT};
     adoption_hold(&a, &bench.s);
     TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &operating, &rest));
@@ -150,6 +153,24 @@ static void a_mean_error_of_015_of_the_step_in_the_last_quarter_is_the_most(void
         }
 }
 
+static void an_error_between_the_setpoint_and_the_one_predicted_is_no_unrest(void)
+{
+    static const struct {
+        double foreseen, error;
+        bool passes;
+    } cases[] = {{0.4, 0.2, true},     {0.4, 0.54, true},    {0.4, 0.56, false},
+                 {0.4, -0.14, true},   {0.4, -0.16, false},  {-0.16, -0.08, true},
+                 {-0.16, 0.14, true},  {-0.16, 0.16, false}, {-0.16, -0.30, true},
+                 {-0.16, -0.32, false}};
+    part[1].from = LASTS - LASTS / 4 - 1;
+    part[1].to = LASTS + 1;
+    for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        foreseen = cases[n].foreseen;
+        part[1].error = cases[n].error;
+        TEST_ASSERT_EQUAL_INT(cases[n].passes ? ADOPTION_PASSED : ADOPTION_RESTLESS, run());
+    }
+}
+
 static void a_quarter_of_the_time_at_a_limit_of_the_output_is_the_most(void)
 {
     blocked = LASTS / 4 - 2;
@@ -196,6 +217,7 @@ int main(void)
     RUN_TEST(an_overshoot_of_035_of_the_step_more_than_predicted_is_the_most);
     RUN_TEST(two_and_a_half_times_the_predicted_integral_is_the_most);
     RUN_TEST(a_mean_error_of_015_of_the_step_in_the_last_quarter_is_the_most);
+    RUN_TEST(an_error_between_the_setpoint_and_the_one_predicted_is_no_unrest);
     RUN_TEST(a_quarter_of_the_time_at_a_limit_of_the_output_is_the_most);
     RUN_TEST(the_limit_and_four_noise_deviations_are_the_farthest);
     RUN_TEST(half_cycles_of_07_of_those_before_are_the_largest);
