@@ -2,6 +2,9 @@
 
 #include "base/assertion.h"
 
+/* Least lag, over the one that is joined by itself, that a residence time may leave. */
+#define LAG_LEFT REAL_C(0.2)
+
 static bool is_known(const struct shape_found *f)
 {
     return f->kind != SHAPE_UNKNOWN && f->kind != SHAPE_SLOW && f->kind != SHAPE_PERHAPS_SLOW &&
@@ -46,6 +49,7 @@ static real_t unsureness(const struct shape_found *f)
     return gain * gain + time * time;
 }
 
+/* The residence time is what every test knows best: it is joined by itself, and the lag is what dead time and zero leave of it. */
 static void join_times(struct shape_found *sum, const struct shape_found *next)
 {
     real_t before = shape_residence_s(&sum->shape), after = shape_residence_s(&next->shape);
@@ -60,6 +64,9 @@ static void join_times(struct shape_found *sum, const struct shape_found *next)
     if (sum->parameters > 4)
         join(&sum->shape.zero_s, &sum->sd[SHAPE_ZERO], next->shape.zero_s, next->sd[SHAPE_ZERO]);
     sum->residence_sd_s = wider / real_sqrt(a + b);
+    real_t lag = (a * before + b * after) / (a + b) - sum->shape.dead_time_s + sum->shape.zero_s;
+    if (!is_ramp(sum) && lag > LAG_LEFT * sum->shape.lag_s)
+        sum->shape.lag_s = lag;
     a = weight(sum->residence_drawn_sd_s, before);
     b = weight(next->residence_drawn_sd_s, after);
     sum->residence_drawn_sd_s = wider / real_sqrt(a + b);

@@ -78,6 +78,24 @@ static void two_tests_of_one_shape_count_by_how_well_they_know_each_parameter(vo
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12 / 5.0, (double)sum.residence_drawn_sd_s);
 }
 
+/* One test tells dead time and lag apart, the other one does not, but both know their sum. */
+static void the_residence_time_is_joined_by_itself_and_the_lag_is_what_it_leaves(void)
+{
+    for (unsigned order = 0; order < 2; order++) {
+        struct shape_found a = shape(SHAPE_ONE_LAG, 1.0, 0.1, 100, 20);
+        struct shape_found b = shape(SHAPE_ONE_LAG, 1.0, 0.2, 60, 59);
+        a.residence_sd_s = b.residence_sd_s = 1;
+        a.sd[SHAPE_DEAD] = 1;
+        a.sd[SHAPE_LAG] = 30;
+        b.sd[SHAPE_DEAD] = b.sd[SHAPE_LAG] = 30;
+        struct shape_found sum = order ? b : a;
+        combine_shapes(&sum, order ? &a : &b, false);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 119.5, (double)shape_residence_s(&sum.shape));
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 20, (double)sum.shape.dead_time_s);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, sqrt(0.5), (double)sum.residence_sd_s);
+    }
+}
+
 static void a_small_gain_counts_by_how_well_it_is_known_too(void)
 {
     struct shape_found sum = shape(SHAPE_ONE_LAG, 1.0e-4, 1e-6, 100, 20);
@@ -341,6 +359,7 @@ int main(void)
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(two_tests_of_one_shape_count_by_how_well_they_know_each_parameter);
+    RUN_TEST(the_residence_time_is_joined_by_itself_and_the_lag_is_what_it_leaves);
     RUN_TEST(a_small_gain_counts_by_how_well_it_is_known_too);
     RUN_TEST(a_parameter_that_a_shape_does_not_have_stays_none);
     RUN_TEST(tests_that_disagree_are_less_sure_than_they_say);
