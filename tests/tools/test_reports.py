@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 from support import GOOD, FolderTest, call
 
 from reflux import limits, logs, metrics, page_style, plots, report, run_plots, runner, scenario
-from reflux.commission import results, second_opinions
+from reflux.commission import results, results_text, second_opinions
 from reflux.markup import element
 
 HOSTILE = "<span/onclick=alert(1)>\"'&amp;</td><script>alert(1)</script>"
