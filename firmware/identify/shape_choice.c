@@ -24,10 +24,6 @@
 #define SDS           REAL_C(2.0)
 #define TAIL_ODDS     REAL_C(0.1)  /* of a slow tail before any record */
 #define TAIL_LEAST    REAL_C(0.15) /* least weight of a tail that counts */
-/* Lags in levels of a response that no record shows: the longest one, and one in which all is ramps already. */
-#define PLAIN_LAG  REAL_C(0.25) /* the shortest */
-#define SLOW_MOST  REAL_C(100.0)
-#define SLOW_RAMPS REAL_C(10.0)
 
 static const uint8_t parameter_counts[SHAPE_FORMULAS] = {3, 4, 5, 3};
 
@@ -324,25 +320,15 @@ static bool ramp_holds(struct shape_fit *f)
            f->level >= RAMP_LAGS * c->place.time;
 }
 
-/* Deviation of the gain of a response that does not stand out: its lag may be anything from a quarter of the level to SLOW_MOST of
- * them, its logarithm as likely one as the other. The mean of the variances is that of the slow ones, which grow with the lag's square. */
-static real_t unseen_sd(struct shape_fit *f, real_t variance)
-{
-    const struct shape_place ramps = {.time = SLOW_RAMPS * f->level};
-    real_t squares[2], linear[3];
-    shape_search_squares(f, SHAPE_FORMULA_ONE, &ramps, squares, linear);
-    real_t strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
-    real_t longer = SLOW_MOST / SLOW_RAMPS, orders = real_log(SLOW_MOST / PLAIN_LAG);
-    return strength > ZERO ? longer * real_sqrt(variance / (TWO * orders * strength)) : ZERO;
-}
-
 void shape_choice_prepare(struct shape_fit *f)
 {
     real_t squares[2], linear[3];
     f->ramp_agrees = ramp_holds(f);
     f->rough_variance = variance_of_differences(f);
-    const struct shape_place quarter = {.time = PLAIN_LAG * f->level};
+    const struct shape_place quarter = {.time = REAL_C(0.25) * f->level};
     shape_search_squares(f, SHAPE_FORMULA_ONE, &quarter, squares, linear);
+    real_t strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
+    real_t variance = variance_of_point(f, SHAPE_FORMULA_ONE);
     f->plain_gain = linear[0];
-    f->plain_sd = unseen_sd(f, variance_of_point(f, SHAPE_FORMULA_ONE));
+    f->plain_sd = strength > ZERO ? real_sqrt(variance / strength) : ZERO;
 }

@@ -80,11 +80,10 @@ struct shape_fit {
     struct shape_tail tail[SHAPE_TAILS];
     uint8_t tail_base; /* formula that they are beside */
     /* what the choice looks at besides */
-    real_t rough_variance; /* of a point, by second differences */
-    real_t plain_gain,
-        plain_sd;            /* of a response within a quarter of the level; slow ones included */
-    bool ramp_agrees;        /* the slope of the integrator holds to the end of the level */
-    real_t y[FIT_LINE_SIZE]; /* without line and even part */
+    real_t rough_variance;       /* of a point, by second differences */
+    real_t plain_gain, plain_sd; /* of a response within a quarter of the level */
+    bool ramp_agrees;            /* the slope of the integrator holds to the end of the level */
+    real_t y[FIT_LINE_SIZE];     /* without line and even part */
     /* The curved part (shape_curve.h): bits of its terms, what they were in y, and their columns of length 1. */
     uint8_t curve_terms;
     real_t curve_part[SHAPE_CURVES];

@@ -12,8 +12,8 @@
 enum shape_kind {
     /* Nothing is known of the element. It is not zero, and nothing may be built on it. */
     SHAPE_UNKNOWN,
-    /* No response stands out of the noise: the gain is that of a lag of a quarter of the longest level, which lag_s says. Its deviation
-     * includes slower responses, which may hide in the noise with a larger gain: lags of up to a hundred levels. */
+    /* No response stands out of the noise: the gain is that of a lag of a quarter of the longest level, which lag_s says, with
+     * its deviation. A slower response than that may exist, and so may a larger gain with it. */
     SHAPE_NO_RESPONSE,
     SHAPE_ONE_LAG,
     SHAPE_TWO_LAGS,      /* or damped */
