@@ -246,13 +246,13 @@ static void no_output_is_taken_past_07_of_its_room(void)
     GROWS(0.04);
     y[0] = REAL_C(0.4825);
     GROWS(0.04);
-    e.limits.sure.low[0] = REAL_C(-1.75);
+    e.limits.low[0] = REAL_C(-1.75);
     y[0] = REAL_C(0.4999999);
     WAITS(true); /* 0.07 to the other side */
     e.config.limit[0] = REAL_C(0.2);
     GROWS(0.04);
     struct origin origin = {.fixed = true};
-    e.limits.sure.low[0] = 0;
+    e.limits.low[0] = 0;
     origin.channel[1].left = REAL_C(0.15);
     e.config.origin = &origin;
     GROWS(0.02 * 0.7 * 0.05 / most);
