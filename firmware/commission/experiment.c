@@ -221,17 +221,11 @@ static enum err pause_step(struct experiment *e)
     return go_back(e);
 }
 
-/* A reversal at once, or over a pause where it would take an output past its limit. */
-static enum err end_positive_half(struct experiment *e, const real_t *y)
-{
-    return limits_reversal_fits(e, y) ? turn_down(e, y) : pause_step(e);
-}
-
-/* After the pause: the negative half is the mirror image of the positive one. It is left out where a smaller step follows, after
- * one that the guard has cut, and the outputs have come back. */
+/* After the pause: the negative half is the mirror image of the positive one. It is left out where a smaller step follows and
+ * the outputs have come back. */
 static enum err end_pause(struct experiment *e, const real_t *y)
 {
-    bool back = e->config.repeats && e->cut;
+    bool back = e->config.repeats;
     for (uint8_t j = 0; j < e->config.outputs; j++) {
         e->at_turn[j] = REAL_C(0.0);
         if (real_abs(limits_away(e, j, y)) > BACK_SHARE * e->config.limit[j])
@@ -304,20 +298,20 @@ static enum err going_up(struct experiment *e, const real_t *y)
         e->predicted = peak.predicted;
         e->cut = true;
         bool turns = verdict == LIMITS_TURN && limits_response_is_seen(e);
-        return turns ? end_positive_half(e, y) : pause_step(e);
+        return turns ? turn_down(e, y) : pause_step(e);
     }
     if (c->half > 0 && e->half >= c->half)
-        return end_positive_half(e, y);
+        return turn_down(e, y);
     if (e->half >= c->half_most) {
         e->at_longest = true;
-        return end_positive_half(e, y);
+        return turn_down(e, y);
     }
     if (e->fresh && c->half == 0) {
         e->fresh = false;
         struct progress_advice advice = progress_judge(e, y);
         e->small = advice.small;
         if (advice.verdict == PROGRESS_TURN)
-            return end_positive_half(e, y);
+            return turn_down(e, y);
         if (advice.verdict == PROGRESS_GROW)
             err = grow(e, y, advice.amplitude);
     }

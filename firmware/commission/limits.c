@@ -10,7 +10,6 @@
 /* Standard deviations of the noise that two samples in a row rarely exceed. */
 #define TWO_SAMPLES REAL_C(2.0)
 #define WATCH_SDS   REAL_C(3.0) /* the same in whole tests, of extremes that count twice */
-#define LIKELY_SDS  REAL_C(1.0) /* by which two samples in a row exceed an extreme as likely as not */
 #define HARD_NOISE  REAL_C(4.0) /* standard deviations of the noise past a limit */
 #define NOISE_SHARE REAL_C(0.1) /* share of the limit that is subtracted from them */
 #define AHEAD       REAL_C(2.0) /* samples until a passed limit is detected */
@@ -83,18 +82,6 @@ enum err limits_arm(struct experiment *e, const real_t *y)
     return guard_init(&experiment_guards(e)->guard, &g);
 }
 
-/* Widens the extremes of output j by two samples' distances from where the step began, per amplitude of `step`. */
-static void widen_extremes(struct limits_extremes *x, uint8_t j, real_t now, real_t was,
-                           real_t noise, real_t step)
-{
-    REFLUX_ASSERT(j < CHANNEL_MAX);
-    real_t high = (now < was ? now : was) - noise, low = (now > was ? now : was) + noise;
-    if (high > x->high[j] * step)
-        x->high[j] = high / step;
-    if (low < x->low[j] * step)
-        x->low[j] = low / step;
-}
-
 void limits_watch(struct experiment *e, const real_t *y)
 {
     struct limits *l = experiment_guards(e);
@@ -102,9 +89,12 @@ void limits_watch(struct experiment *e, const real_t *y)
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         real_t now = limits_away(e, j, y) - l->from[j],
                was = limits_away(e, j, experiment_last(e)) - l->from[j];
-        real_t noise = experiment_before(e, j)->noise_sd;
-        widen_extremes(&l->sure, j, now, was, WATCH_SDS * noise, step);
-        widen_extremes(&l->likely, j, now, was, LIKELY_SDS * noise, step);
+        real_t noise = WATCH_SDS * experiment_before(e, j)->noise_sd;
+        real_t high = (now < was ? now : was) - noise, low = (now > was ? now : was) + noise;
+        if (high > l->high[j] * step)
+            l->high[j] = high / step;
+        if (low < l->low[j] * step)
+            l->low[j] = low / step;
     }
 }
 
@@ -129,28 +119,25 @@ void limits_step_grows(struct experiment *e, const real_t *y, real_t larger)
     }
     real_t share = experiment_amplitude(e) / larger;
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
-        l->sure.high[j] *= share;
-        l->sure.low[j] *= share;
-        l->likely.high[j] *= share;
-        l->likely.low[j] *= share;
+        l->high[j] *= share;
+        l->low[j] *= share;
     }
 }
 
 /* Largest deviation of output j, signed, after a step of twice the amplitude the other way from `away`. */
-static real_t reversed(const struct experiment *e, const struct limits_extremes *x, uint8_t j,
-                       real_t away)
+static real_t reversed(const struct experiment *e, uint8_t j, real_t away)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
-    real_t up = away - REAL_C(2.0) * experiment_amplitude(e) * x->low[j];
-    real_t down = away - REAL_C(2.0) * experiment_amplitude(e) * x->high[j];
+    real_t up = away - REAL_C(2.0) * experiment_amplitude(e) * experiment_limits(e)->low[j];
+    real_t down = away - REAL_C(2.0) * experiment_amplitude(e) * experiment_limits(e)->high[j];
     return real_abs(up) > real_abs(down) ? up : down;
 }
 
 real_t limits_reach(const struct experiment *e, uint8_t j, real_t gain)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
-    const struct limits_extremes *x = &experiment_limits(e)->sure;
-    real_t low = gain < x->low[j] ? gain : x->low[j], high = gain > x->high[j] ? gain : x->high[j];
+    const struct limits *l = experiment_limits(e);
+    real_t low = gain < l->low[j] ? gain : l->low[j], high = gain > l->high[j] ? gain : l->high[j];
     real_t up = real_abs(gain - REAL_C(2.0) * low), down = real_abs(gain - REAL_C(2.0) * high);
     return up > down ? up : down;
 }
@@ -240,7 +227,7 @@ enum err limits_judge(struct experiment *e, const real_t *y, enum limits_verdict
         real_t away = limits_away(e, j, y), room = limits_room(e, j),
                noise = experiment_before(e, j)->noise_sd;
         real_t ahead = is_modelled(e, j) ? peak_by_model(e, j, away) : peak_by_slope(e, j, away);
-        real_t back = reversed(e, &experiment_limits(e)->sure, j, away);
+        real_t back = reversed(e, j, away);
         if (real_abs(back) > room + noise) {
             *peak = (struct limits_peak){.output = j, .predicted = back};
             *verdict = LIMITS_BACK;
@@ -254,16 +241,6 @@ enum err limits_judge(struct experiment *e, const real_t *y, enum limits_verdict
         *verdict = LIMITS_TURN;
     }
     return ERR_OK;
-}
-
-bool limits_reversal_fits(const struct experiment *e, const real_t *y)
-{
-    for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
-        real_t back = reversed(e, &experiment_limits(e)->likely, j, limits_away(e, j, y));
-        if (real_abs(back) > limits_room(e, j) + experiment_before(e, j)->noise_sd)
-            return false;
-    }
-    return true;
 }
 
 bool limits_far_enough(const struct experiment *e, const real_t *y)

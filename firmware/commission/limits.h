@@ -50,8 +50,6 @@ bool limits_response_is_seen(const struct experiment *e);
 /* Judges the positive half; sets *peak unless it is fine. */
 MUST_CHECK enum err limits_judge(struct experiment *e, const real_t *y,
                                  enum limits_verdict *verdict, struct limits_peak *peak);
-/* A reversal keeps every output within its limit, by what the positive half has most likely reached. */
-bool limits_reversal_fits(const struct experiment *e, const real_t *y);
 /* An output is near its limit in the negative half, including the response that dead time still hides. */
 bool limits_far_enough(const struct experiment *e, const real_t *y);
 /* Returns an output that has been as far from the operating point as its limit for two samples before the step; negative: none. */

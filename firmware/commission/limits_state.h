@@ -5,17 +5,12 @@
 #include "exchange/config.h"
 #include "identify/guard.h"
 
-struct limits_extremes {
-    real_t low[CHANNEL_MAX], high[CHANNEL_MAX];
-};
-
 struct limits {
     uint8_t over[CHANNEL_MAX]; /* samples in a row past the limit */
     uint8_t worst_output;
     real_t worst; /* largest share of its limit that worst_output has used, drift apart */
-    /* Extremes of the positive half below and above rest for an amplitude of 1, fraction of span: what noise cannot have made,
-     * and as likely as not. */
-    struct limits_extremes sure, likely;
+    /* Extremes of the positive half below and above rest for an amplitude of 1, fraction of span. */
+    real_t low[CHANNEL_MAX], high[CHANNEL_MAX];
     /* Amplitude before it grew, and deviation of each output then, fractions of span. */
     real_t step_from, from[CHANNEL_MAX];
     struct guard guard;

@@ -149,8 +149,8 @@ static void two_samples_agree_on_how_far_a_response_has_been_less_three_deviatio
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        const real_t *is_kept = sign < 0 ? &e.limits.sure.low[1] : &e.limits.sure.high[1];
-        const real_t *other = sign < 0 ? &e.limits.sure.high[1] : &e.limits.sure.low[1];
+        const real_t *is_kept = sign < 0 ? &e.limits.low[1] : &e.limits.high[1];
+        const real_t *other = sign < 0 ? &e.limits.high[1] : &e.limits.low[1];
         watch(sign / 16.0, sign / 32.0);
         NEAR(sign * 0.15625, *is_kept); /* (1/32 - 3/256) / 0.125 */
         NEAR(0.0, *other);
@@ -162,13 +162,13 @@ static void two_samples_agree_on_how_far_a_response_has_been_less_three_deviatio
         NEAR(sign * 0.40625, *is_kept);
         NEAR(0.0, *other);
     }
-    NEAR(0.0, e.limits.sure.high[0]);
-    NEAR(0.0, e.limits.sure.low[0]);
-    NEAR(0.0, e.limits.sure.high[2]);
-    NEAR(0.0, e.limits.sure.low[2]);
+    NEAR(0.0, e.limits.high[0]);
+    NEAR(0.0, e.limits.low[0]);
+    NEAR(0.0, e.limits.high[2]);
+    NEAR(0.0, e.limits.low[2]);
     e.last[0] = y[0] = REAL_C(0.625); /* of every output */
     limits_watch(&e, y);
-    NEAR(0.90625, e.limits.sure.high[0]);
+    NEAR(0.90625, e.limits.high[0]);
 }
 
 static void the_reversal_takes_what_goes_the_wrong_way_twice_as_far(void)
@@ -178,8 +178,8 @@ static void the_reversal_takes_what_goes_the_wrong_way_twice_as_far(void)
                                       {0, 0, -1, 1},   {0, 0, 1.5, 1.5}, {-2, 0, 0.5, 4.5},
                                       {-2, 1, 0, 4},   {0, 3, 0, 6}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
-        e.limits.sure.low[1] = (real_t)cases[n][0];
-        e.limits.sure.high[1] = (real_t)cases[n][1];
+        e.limits.low[1] = (real_t)cases[n][0];
+        e.limits.high[1] = (real_t)cases[n][1];
         NEAR(cases[n][3], limits_reach(&e, 1, (real_t)cases[n][2]));
     }
 }
@@ -238,7 +238,7 @@ static void what_the_reversal_would_do_counts_as_well(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        *(sign < 0 ? &e.limits.sure.high[1] : &e.limits.sure.low[1]) =
+        *(sign < 0 ? &e.limits.high[1] : &e.limits.low[1]) =
             (real_t)(-sign * 0.25); /* 1/16 on top */
         is(1, sign * 0.14);
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged());
@@ -292,16 +292,16 @@ static void the_model_says_where_it_goes_while_what_is_under_way_arrives(void)
 
 static void the_extremes_of_a_step_that_grows_count_for_the_difference(void)
 {
-    e.limits.sure.low[1] = REAL_C(-0.5);
+    e.limits.low[1] = REAL_C(-0.5);
     watch(0.0625, 0.0625);
     limits_step_grows(&e, y, REAL_C(0.25));
     e.amplitude = REAL_C(0.25);
-    NEAR(-0.5, e.limits.sure.low[1]); /* of an amplitude of 1, however large the step is */
+    NEAR(-0.5, e.limits.low[1]); /* of an amplitude of 1, however large the step is */
     watch(-0.0625, -0.0625);     /* 1/8 down, by a step of 1/8 more */
-    NEAR(-0.90625, e.limits.sure.low[1]);
+    NEAR(-0.90625, e.limits.low[1]);
     e.drift_per_s[0] = REAL_C(1e-6); /* then it may be the drift */
     limits_step_grows(&e, y, REAL_C(0.5));
-    NEAR(-0.453125, e.limits.sure.low[1]);
+    NEAR(-0.453125, e.limits.low[1]);
     NEAR(0.125, e.limits.step_from);
 }
 
