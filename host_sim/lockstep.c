@@ -394,7 +394,7 @@ static enum outcome one_tick(struct lockstep *k)
     return GOT_IT;
 }
 
-enum lockstep_result lockstep_run(struct lockstep *k)
+static enum outcome greet(struct lockstep *k)
 {
     enum outcome r;
     do {
@@ -405,6 +405,23 @@ enum lockstep_result lockstep_run(struct lockstep *k)
         }
     } while (r == REGREETED);
     k->wall_began = sim_clock_s();
+    return r;
+}
+
+static enum lockstep_result result_of(struct lockstep *k, enum outcome r)
+{
+    if (r == GOT_IT) {
+        return RUN_DONE;
+    }
+    if (k->error[0] == '\0' && *k->interrupted == 0) {
+        (void)sim_fail(k->error, sizeof(k->error), "the controller kept restarting");
+    }
+    return k->error[0] == '\0' ? RUN_INTERRUPTED : RUN_FAILED;
+}
+
+enum lockstep_result lockstep_run(struct lockstep *k)
+{
+    enum outcome r = greet(k);
     while (r == GOT_IT) {
         r = one_sample(k);
         uint64_t next_ms = k->time_ms + k->tick_ms;
@@ -422,11 +439,31 @@ enum lockstep_result lockstep_run(struct lockstep *k)
         }
     }
     k->wall_s = sim_clock_s() - k->wall_began;
-    if (r == GOT_IT) {
-        return RUN_DONE;
+    return result_of(k, r);
+}
+
+enum lockstep_result lockstep_begin(struct lockstep *k)
+{
+    return result_of(k, greet(k));
+}
+
+enum lockstep_result lockstep_line(struct lockstep *k, const char *text)
+{
+    struct script_line x = {.kind = SCRIPT_SEND, .may_fail = true, .line = 1};
+    if (k->console == NULL || strlen(text) >= sizeof(x.text)) {
+        (void)sim_fail(k->error, sizeof(k->error),
+                       k->console == NULL ? "there is no console"
+                                          : "a console line has more than %d bytes",
+                       SCRIPT_LINE_SIZE - 1);
+        return RUN_FAILED;
     }
-    if (k->error[0] == '\0' && *k->interrupted == 0) {
-        (void)sim_fail(k->error, sizeof(k->error), "the controller kept restarting");
-    }
-    return k->error[0] == '\0' ? RUN_INTERRUPTED : RUN_FAILED;
+    (void)snprintf(x.text, sizeof(x.text), "%s", text);
+    k->console->plant_time_s = (double)k->time_ms / 1000.0;
+    return result_of(k, scripted_line(k, &x));
+}
+
+enum lockstep_result lockstep_step(struct lockstep *k)
+{
+    enum outcome r = one_sample(k);
+    return result_of(k, r == GOT_IT ? one_tick(k) : r);
 }

@@ -57,4 +57,12 @@ struct lockstep {
 
 enum lockstep_result lockstep_run(struct lockstep *k);
 
+/* The same run in pieces, for an owner who decides between two samples what comes next. Greets the controller; then lines
+ * and samples in any order. Each returns RUN_DONE, or RUN_FAILED with k->error; nothing may follow a failure. */
+enum lockstep_result lockstep_begin(struct lockstep *k);
+/* Sends one console line before the sample to come and waits for its reply, which is in k->console: REPLY_ERR is no failure. */
+enum lockstep_result lockstep_line(struct lockstep *k, const char *text);
+/* Steps 1 to 5 at the present plant time. */
+enum lockstep_result lockstep_step(struct lockstep *k);
+
 #endif

@@ -1,80 +1,9 @@
-/* reflux-sim with the firmware inside: --port memory --console memory. The bytes are those of the real lines: same
- * encoder, decoder and CRC; only the wire is missing. The clock both sides see is counted here and goes on only
- * when nobody has anything to say, so that a run is the same run every time and never waits.
- */
+/* reflux-sim with the firmware inside: --port memory --console memory. */
 #include "bench/reflux_sim.h"
-#include "bench/text.h"
-#include "bench/transport.h"
-#include "hal/memory/memory_port.h"
-
-#define IDLE_STEP_MS 1
-
-static uint64_t clock_ms;
-static bool moved; /* bytes crossed since the firmware last ran */
-static bool in_use[HAL_UART_COUNT];
-
-static enum hal_uart line_of(const struct transport *t)
-{
-    return t->context == &in_use[HAL_UART_LINK] ? HAL_UART_LINK : HAL_UART_CONSOLE;
-}
-
-static long memory_read(struct transport *t, void *buffer, size_t size)
-{
-    size_t n = memory_port_take(line_of(t), buffer, size);
-    moved = moved || n > 0;
-    return (long)n;
-}
-
-static long memory_write(struct transport *t, const void *data, size_t n)
-{
-    moved = true;
-    return (long)memory_port_give(line_of(t), data, n);
-}
-
-static void memory_turn(struct transport *t)
-{
-    (void)t;
-    clock_ms += moved ? 0 : IDLE_STEP_MS;
-    moved = false;
-    memory_port_set_clock(clock_ms);
-    (void)memory_port_run();
-}
-
-static uint64_t memory_now(struct transport *t)
-{
-    (void)t;
-    return clock_ms;
-}
-
-static void memory_close(struct transport *t)
-{
-    in_use[line_of(t)] = false;
-}
-
-static const struct transport_ops memory_ops = {.read = memory_read,
-                                                .write = memory_write,
-                                                .turn = memory_turn,
-                                                .now_ms = memory_now,
-                                                .close = memory_close};
-
-/* The first one opened is the link, the second the console: so reflux_sim() opens them. */
-static bool open_memory(struct transport *t, const char *rest, char *err, size_t err_size)
-{
-    enum hal_uart line = in_use[HAL_UART_LINK] ? HAL_UART_CONSOLE : HAL_UART_LINK;
-    if (rest[0] != '\0' || in_use[line]) {
-        return sim_fail(err, err_size, "memory: there is one link and one console, without a name");
-    }
-    if (line == HAL_UART_LINK) {
-        memory_port_start();
-    }
-    in_use[line] = true;
-    t->context = &in_use[line];
-    t->ops = &memory_ops;
-    return true;
-}
+#include "memory_transport.h"
 
 int main(int argc, char **argv)
 {
-    transport_add_scheme("memory", open_memory);
+    transport_add_scheme("memory", memory_transport_open);
     return reflux_sim(argc, argv);
 }

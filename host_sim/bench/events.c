@@ -354,6 +354,60 @@ bool events_finish(struct events *e, const struct plant_class *class, char *err,
     return true;
 }
 
+/* A later event that is done sets the same thing. */
+static bool overridden(const struct events *e, size_t at)
+{
+    const struct event *x = &e->list[at];
+    for (size_t i = at + 1; i < e->next; i++) {
+        const struct event *later = &e->list[i];
+        if (later->kind == x->kind && later->channel == x->channel && later->option == x->option) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void drop_overridden(struct events *e)
+{
+    size_t kept = 0;
+    size_t done = 0;
+    for (size_t i = 0; i < e->n; i++) {
+        bool past = i < e->next;
+        if (!past || !overridden(e, i)) {
+            e->list[kept] = e->list[i];
+            kept++;
+            done += past ? 1u : 0u;
+        }
+    }
+    e->n = kept;
+    e->next = done;
+}
+
+bool events_insert(struct events *e, const struct plant_class *class, const char *text, char *err,
+                   size_t err_size)
+{
+    static struct event before[EVENTS_MAX];
+    if (e->n == EVENTS_MAX) {
+        drop_overridden(e);
+    }
+    size_t n = e->n;
+    size_t next = e->next;
+    (void)memcpy(before, e->list, sizeof(before));
+    if (!events_add(e, class, text, err, err_size)) {
+        return false;
+    }
+    struct event *added = &e->list[n];
+    if (next > 0 && added->time_s < e->list[next - 1].time_s) {
+        added->time_s = e->list[next - 1].time_s; /* nothing is put among what is done */
+    }
+    if (!events_finish(e, class, err, err_size)) {
+        (void)memcpy(e->list, before, sizeof(before));
+        e->n = n;
+        return false;
+    }
+    return true;
+}
+
 /* Value of an input after the changes of this time. */
 static double stands_at(const struct plant_class *class, const struct plant *plant, size_t channel,
                         const struct plant_change *change, size_t n)

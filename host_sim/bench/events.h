@@ -41,6 +41,11 @@ bool events_add(struct events *e, const struct plant_class *class, const char *t
  * span. */
 bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size);
 
+/* Adds one event to a run that is under way: sorted in, checked, and refused as above. It is carried out at the first sample to come
+ * when its time is past. Events that later ones have overridden make room. */
+bool events_insert(struct events *e, const struct plant_class *class, const char *text, char *err,
+                   size_t err_size);
+
 /* Carries out everything due at time_s, once for each sample. Disturbances of one time count together, whatever their order. */
 bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
                   char *err, size_t err_size);

@@ -31,13 +31,10 @@ static void header(struct sim_log *log, const struct instruments *in)
     (void)fputc('\n', log->file);
 }
 
-bool sim_log_open(struct sim_log *log, const char *path, const struct instruments *in,
-                  const char *comment, char *err, size_t err_size)
+void sim_log_begin(struct sim_log *log, FILE *file, const struct instruments *in,
+                   const char *comment)
 {
-    *log = (struct sim_log){.file = fopen(path, "w")};
-    if (log->file == NULL) {
-        return sim_fail(err, err_size, "--log %s: %s", path, strerror(errno));
-    }
+    *log = (struct sim_log){.file = file};
     (void)fprintf(log->file, "# reflux-sim log, format %d; plant %s; %s\n", SIM_LOG_FORMAT,
                   in->class->name, comment);
     (void)fputs(
@@ -45,6 +42,16 @@ bool sim_log_open(struct sim_log *log, const char *path, const struct instrument
         "on; applied: mean over the interval before it\n",
         log->file);
     header(log, in);
+}
+
+bool sim_log_open(struct sim_log *log, const char *path, const struct instruments *in,
+                  const char *comment, char *err, size_t err_size)
+{
+    FILE *file = fopen(path, "w");
+    if (file == NULL) {
+        return sim_fail(err, err_size, "--log %s: %s", path, strerror(errno));
+    }
+    sim_log_begin(log, file, in, comment);
     return true;
 }
 

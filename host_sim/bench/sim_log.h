@@ -17,6 +17,10 @@ struct sim_log {
 
 bool sim_log_open(struct sim_log *log, const char *path, const struct instruments *in,
                   const char *comment, char *err, size_t err_size);
+/* Begins a log in a file that is open, and owns the file from then on. */
+void sim_log_begin(struct sim_log *log, FILE *file, const struct instruments *in,
+                   const char *comment);
+
 /* One row: the sample, the plant it was taken from, and the command that answered it. */
 void sim_log_row(struct sim_log *log, const struct instruments *in, const struct plant *plant,
                  const struct link_sample *sample, const struct link_command *command);
