@@ -43,3 +43,9 @@ endif()
 
 reflux_script_test(reflux_sim LABEL unit SCRIPT "${here}/test_reflux_sim.py" PROGRAMS reflux-sim-two-by-two test-controller
                    ARGUMENTS "${support}/python_plant.py")
+
+# The firmware and a plant in one process, as libreflux_lab.so has them.
+set(lab "${PROJECT_SOURCE_DIR}/tools/libreflux")
+reflux_test(lab LABEL unit SOURCES "${here}/test_lab.c" "${lab}/lab.c" "${PROJECT_SOURCE_DIR}/host_sim/memory_transport.c"
+  LIBS reflux_bench reflux_plants reflux_app reflux_hal_memory)
+target_include_directories(test_lab PRIVATE "${lab}")
