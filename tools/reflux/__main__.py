@@ -1,8 +1,9 @@
-"""python3 -m reflux COMMAND ...: started by the small scripts in tools/."""
+"""reflux COMMAND ..., or python3 -m reflux COMMAND ...: what the small scripts in tools/ start."""
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import os
 import signal
 import sys
@@ -11,12 +12,12 @@ from reflux import ending
 from reflux.errors import Ended, RunFailed, UserError
 
 COMMANDS = {
-    "run": "reflux.cmd_run",
     "demo": "reflux.cmd_demo",
     "play": "reflux.cmd_play",
-    "test": "dev.cmd_test",
-    "campaign": "research.cmd_campaign",
-    "bench": "dev.cmd_bench",
+    "run": "reflux.cmd_run",
+    "commission": "reflux.cmd_commission",
+    "console": "reflux.cmd_console",
+    "flash": "reflux.cmd_flash",
     "plot": "reflux.cmd_plot",
     "calibrate": "reflux.cmd_calibrate",
     "column": "reflux.cmd_column",
@@ -26,16 +27,44 @@ COMMANDS = {
     "decouple": "reflux.cmd_decouple",
     "identify": "reflux.cmd_identify",
     "state-feedback": "reflux.cmd_state_feedback",
+    "test": "dev.cmd_test",
+    "campaign": "research.cmd_campaign",
+    "bench": "dev.cmd_bench",
     "style": "dev.cmd_style",
     "fuzz": "dev.cmd_fuzz",
     "coverage": "dev.cmd_coverage",
     "prove": "dev.cmd_prove",
     "mutate": "dev.cmd_mutate",
     "image": "dev.cmd_image",
-    "flash": "reflux.cmd_flash",
-    "console": "reflux.cmd_console",
-    "commission": "reflux.cmd_commission",
     "evidence": "dev.cmd_evidence",
+}
+# One line of --help for each.
+WORDS = {
+    "demo": "the demonstration: packages, build, emulator, report",
+    "play": "a running, configured column and a console on it",
+    "run": "one scenario, with log, plots and report; compare two logs",
+    "commission": "automatic start-up of an unknown plant, on a board or on this computer",
+    "console": "a board's console: terminal, command files, saved configurations, live plots",
+    "flash": "write the image to a board",
+    "plot": "columns of a log as a picture or a table",
+    "calibrate": "the calibration of a measurement from one or two points",
+    "column": "profile, gains and times of a column; the console lines of a board for it",
+    "gradients": "where to put a column's thermometers",
+    "consistency": "covariances of a filter, and whether a recorded run bears them out",
+    "ina": "inverse Nyquist array and the static decoupler found with it",
+    "decouple": "a polynomial, static, partial or one-way decoupler with its controllers",
+    "identify": "a difference model from a log",
+    "state-feedback": "decoupling by state feedback",
+    "test": "the tests",
+    "campaign": "a scenario over many seeds",
+    "bench": "speed, instructions per tick and memory",
+    "style": "the style checks",
+    "fuzz": "inputs that nobody thought of",
+    "coverage": "what the tests reach",
+    "prove": "proofs of single functions",
+    "mutate": "faults put into the code, and which of them the tests notice",
+    "image": "proofs on the linked image, and where its memory goes",
+    "evidence": "what counts things, run and written to docs/evidence.md",
 }
 PACKAGES = {
     "numpy": "python3-numpy",
@@ -77,13 +106,28 @@ def call(name: str, arguments: list[str]) -> int:
         return 1
 
 
+def help_text() -> str:
+    """The tree of commands, users' first. An installed package has no commands of development."""
+    out = ["usage: reflux COMMAND ...", "", "Each command is also a file in tools/; COMMAND --help says more.", ""]
+    here = {name: words for name, words in WORDS.items() if importlib.util.find_spec(COMMANDS[name].split(".")[0])}
+    width = max(map(len, here)) + 2
+    for title, own in (("use", True), ("development", False)):
+        rows = [f"  {name:{width}}{words}" for name, words in here.items() if COMMANDS[name].startswith("reflux.") == own]
+        out += [f"{title}:", *rows, ""] if rows else []
+    return "\n".join(out).rstrip()
+
+
 def main() -> int:
     if sys.version_info < (3, 11):
         print(f"tools: Python 3.11 or newer is needed; {sys.executable} is "
               f"{sys.version.split()[0]}", file=sys.stderr)
         return 1
+    if sys.argv[1:2] in (["--help"], ["-h"], ["help"]):
+        print(help_text())
+        return 0
     if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
-        print(f"usage: python3 -m reflux {{{','.join(COMMANDS)}}} ...", file=sys.stderr)
+        wrong = f"reflux: there is no command {sys.argv[1]}\n" if len(sys.argv) > 1 else ""
+        print(f"{wrong}{help_text()}", file=sys.stderr)
         return 2
     with ending.cleanly(sys.argv[1]):
         return call(sys.argv[1], sys.argv[2:])
