@@ -14,7 +14,7 @@ from support import ROOT
 from reflux.paths import every
 
 PROGRAM = re.compile(r"(\$ )?((tools|build|tests)/|cd tests |cmake |ctest |python3 |qemu-|st-flash|openocd|dfu-util|picocom|"
-                     r"reflux-|git |sudo |apt)")
+                     r"reflux-|git |sudo |apt|PYTHONPATH=)")
 CONSOLE = "> "
 GENERATED = ("evidence.md",)  # tools/evidence runs what stands there and writes what it printed
 ROWS = Path(__file__).parent / "commands.toml"

@@ -76,6 +76,11 @@ class Scenario:
     limits: tuple[Limit, ...] = ()
     config: tuple[Line, ...] = field(default=())  # what the console files hold, sent first
 
+    @classmethod
+    def named(cls, name: str | Path) -> "Scenario":
+        """A scenario of host_sim/scenarios by name, or a .toml file."""
+        return load(find(name))
+
     def with_options(self, **options: object) -> "Scenario":
         """The same scenario with what the command line gave; None leaves a value as written."""
         return replace(self, **{k: v for k, v in options.items() if v is not None})

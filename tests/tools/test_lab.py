@@ -1,0 +1,345 @@
+"""reflux.Lab: a board and a plant in this process, and a board on a port; the log it gives; the doors to the firmware's methods; a Gymnasium environment."""
+
+import contextlib
+import importlib.util
+import logging
+import math
+import subprocess
+import sys
+import unittest
+import warnings
+from unittest import mock
+
+from support import ROOT, FolderTest
+
+import numpy as np
+import reflux
+from reflux import Lab, Plant, Refused, Scenario, build, lab_log, launch, logs, runner
+from reflux.errors import RunFailed, UserError
+from reflux.in_process import Taken
+
+
+def setUpModule() -> None:
+    build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host", "libreflux", "libreflux_lab"), quiet=True)
+
+
+class LabTest(FolderTest):
+    """A lab of its own for each test."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.lab = self.enterContext(Lab("pilot"))
+
+
+class SameLog(FolderTest):
+    def test_a_scenario_gives_the_log_of_the_tool_bit_for_bit(self) -> None:
+        scenario = Scenario.named("demo")
+        runner.run(scenario.with_options(firmware="memory"), runner.Options(self.folder / "run", quiet=True))
+        with Lab(scenario) as lab:
+            lab.play(csv=self.folder / "lab.csv")
+        self.assertEqual((self.folder / "lab.csv").read_bytes(), (self.folder / "run" / "log.csv").read_bytes())
+
+    def test_two_labs_at_once_do_not_disturb_one_another(self) -> None:
+        with Lab("pilot", seed=5) as alone:
+            alone.mode("bottom", "auto")
+            expected = np.asarray(alone.run(ticks=20)["T10"])
+        with Lab("pilot", seed=5) as one, Lab("pilot", seed=6) as other:
+            one.mode("bottom", "auto")
+            for _ in range(20):
+                one.step()
+                other.step()
+            with Lab("pilot", seed=5) as again:
+                again.mode("bottom", "auto")
+                found = [again.run(ticks=1)["T10"][0] for _ in range(20)]
+            self.assertEqual(np.float32(one.T10), np.float32(expected[-1]))
+            self.assertNotEqual(np.float32(other.T10), np.float32(expected[-1]))
+        self.assertEqual(list(found), list(expected))
+
+
+class Operating(LabTest):
+    def test_a_loop_in_auto_holds_its_setpoint(self) -> None:
+        self.lab.mode("bottom", "auto")
+        self.lab.setpoint("bottom", 108.5)
+        log = self.lab.run(hours=2)
+        self.assertEqual(len(log), 240)
+        self.assertEqual(self.lab.time_s, 7200.0)
+        self.assertLess(abs(float(np.mean(log["T10"][-60:])) - 108.5), 0.2)
+        self.assertEqual(self.lab.loops["bottom"], {"mode": "auto", "pv": "T10", "out": "Qrb", "sp": 108.5})
+
+    def test_a_refusal_is_an_exception_with_the_words_of_the_console(self) -> None:
+        with self.assertRaisesRegex(Refused, r"^err UNKNOWN nowhere: no such loop; `loop` lists them$"):
+            self.lab.mode("nowhere", "auto")
+        with self.assertRaisesRegex(Refused, r"^err RANGE Lr: 99 refused, allowed: 1 \.\. 9 l/h$"):
+            self.lab.output("Lr", 99)
+        self.assertTrue(self.lab.command("status"))
+
+    def test_a_parameter_is_set_and_read(self) -> None:
+        self.lab.set("bottom.gain", 2.5)
+        self.assertEqual(self.lab.get("bottom.gain"), "2.5")
+        self.lab.set("bottom.action", "direct")
+        self.assertEqual(self.lab.get("bottom.action"), "direct")
+
+    def test_channels_have_the_names_of_teachers(self) -> None:
+        self.lab.step()
+        self.assertEqual(self.lab.T1, self.lab.measurements["T1"])
+        self.assertEqual(self.lab.Qrb(), 0.8000000715255737)
+        self.lab.Qrb(0.7)
+        self.lab.step()
+        self.assertAlmostEqual(self.lab.Q2(), 0.7, 6)
+        with self.assertRaisesRegex(AttributeError, "measurements T1, T10 and the outputs Lr, Qrb"):
+            self.lab.T2  # noqa: B018  T1 and T10 are names of trays here
+
+    def test_channels_without_such_names_are_counted(self) -> None:
+        with Lab(Plant("wood-berry")) as lab:
+            lab.step()
+            self.assertEqual(lab.T2, lab.measurements["xB"])
+            lab.Q1(2.0)
+            lab.step()
+            self.assertEqual(lab.Q1(), lab.outputs["R"])
+
+    def test_steps_without_a_log_are_in_no_log(self) -> None:
+        self.lab.step(3)
+        self.lab.step()
+        self.assertEqual(list(self.lab.run(ticks=2)["time"]), [120.0, 150.0])
+        with self.assertRaisesRegex(UserError, "from 1"):
+            self.lab.step(0)
+
+    def test_nothing_is_measured_before_the_first_sample(self) -> None:
+        self.assertTrue(math.isnan(self.lab.T1))
+
+    def test_a_disturbance_meets_the_next_sample_or_a_later_one(self) -> None:
+        self.lab.disturb("F", 5.5)
+        self.lab.disturb("xF", 33.0, after_s=60)
+        log = self.lab.run(ticks=3)
+        self.assertEqual(list(log["F"]), [5.5, 5.5, 5.5])
+        self.assertEqual(list(log["xF"]), [36.0, 36.0, 33.0])
+        with self.assertRaisesRegex(UserError, "F must be 0 to 10 l/h"):
+            self.lab.disturb("F", 1000)
+
+    def test_an_interlock_holds_against_the_caller(self) -> None:
+        self.lab.set("lock1.limit", 100.0)
+        self.lab.output("Qrb", 0.8)
+        self.lab.run(ticks=5)
+        self.assertEqual(self.lab.outputs["Qrb"], 0.0)
+
+    def test_a_time_that_makes_no_sense_is_refused(self) -> None:
+        for wrong in ({}, {"hours": 1, "ticks": 5}, {"ticks": 0}, {"seconds": -5}):
+            with self.subTest(wrong), self.assertRaisesRegex(UserError, "how long?"):
+                self.lab.run(**wrong)
+
+    def test_a_command_of_two_lines_is_refused(self) -> None:
+        with self.assertRaisesRegex(UserError, "one line"):
+            self.lab.command("status\nmode bottom auto")
+
+    def test_a_closed_lab_says_so(self) -> None:
+        self.lab.close()
+        self.lab.close()
+        with self.assertRaisesRegex(RunFailed, "closed"):
+            self.lab.command("status")
+        with self.assertRaises(UserError):
+            self.lab.run(ticks=1)
+
+    def test_a_board_whose_log_is_off_gives_the_samples_alone(self) -> None:
+        self.lab.command("log off")
+        log = self.lab.run(ticks=3)
+        self.assertEqual(len(log["T1.meas"]), 3)
+        self.assertNotIn("fw.T1", list(log.columns))
+
+    def test_columns_that_change_on_the_way_stand_side_by_side(self) -> None:
+        self.lab.run(ticks=2)
+        self.lab.step()
+        for line in ("begin", "set meas3.name T7", "set meas3.lo 70", "set meas3.hi 130", "apply"):
+            self.lab.command(line)
+        log = self.lab.run(ticks=3)
+        self.assertIn("fw.T7", list(log.columns))
+        self.assertFalse(math.isnan(log["fw.T7"][2]))
+
+    def test_nothing_is_printed_and_the_logger_has_no_words_of_a_command(self) -> None:
+        with self.assertLogs("reflux", logging.DEBUG) as seen, mock.patch("builtins.print", side_effect=AssertionError("print")):
+            self.lab.command("status")
+            self.lab.set("console.key", "secret1")
+        self.assertNotIn("secret1", "".join(seen.output))
+
+
+class Started(unittest.TestCase):
+    def test_what_is_unknown_is_refused_with_what_there_is(self) -> None:
+        with self.assertRaisesRegex(UserError, "no scenario nowhere; .*demo"):
+            Lab("nowhere")
+        with self.assertRaisesRegex(UserError, "plant nowhere"):
+            Plant("nowhere")
+
+    def test_a_plant_may_be_a_dictionary(self) -> None:
+        import json
+        data = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
+        with Lab(Plant({**data, "name": "my-own"})) as lab:
+            self.assertEqual(list(lab.measurements), ["xD", "xB"])
+
+    def test_only_a_scenario_can_be_played(self) -> None:
+        with Lab("pilot") as lab, self.assertRaisesRegex(UserError, "no scenario to play"):
+            lab.play()
+
+    def test_every_name_of_the_package_is_there(self) -> None:
+        for name in reflux.__all__:
+            self.assertIsNotNone(getattr(reflux, name))
+        with self.assertRaises(AttributeError):
+            reflux.nothing  # noqa: B018
+
+    def test_the_package_alone_loads_no_numbers_and_no_pictures(self) -> None:
+        code = "import sys, reflux; print([m for m in ('numpy', 'matplotlib', 'pandas', 'scipy') if m in sys.modules])"
+        said = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": str(ROOT / "tools")}, capture_output=True, text=True, check=True)
+        self.assertEqual(said.stdout.strip(), "[]")
+
+
+class Logs(LabTest):
+    def test_fast_numbers_are_those_of_the_log_as_written(self) -> None:
+        assert self.lab._in_process is not None
+        self.lab.mode("bottom", "auto")
+        self.lab._in_process.step(50)
+        taken = self.lab._in_process.take()
+        fast, slow = taken.numbers(), lab_log.numbers(taken.log())
+        assert fast is not None
+        self.assertEqual(list(fast[0]), list(slow[0]))
+        self.assertEqual(fast[1], slow[1])
+        for name, values in fast[0].items():
+            np.testing.assert_array_equal(values, slow[0][name], err_msg=name)
+
+    def test_text_in_a_row_leaves_the_fast_way(self) -> None:
+        taken = Taken([], ["number", "time[s]"], ["0,0", "1,x"], ["H,1,number,T1[K]", "T,1,0,5", "T,1,1,6"])
+        self.assertIsNone(taken.numbers())
+        self.assertTrue(math.isnan(lab_log.numbers(taken.log())[0]["time"][1]))
+
+    def test_a_name_that_people_use_finds_its_column_and_units_are_there(self) -> None:
+        log = self.lab.run(ticks=4)
+        np.testing.assert_array_equal(log["T1"], log["T1.meas"])
+        np.testing.assert_array_equal(log["bottom.sp"], log["fw.bottom.sp"])
+        self.assertEqual(log.attrs["units"]["T1.meas"], "degC")
+        with self.assertRaises(KeyError):
+            log["nowhere"]
+
+    def test_a_plot_has_an_axis_for_each_unit(self) -> None:
+        import matplotlib
+        matplotlib.use("Agg")
+        figure = self.lab.run(ticks=4).plot()
+        self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "l/h", "kW"])
+        self.assertEqual(len(self.lab.run(ticks=4).plot("T10", "bottom.sp").axes), 1)
+
+    def test_a_table_stands_in_for_pandas(self) -> None:
+        with mock.patch.object(lab_log, "pandas", None):
+            log = self.lab.run(ticks=4)
+        self.assertIsInstance(log, lab_log.Table)
+        self.assertEqual(len(log), 4)
+        self.assertIn("T1.meas", log)
+        self.assertEqual(log.columns, list(log))
+
+    @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed; python3-pandas is an extra")
+    def test_with_pandas_it_is_a_data_frame(self) -> None:
+        import pandas
+        log = self.lab.run(ticks=4)
+        self.assertIsInstance(log, pandas.DataFrame)
+        self.assertEqual(log.attrs["units"]["T1.meas"], "degC")
+        np.testing.assert_array_equal(log["T1"], log["T1.meas"])
+
+
+class OnAPort(FolderTest):
+    """The host build on its console, as a board on a serial port."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.firmware = self.enterContext(launch.start("host"))
+        self.enterContext(launch.plant(self.firmware, "pilot", "--speed", "600", "--tick", "30"))
+        self.lab = self.enterContext(Lab(port=self.firmware.console))
+
+    def test_the_same_calls_drive_a_board(self) -> None:
+        lab = self.lab
+        with (ROOT / "host_sim" / "scenarios" / "pilot.conf").open(encoding="utf-8") as lines:
+            for line in (text.strip() for text in lines):
+                if line and not line.startswith("#"):
+                    lab.command(line)
+        log = lab.run(ticks=3)
+        self.assertGreaterEqual(len(log), 3)  # and what came while the lines were sent
+        self.assertGreater(lab.time_s, 0.0)
+        lab.mode("bottom", "auto")
+        log = lab.run(ticks=3)
+        self.assertEqual(log.attrs["units"]["T10"], "degC")
+        self.assertEqual(lab.loops["bottom"]["mode"], "auto")
+        self.assertTrue(math.isfinite(lab.value("T10")))
+        with self.assertRaisesRegex(Refused, "err RANGE"):
+            lab.output("Lr", 99)
+
+    def test_what_needs_a_plant_in_this_process_is_refused(self) -> None:
+        for call in (lambda: self.lab.disturb("F", 5.5), lambda: self.lab.step(), lambda: self.lab.play()):
+            with self.assertRaisesRegex(UserError, "not with a board on a port"):
+                call()
+
+    def test_a_board_that_is_away_is_refused(self) -> None:
+        with self.assertRaises((UserError, RunFailed)):
+            Lab(port=str(self.folder / "nowhere"))
+
+
+class Doors(unittest.TestCase):
+    GAIN = [[12.8, -18.9], [6.6, -19.4]]  # Wood and Berry's column
+    DEAD, CONSTANT = [[60, 180], [420, 180]], [[1002, 1260], [654, 864]]
+
+    def test_relative_gains_of_a_matrix_and_at_a_frequency(self) -> None:
+        np.testing.assert_allclose(reflux.rga(self.GAIN), [[2.00939, -1.00939], [-1.00939, 2.00939]], atol=1e-5)
+        at = reflux.rga(self.GAIN, dead_time=self.DEAD, time_constant=self.CONSTANT, omega=0.01)
+        self.assertLess(at[0, 0], 1.0)
+
+    def test_a_design_pairs_and_tunes(self) -> None:
+        found = reflux.design(self.GAIN, self.DEAD, self.CONSTANT, interval_s=60)
+        self.assertEqual((found.pairs, found.verdict, found.kept), ([(0, 0), (1, 1)], "determined", True))
+        self.assertTrue(found.gain[0] > 0 > found.gain[1])
+        given = reflux.design(self.GAIN, self.DEAD, self.CONSTANT, interval_s=60, pairs=[(0, 0), (1, 1)])
+        np.testing.assert_array_equal(found.gain, given.gain)
+        self.assertEqual(reflux.pair(self.GAIN)["pairs"], [(0, 0), (1, 1)])
+
+    def test_a_model_is_found_in_a_record_and_in_a_log(self) -> None:
+        rng = np.random.default_rng(1)
+        u, y = rng.standard_normal((600, 1)), np.zeros((600, 1))
+        for k in range(2, 600):
+            y[k] = 0.8 * y[k - 1] + 0.5 * u[k - 2] + 0.02 * rng.standard_normal()
+        model = reflux.identify(u=u, y=y)[0]
+        self.assertAlmostEqual(model.a[0], -0.8, 1)
+        self.assertAlmostEqual(model.b[0][1], 0.5, 1)
+        self.assertGreater(model.fit, 0.9)
+        log = lab_log.Table({"u.cmd": u[:, 0], "y.meas": y[:, 0]}, {})
+        same = reflux.identify(log, inputs=["u"], outputs=["y"])[0]
+        self.assertEqual((same.output, same.a, same.b), ("y", model.a, model.b))
+
+    def test_a_record_that_is_none_is_refused(self) -> None:
+        with self.assertRaisesRegex(UserError, "a log with inputs"):
+            reflux.identify()
+        with self.assertRaisesRegex(UserError, "no numbers"):
+            reflux.identify(u=np.ones((30, 1)), y=np.full((30, 1), np.nan))
+
+    def test_a_column_has_a_profile_a_steady_state_and_gains(self) -> None:
+        column = reflux.columns.read("splitter")
+        self.assertEqual(len(reflux.columns.steady("splitter").temperature), column.stages)
+        self.assertEqual(len(reflux.columns.profile("splitter")["T[K]"]), column.stages)
+        gains = reflux.columns.gains("splitter", outputs=["T5", "T27"], inputs=["R", "Q"])
+        self.assertTrue((gains[:, 0] < 0).all() and (gains[:, 1] > 0).all())
+
+
+class Environment(unittest.TestCase):
+    def test_without_gymnasium_it_says_what_is_missing(self) -> None:
+        sys.modules.pop("reflux.column_env", None)
+        with mock.patch.dict(sys.modules, {"gymnasium": None}), self.assertRaisesRegex(UserError, "pip install gymnasium"):
+            reflux.ColumnEnv  # noqa: B018
+
+    @unittest.skipUnless(importlib.util.find_spec("gymnasium"), "gymnasium is not installed; pip install gymnasium")
+    def test_gymnasium_finds_nothing_wrong_and_interlocks_hold(self) -> None:
+        from gymnasium.utils.env_checker import check_env
+        for setpoints in (False, True):
+            with self.subTest(setpoints=setpoints), contextlib.closing(reflux.ColumnEnv("pilot", targets={"T10": 108.5}, setpoints=setpoints)) as env:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # it has no spec and no picture
+                    check_env(env)
+                env.reset(seed=1)
+                for _ in range(30):
+                    _, reward, *_, info = env.step(np.array([1.0, 1.0], np.float32))
+                    self.assertLessEqual(info["applied"]["Qrb"], 1.25 + 1e-6)
+                    self.assertLessEqual(reward, 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

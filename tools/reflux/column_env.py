@@ -1,0 +1,94 @@
+"""A Gymnasium environment: an agent operates the plant through the board (docs/python.md). Needs gymnasium, which nothing else does.
+
+    env = reflux.ColumnEnv("pilot", targets={"T1": 87.0, "T10": 108.5})
+
+An action goes to the board as a console line, so limits, rates and interlocks hold as they do for an operator: what the board refuses or
+overrides, the agent does not get.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Mapping
+
+import numpy as np
+
+from reflux.errors import UserError
+from reflux.lab import Lab
+from reflux.plant import Plant
+from reflux.scenario import Scenario
+from reflux.session import Refused
+
+try:
+    import gymnasium
+except ModuleNotFoundError:
+    raise UserError("reflux.ColumnEnv needs gymnasium, which is not installed: pip install gymnasium") from None
+
+
+class ColumnEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+    """Action: of each output its place between the board's limits, -1 lowest and 1 highest; or, with setpoints=True, of each loop's
+    setpoint within its measurement's span, the loops in auto. Observation: measurements in engineering units. Reward: minus the sum of
+    distances from the targets, in spans. An episode is truncated after `steps` steps of `ticks` samples; it never terminates.
+    info: what the outputs applied, and what the board refused with its words.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(self, what: str | Scenario | Plant = "pilot", *, targets: Mapping[str, float] | None = None, setpoints: bool = False,
+                 steps: int = 240, ticks: int = 1, noise: float | None = None):
+        self._what, self._noise, self._setpoints, self._steps, self._ticks = what, noise, setpoints, steps, ticks
+        self._lab = Lab(what, noise=noise)
+        channels = self._lab.channels
+        self._measured = list(self._lab.measurements)
+        self._places = self._loop_places() if setpoints else self._output_places()
+        if not self._places:
+            raise UserError("this board has no loops; setpoints=False moves its outputs" if setpoints else "this board has no outputs")
+        self._span = {name: (channels[name].lo, channels[name].hi) for name in self._measured}
+        self._targets = dict(targets or {})
+        if unknown := [name for name in self._targets if name not in self._measured]:
+            raise UserError(f"targets: {unknown[0]} is no measurement of the board; there are {', '.join(self._measured)}")
+        low, high = (np.array([self._span[name][k] for name in self._measured], np.float32) for k in (0, 1))
+        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self._places),), np.float32)
+        self._done = 0
+
+    def _output_places(self) -> dict[str, tuple[str, float, float]]:
+        """Console verb and ends of each output: its limits min and max."""
+        return {name: ("out", float(self._lab.get(f"{name}.min")), float(self._lab.get(f"{name}.max"))) for name in self._lab.outputs}
+
+    def _loop_places(self) -> dict[str, tuple[str, float, float]]:
+        channels = self._lab.channels
+        return {name: ("sp", channels[loop["pv"]].lo, channels[loop["pv"]].hi) for name, loop in self._lab.loops.items() if loop["pv"] in channels}
+
+    def _observe(self) -> np.ndarray:
+        space = self.observation_space
+        seen = np.nan_to_num(np.array(list(self._lab.measurements.values()), np.float32))
+        return np.clip(seen, space.low, space.high)  # type: ignore[attr-defined]
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+        """A board that has just been configured, and a plant at its operating point; seed: of the sensors' noise."""
+        super().reset(seed=seed)
+        self._lab.close()
+        self._lab = Lab(self._what, seed=int(self.np_random.integers(2**31)), noise=self._noise)
+        self._done = 0
+        if self._setpoints:
+            for name in self._places:
+                self._lab.mode(name, "auto")
+        self._lab.step()
+        return self._observe(), {"applied": self._lab.outputs, "refused": []}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        refused = []
+        for (name, (verb, low, high)), place in zip(self._places.items(), np.clip(np.asarray(action, float), -1.0, 1.0)):
+            try:
+                self._lab.command(f"{verb} {name} {low + (high - low) * (place + 1) / 2:.9g}")
+            except Refused as error:
+                refused.append(str(error))
+        self._lab.step(self._ticks)
+        self._done += 1
+        seen = self._observe()
+        reward = -sum(abs(float(seen[self._measured.index(name)]) - target) / (self._span[name][1] - self._span[name][0])
+                      for name, target in self._targets.items())
+        return seen, float(reward), False, self._done >= self._steps, {"applied": self._lab.outputs, "refused": refused}
+
+    def close(self) -> None:
+        self._lab.close()

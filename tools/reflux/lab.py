@@ -1,0 +1,305 @@
+"""reflux.Lab: a board with a plant behind it, from Python (docs/python.md).
+
+    with Lab("pilot") as lab:
+        lab.mode("bottom", "auto")
+        lab.setpoint("bottom", 108.5)
+        log = lab.run(hours=2)
+    log.plot()
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from pathlib import Path
+from typing import Any, Callable, Sequence
+
+from reflux import cmd_play, lab_log, logs, runner, scenario_settings
+from reflux import scenario as scenarios
+from reflux.errors import RunFailed, UserError
+from reflux.in_process import MEASUREMENT, MV, Channel, InProcess
+from reflux.on_port import OnPort
+from reflux.paths import SCENARIOS
+from reflux.plant import Plant
+from reflux.scenario import Scenario
+
+logger = logging.getLogger("reflux")
+
+TIMES = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+
+
+class Lab:
+    """Firmware and plant in this process, or a board on a serial port.
+
+    what: a configuration or a scenario by name, as tools/play and tools/run take them, a Scenario, or a Plant (the board then knows its
+    channels and has no loops). The plant stands at its operating point, the outputs too, the loops are in manual.
+    port: the console of a board, such as /dev/ttyUSB0, instead; its time is real.
+
+    What the board refuses is raised as reflux.Refused with the console's words.
+    """
+
+    def __init__(self, what: str | Scenario | Plant = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
+                 tick_s: float | None = None, at_operating_point: bool = True):
+        self.scenario: Scenario | None = None
+        self._in_process: InProcess | None = None
+        self._on_port: OnPort | None = None
+        self._measured: list[str] = []
+        self._outputs: list[str] = []
+        if port is not None:
+            self._on_port = OnPort(port)
+            settings = self.command("dump").splitlines()
+        else:
+            settings = self._start(what, seed, noise, tick_s)
+        self._find_channels(settings)
+        if self._in_process and at_operating_point:
+            self._operate()
+
+    # ---- how it begins ----
+
+    def _start(self, what: str | Scenario | Plant, seed: int | None, noise: float | None, tick_s: float | None) -> list[str]:
+        plant, options, lines = self._wanted(what)
+        for name, value in (("--seed", seed), ("--noise", noise), ("--tick", tick_s)):
+            if value is not None:
+                options = [*options, name, f"{value:.17g}" if isinstance(value, float) else str(value)]
+        self._in_process = InProcess(plant, options)
+        try:
+            lines = self._channel_lines() if lines is None else lines
+            for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
+                self._say(line)
+        except BaseException:
+            self.close()
+            raise
+        logger.info("%s in this process, a sample each %g s", plant, self.tick_s)
+        return lines
+
+    def _wanted(self, what: str | Scenario | Plant) -> tuple[str, list[str], list[str] | None]:
+        """Plant, options of reflux-sim and console lines. No lines: those of the plant's channels."""
+        if isinstance(what, Plant):
+            self._plant = what  # its file lives as long
+            return what.argument, [], None
+        if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
+            bench = cmd_play.bench_of(what, None)
+            return bench.plant, list(bench.options), list(bench.lines)
+        self.scenario = scenarios.load(scenarios.find(what)) if isinstance(what, (str, Path)) else what
+        s = self.scenario
+        options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
+        options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
+        for name in s.measure:
+            options += ["--measure", name]
+        for name, value in s.start:
+            options += ["--start", f"{name}={value:.17g}"]
+        return runner.plant_argument(s), options, [line.text for line in s.config]
+
+    def _channel_lines(self) -> list[str]:
+        """The plant's channels, as a board without a configuration takes them."""
+        channels = self._engine().channels.values()
+        out = ["begin"]
+        for kind, group in ((MEASUREMENT, "meas"), (MV, "mv")):
+            for k, c in enumerate((c for c in channels if c.kind == kind), 1):
+                out += [f"set {group}{k}.name {c.name}", f"set {group}{k}.unit {c.unit}", f"set {group}{k}.lo {c.lo:.9g}", f"set {group}{k}.hi {c.hi:.9g}"]
+                if kind == MV:
+                    out += [f"set mv{k}.min {c.lo:.9g}", f"set mv{k}.max {c.hi:.9g}", f"set mv{k}.safe {c.nominal:.9g}"]
+        return [*out, "apply"]
+
+    def _find_channels(self, settings: Sequence[str]) -> None:
+        values = scenario_settings.values_of(tuple(settings))
+        for group, names in (("meas", self._measured), ("mv", self._outputs)):
+            names += [values[f"{k}.name"] for k in scenario_settings.numbered(values, group) if values.get(f"{k}.name", "-") != "-"]
+        self._sequences = any(value not in ("-", "") for name, value in values.items() if re.fullmatch(r"step\d+\.seq", name))
+
+    def _operate(self) -> None:
+        """Outputs to the plant's operating point; a plant that a sequence starts is left to the sequence."""
+        if self.scenario is None and not self._sequences:
+            for name in self._outputs:
+                if name in self._engine().channels:
+                    self._say(f"out {name} {self._engine().value(name):.7g}")
+
+    def _engine(self) -> InProcess:
+        if self._in_process is None:
+            raise UserError("this goes with a plant in this process, not with a board on a port")
+        return self._in_process
+
+    # ---- the console ----
+
+    def _say(self, text: str) -> list[str]:
+        engine = self._in_process or self._on_port
+        if engine is None:
+            raise RunFailed("the lab is closed")
+        logger.debug("> %s", text.split()[0] if text.split() else "")  # not its words: one may be a key
+        return engine.say(text)
+
+    def command(self, text: str) -> str:
+        """Any line of the console; the reply without its ok."""
+        if "\n" in text or "\r" in text:
+            raise UserError("a command is one line")
+        return "\n".join(self._say(text))
+
+    def mode(self, loop: str, mode: str) -> None:
+        """manual, auto or cascade."""
+        self._say(f"mode {loop} {mode}")
+
+    def setpoint(self, loop: str, value: float) -> None:
+        self._say(f"sp {loop} {value:.9g}")
+
+    def output(self, name: str, value: float) -> None:
+        """An output by hand; refused while its loop is not in manual."""
+        self._say(f"out {name} {value:.9g}")
+
+    def set(self, name: str, value: float | str) -> None:
+        """A parameter, as bottom.gain; docs/console.md has them all."""
+        self._say(f"set {name} {value:.9g}" if isinstance(value, float) else f"set {name} {value}")
+
+    def get(self, name: str) -> str:
+        """A parameter's value as the console prints it, without its unit."""
+        words = self.command(f"get {name}").partition(" = ")[2].split()
+        return words[0] if words else ""
+
+    def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
+        """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/faults.md), from the next sample on or later."""
+        self._engine().event(self._engine().time_s + after_s, name, value)
+
+    # ---- time ----
+
+    def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
+        """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
+        into this file too, as tools/run does."""
+        span = hours * TIMES["hours"] + minutes * TIMES["minutes"] + seconds
+        if (ticks is None) == (span == 0.0) or span < 0 or (ticks is not None and ticks < 1):
+            raise UserError("how long? hours=, minutes= and seconds= together, or ticks=, a whole number from 1")
+        if self._on_port is not None:
+            if ticks is None:
+                self._on_port.listen(span)
+            else:
+                self._listen(ticks)
+        else:
+            self._engine().step(ticks if ticks is not None else max(1, round(span / self.tick_s)))
+        return self._log(csv)
+
+    def step(self, ticks: int = 1) -> None:
+        """As run(ticks=...), without a log: for a program that decides anew at each sample."""
+        if ticks < 1:
+            raise UserError("ticks is a whole number from 1")
+        self._engine().step(ticks, keep=False)
+
+    def _listen(self, rows: int) -> None:
+        assert self._on_port is not None
+        try:
+            self._on_port.listen_rows(rows, 600.0)
+        except TimeoutError:
+            raise RunFailed("the board has sent no telemetry for 600 s; is its plant link ready?") from None
+
+    def play(self, csv: str | Path | None = None) -> Any:
+        """Carries out the lines and events of the scenario to its end, as tools/run does, and returns the log."""
+        s, engine = self.scenario, self._engine()
+        if s is None:
+            raise UserError("this lab has no scenario to play; Lab(\"demo\") has")
+        for event in s.events:
+            engine.event(event.at_s, event.name, event.value)
+        for line in s.lines:
+            engine.step(engine.samples_before(line.at_s))
+            try:
+                self._say(line.text)
+            except RunFailed as error:
+                if not line.allow_err:
+                    raise type(error)(f"{line.origin or line.text}: {error}") from None
+        engine.step(engine.samples_before(s.duration_s + 1e-6))
+        return self._log(csv)
+
+    def _log(self, csv: str | Path | None) -> Any:
+        taken = self._in_process.take() if self._in_process else None
+        fast = taken.numbers() if taken and csv is None else None
+        if fast:
+            return lab_log.of(*fast)
+        log = taken.log() if taken else self._on_port.log() if self._on_port else None
+        if log is None:
+            raise RunFailed("no sample came in this time; is the board's plant link ready?")
+        if csv is not None:
+            lab_log.write(log, csv)
+        return lab_log.of(*lab_log.numbers(log))
+
+    @property
+    def time_s(self) -> float:
+        """Plant time of the sample to come; of a board on a port, of its last one."""
+        engine = self._in_process or self._on_port
+        return engine.time_s if engine else float("nan")
+
+    @property
+    def tick_s(self) -> float:
+        return self._engine().tick_s
+
+    # ---- numbers ----
+
+    @property
+    def channels(self) -> dict[str, Channel]:
+        """Every channel of the plant, with unit, span and nominal value."""
+        return dict(self._engine().channels)
+
+    @property
+    def measurements(self) -> dict[str, float]:
+        """What the board last measured; NaN before the first sample."""
+        return {name: self.value(name) for name in self._measured}
+
+    @property
+    def outputs(self) -> dict[str, float]:
+        return {name: self.value(name) for name in self._outputs}
+
+    @property
+    def loops(self) -> dict[str, dict[str, Any]]:
+        """Of each loop, as the console's `loop` has it: mode, channels pv and out, setpoint sp."""
+        out: dict[str, dict[str, Any]] = {}
+        for line in self._say("loop"):
+            name, *words = line.split()
+            said = dict(re.findall(r"\b(pv|sp|out) (\S+)", line))
+            out[name] = {"mode": words[0] if words else "", **said, "sp": logs.number(said.get("sp", ""))}
+        return out
+
+    def value(self, name: str) -> float:
+        """A channel of the plant: a measurement as the board sees it, an output as it stands, anything else as it is."""
+        engine = self._in_process or self._on_port
+        return engine.value(name) if engine else float("nan")
+
+    def __getattr__(self, name: str) -> float | Callable[..., float]:
+        """lab.T1 is a measurement; lab.Q1() reads an output and lab.Q1(50) sets it."""
+        if not name.startswith("_"):
+            measured, outputs = self._measured, self._outputs
+            for names, letter in ((measured, "T"), (outputs, "Q")):
+                found = _channel(name, names, letter)
+                if found and names is measured:
+                    return self.value(found)
+                if found:
+                    return self._handle(found)
+        raise AttributeError(f"{name}: this lab has the measurements {', '.join(self.__dict__.get('_measured', []))} "
+                             f"and the outputs {', '.join(self.__dict__.get('_outputs', []))}")
+
+    def _handle(self, name: str) -> Callable[..., float]:
+        def handle(value: float | None = None) -> float:
+            if value is not None:
+                self.output(name, value)
+            return self.value(name)
+
+        return handle
+
+    # ---- the end ----
+
+    def close(self) -> None:
+        """Ends the run in this process, or lets go of the port; a board goes on as it is."""
+        for engine in (self._in_process, self._on_port):
+            if engine is not None:
+                engine.close()
+        self._in_process = self._on_port = None
+
+    def __enter__(self) -> "Lab":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _channel(name: str, names: list[str], letter: str) -> str | None:
+    """The channel of this name; T1, T2 ... count measurements and Q1, Q2 ... outputs where no channel is called so."""
+    if name in names:
+        return name
+    match = re.fullmatch(rf"{letter}([1-9]\d*)", name)
+    if match and not any(re.fullmatch(rf"{letter}\d+", other) for other in names) and int(match[1]) <= len(names):
+        return names[int(match[1]) - 1]
+    return None

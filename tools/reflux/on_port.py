@@ -1,0 +1,72 @@
+"""A board on a serial port, as reflux.Lab drives it: its console in machine mode, its telemetry as the log. Time is the board's."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+
+from reflux import logs
+from reflux.ports import Port
+from reflux.session import Session
+
+
+class OnPort:
+    """The console of a board."""
+
+    def __init__(self, port: str):
+        self._port = Port(port)
+        self._header = ""
+        self._lines: list[str] = []
+        self._last: dict[str, str] = {}
+        try:
+            self._session = Session(self._port, aside=self._aside)
+            self._session.ask("log on 1")
+        except BaseException:
+            self._port.close()
+            raise
+
+    def _aside(self, line: str) -> None:
+        if line.startswith("H,"):
+            self._header = line
+        if line.startswith(("H,", "T,")):
+            self._lines.append(line)
+        if line.startswith("T,") and self._header:
+            names = [logs.bare(name) for name in self._header.split(",")[2:]]
+            self._last = dict(zip(names, line.split(",")[2:]))
+
+    def say(self, text: str) -> list[str]:
+        return self._session.ask(text)
+
+    def listen(self, seconds: float) -> None:
+        """Takes what the board says for so long by this computer's clock."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            with suppress(TimeoutError):
+                self._session.line(left)
+
+    def listen_rows(self, rows: int, patience_s: float) -> None:
+        """Until so many rows of telemetry have come; TimeoutError where the next one takes longer than patience_s."""
+        while rows > 0:
+            rows -= self._session.line(patience_s).startswith("T,")
+
+    def log(self) -> logs.Log | None:
+        lines, self._lines = self._lines, []
+        if not any(line.startswith("T,") for line in lines):
+            return None
+        before = [self._header] if self._header and not lines[0].startswith("H,") else []
+        return logs.telemetry_in([*before, *lines], "the board's telemetry", damaged=True)
+
+    def value(self, name: str) -> float:
+        for known in (name, f"{name}.app", f"{name}.cmd"):
+            if known in self._last:
+                return logs.number(self._last[known])
+        return float("nan")
+
+    @property
+    def time_s(self) -> float:
+        return self.value("time")
+
+    def close(self) -> None:
+        with suppress(Exception):
+            self._session.ask("log off")
+        self._port.close()

@@ -1,0 +1,44 @@
+"""A plant to try the firmware on: one of ours by name, a file (docs/linear-plants.md, docs/columns.md), or the same as a dictionary."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import tempfile
+import weakref
+from pathlib import Path
+from typing import Any, Mapping
+
+from reflux import simulator
+from reflux.errors import UserError
+
+
+class Plant:
+    """A plant of the simulator. Refused with the simulator's words if it does not know it or the file is wrong.
+
+        Plant("wood-berry")
+        Plant("my-column.json")
+        Plant({"name": "mine", "inputs": ...})
+    """
+
+    def __init__(self, what: str | Path | Mapping[str, Any]):
+        if isinstance(what, Mapping):
+            name = str(what.get("name", "plant"))
+            if not re.fullmatch(r"[\w-]{1,40}", name):
+                raise UserError(f"{name}: a plant's name has letters, digits, - and _ only")
+            folder = tempfile.mkdtemp(prefix="reflux-")
+            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+            path = Path(folder) / f"{name}.json"
+            path.write_text(json.dumps(what), encoding="utf-8")
+            self.argument = str(path)
+        else:
+            self.argument = str(what)
+        simulator.check_plant(self.argument)
+
+    def at_rest(self, **inputs: float) -> dict[str, float]:
+        """Every channel at the steady state, of these values of inputs where some are given."""
+        return simulator.at_rest(self.argument, [f"{name}={value:.17g}" for name, value in inputs.items()])
+
+    def __repr__(self) -> str:
+        return f"Plant({self.argument!r})"
