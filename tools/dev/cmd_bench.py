@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Callable
@@ -33,13 +34,14 @@ def main(arguments: list[str]) -> int:
         "tests/bench/results.md. A table that cannot be measured here says why.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
     p.add_argument("--plants", action="store_true", help="only the simulated plants, print only")
+    p.add_argument("--lockstep", action="store_true", help="only lockstep ticks per second, as scenarios run, print only")
     p.add_argument("--link", action="store_true", help="only the cost of the plant link per tick; prints it and writes no file")
     p.add_argument("--tick", action="store_true", help="only a tick without the link, print only")
     p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, print only")
     p.add_argument("--decoupling", action="store_true", help="only decouplers and pole placement, print only")
     p.add_argument("--feedforward", action="store_true", help="only adaptive feedforward, print only")
     p.add_argument("--image", action="store_true", help="only the sizes of images and their largest stack frames, print only")
-    p.add_argument("--renew", action="store_true", help="with --estimation, --decoupling, --feedforward or --image: write these tables into FILE and leave its others")
+    p.add_argument("--renew", action="store_true", help="with --lockstep, --estimation, --decoupling, --feedforward or --image: write these tables into FILE and leave its others")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")
@@ -51,8 +53,8 @@ def main(arguments: list[str]) -> int:
         build.build("host", ("reflux-sim",))
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
         return 0
-    if options.estimation or options.decoupling or options.feedforward or options.image:
-        some = [*(estimation_parts() if options.estimation else []), *(bench_decoupling.parts() if options.decoupling else []),
+    if options.lockstep or options.estimation or options.decoupling or options.feedforward or options.image:
+        some = [*(lockstep_parts(options.ticks) if options.lockstep else []), *(estimation_parts() if options.estimation else []), *(bench_decoupling.parts() if options.decoupling else []),
                 *(bench_feedforward.parts() if options.feedforward else []),
                 *(image_parts() if options.image else [])]
         for title, header, rows in some:
@@ -61,7 +63,7 @@ def main(arguments: list[str]) -> int:
             options.out.write_text(renewed(options.out.read_text(encoding="utf-8"), some), encoding="utf-8")
         return 0
     if options.renew:
-        raise UserError("--renew goes with --estimation, --decoupling, --feedforward or --image")
+        raise UserError("--renew goes with --lockstep, --estimation, --decoupling, --feedforward or --image")
     if not re.fullmatch(r"[\w.-]+", options.before):
         raise UserError("--before must be a commit or a tag")
     bench_tick.check(options.before)
@@ -69,7 +71,7 @@ def main(arguments: list[str]) -> int:
         print(f"\n{bench_tick.TITLE}\n{table.columns(bench_tick.header(options.before), tick_rows(options.before))}", flush=True)
         return 0
     launch.build_for("memory")
-    build.build("host", ("plant_cost", "matrix_cost"))
+    build.build("host", ("plant_cost", "matrix_cost", "libreflux_lab"))
     if options.plants:
         for title, header, rows in bench_plants.parts():
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
@@ -77,7 +79,7 @@ def main(arguments: list[str]) -> int:
     parts = [
         *bench_plants.parts(),
         (DAY_TITLE, ["law", "firmware", "s of wall time", "times real time"], day_rows()),
-        ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
+        *lockstep_parts(options.ticks),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
         (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
@@ -96,6 +98,13 @@ def main(arguments: list[str]) -> int:
     options.out.write_text("\n".join(text), encoding="utf-8")
     print(f"\n{shown(options.out)}")
     return 0
+
+
+def lockstep_parts(ticks: int) -> Parts:
+    for kind in ("memory", "stm32f405"):
+        launch.build_for(kind)
+    build.build("host", ("libreflux_lab",))
+    return [("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(ticks))]
 
 
 def estimation_parts() -> Parts:
@@ -187,8 +196,26 @@ def speed_rows(ticks: int) -> list[list[str]]:
     ways = [("in memory", "memory", ticks), ("unix socket, host firmware", "host", ticks),
             ("unix socket, STM32F405 image in the emulator", "stm32f405", max(200, ticks // 10))]
     rows = [guarded([what], 3, row(firmware, count)) for what, firmware, count in ways]
+    rows += [guarded([what], 3, lambda once=once: lab_speed(ticks, once)) for what, once in
+             (("reflux.Lab, run(): with the log as numbers; processor time", True), ("reflux.Lab, step(): a call for each tick; processor time", False))]
     rows.insert(1, guarded(["pseudo-terminal, host firmware"], 3, lambda: pty_speed(ticks)))
     return rows
+
+
+def lab_speed(ticks: int, once: bool) -> list[str]:
+    """Firmware and plant in this process, both loops in auto; ticks per second of processor time."""
+    from reflux import Lab
+
+    with Lab("pilot") as lab:
+        for loop in lab.loops:
+            lab.mode(loop, "auto")
+        started = time.process_time()
+        if once:
+            lab.run(ticks=ticks)
+        else:
+            for _ in range(ticks):
+                lab.step()
+        return [str(ticks), f"{ticks / (time.process_time() - started):.0f}"]
 
 
 def pty_speed(ticks: int) -> list[str]:
