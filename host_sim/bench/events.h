@@ -18,10 +18,10 @@
 
 struct event {
     double time_s;
-    enum { EVENT_DISTURBANCE, EVENT_SWING, EVENT_PERIOD, EVENT_OPTION, EVENT_NOISE } kind;
     size_t channel;
-    enum instrument_option option;
     double value;
+    enum { EVENT_DISTURBANCE, EVENT_SWING, EVENT_PERIOD, EVENT_OPTION, EVENT_NOISE } kind;
+    enum instrument_option option;
 };
 
 struct events {
