@@ -131,6 +131,13 @@ class Operating(LabTest):
         with self.assertRaisesRegex(UserError, "one line"):
             self.lab.command("status\nmode bottom auto")
 
+    def test_a_line_that_has_no_reply_does_no_harm(self) -> None:
+        for line in ("", "   "):
+            self.assertEqual(self.lab.command(line), "")
+        with self.assertRaisesRegex(UserError, "machine mode"):
+            self.lab.command("mode human")
+        self.assertTrue(self.lab.command("status"))
+
     def test_a_closed_lab_says_so(self) -> None:
         self.lab.close()
         self.lab.close()
@@ -144,6 +151,16 @@ class Operating(LabTest):
         log = self.lab.run(ticks=3)
         self.assertEqual(len(log["T1.meas"]), 3)
         self.assertNotIn("fw.T1", list(log.columns))
+
+    def test_a_board_that_logs_every_third_sample_leaves_the_others_empty(self) -> None:
+        self.lab.command("log on 3")
+        log = self.lab.run(ticks=6)
+        self.assertEqual(int(np.isfinite(np.asarray(log["fw.T1"])).sum()), 2)
+        self.assertEqual(int(np.isfinite(np.asarray(log["T1.meas"])).sum()), 6)
+
+    def test_a_file_that_cannot_be_written_is_named(self) -> None:
+        with self.assertRaisesRegex(UserError, "nowhere/x.csv cannot be written"):
+            self.lab.run(ticks=1, csv=self.folder / "nowhere" / "x.csv")
 
     def test_columns_that_change_on_the_way_stand_side_by_side(self) -> None:
         self.lab.run(ticks=2)
@@ -163,10 +180,16 @@ class Operating(LabTest):
 
 class Started(unittest.TestCase):
     def test_what_is_unknown_is_refused_with_what_there_is(self) -> None:
-        with self.assertRaisesRegex(UserError, "no scenario nowhere; .*demo"):
+        with self.assertRaisesRegex(UserError, "no configuration, scenario or plant nowhere; .*demo"):
             Lab("nowhere")
+        with self.assertRaisesRegex(UserError, "nowhere.toml"):
+            Lab("nowhere.toml")
         with self.assertRaisesRegex(UserError, "plant nowhere"):
             Plant("nowhere")
+
+    def test_a_plant_alone_may_be_named(self) -> None:
+        with Lab("wood-berry") as lab:
+            self.assertEqual((list(lab.measurements), lab.loops), (["xD", "xB"], {}))
 
     def test_a_plant_may_be_a_dictionary(self) -> None:
         import json

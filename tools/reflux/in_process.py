@@ -67,7 +67,12 @@ class Taken:
         simulator = logs.Log(self.columns, [row.split(",") for row in self.rows], self.comments, "the lab's samples")
         if not any(line.startswith("T,") for line in self.telemetry):
             return simulator  # the log is off
-        return logs.join(simulator, logs.telemetry_in(self.telemetry, "the board's telemetry"))
+        telemetry = logs.telemetry_in(self.telemetry, "the board's telemetry")
+        if len(telemetry.rows) < len(simulator.rows):  # `log on N`, or off for a while: empty where there is none
+            by_number = dict(zip(telemetry.text("number"), telemetry.rows))
+            place, width = telemetry.place("number"), len(telemetry.columns)
+            telemetry.rows = [by_number.get(key, ["" if k != place else key for k in range(width)]) for key in simulator.text("number")]
+        return logs.join(simulator, telemetry)
 
     def numbers(self) -> tuple[dict[str, np.ndarray], dict[str, str]] | None:
         """Columns and units, as lab_log.numbers(log()) and much faster. None: it takes log(), as where the columns changed on the way."""

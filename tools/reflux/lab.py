@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import re
 from pathlib import Path
@@ -25,14 +26,15 @@ from reflux.scenario import Scenario
 
 logger = logging.getLogger("reflux")
 
+HUMAN = re.compile(r"\s*mode\s+(human|terminal)\b", re.I)
 TIMES = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 
 
 class Lab:
     """Firmware and plant in this process, or a board on a serial port.
 
-    what: a configuration or a scenario by name, as tools/play and tools/run take them, a Scenario, or a Plant (the board then knows its
-    channels and has no loops). The plant stands at its operating point, the outputs too, the loops are in manual.
+    what: a configuration, a scenario or a plant by name, a Scenario, or a Plant. Of a plant alone the board knows the channels and has
+    no loops. The plant stands at its operating point, the outputs too, the loops are in manual.
     port: the console of a board, such as /dev/ttyUSB0, instead; its time is real.
 
     What the board refuses is raised as reflux.Refused with the console's words.
@@ -80,8 +82,9 @@ class Lab:
         if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
             bench = cmd_play.bench_of(what, None)
             return bench.plant, list(bench.options), list(bench.lines)
-        self.scenario = scenarios.load(scenarios.find(what)) if isinstance(what, (str, Path)) else what
-        s = self.scenario
+        s = self.scenario = what if isinstance(what, Scenario) else _scenario(what)
+        if s is None:
+            return self._wanted(_plant(str(what)))
         options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
         options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
         for name in s.measure:
@@ -132,6 +135,10 @@ class Lab:
         """Any line of the console; the reply without its ok."""
         if "\n" in text or "\r" in text:
             raise UserError("a command is one line")
+        if HUMAN.match(text):
+            raise UserError(f"{text.strip()}: a lab needs the console in machine mode")
+        if not text.strip():
+            return ""
         return "\n".join(self._say(text))
 
     def mode(self, loop: str, mode: str) -> None:
@@ -214,7 +221,10 @@ class Lab:
         if log is None:
             raise RunFailed("no sample came in this time; is the board's plant link ready?")
         if csv is not None:
-            lab_log.write(log, csv)
+            try:
+                lab_log.write(log, csv)
+            except OSError as error:
+                raise UserError(f"{csv} cannot be written: {error.strerror}") from None
         return lab_log.of(*lab_log.numbers(log))
 
     @property
@@ -288,11 +298,31 @@ class Lab:
                 engine.close()
         self._in_process = self._on_port = None
 
+    def __del__(self) -> None:
+        with contextlib.suppress(Exception):
+            self.close()
+
     def __enter__(self) -> "Lab":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _scenario(name: str | Path) -> Scenario | None:
+    """None: no scenario is called so."""
+    if Path(name).suffix != ".toml" and not (SCENARIOS / f"{name}.toml").is_file():
+        return None
+    return scenarios.load(scenarios.find(name))
+
+
+def _plant(name: str) -> Plant:
+    try:
+        return Plant(name)
+    except UserError:
+        known = sorted({path.stem for path in SCENARIOS.glob("*.*")})
+        raise UserError(f"no configuration, scenario or plant {name}; configurations and scenarios are {', '.join(known)}, and plants those of "
+                        "reflux-sim --list") from None
 
 
 def _channel(name: str, names: list[str], letter: str) -> str | None:
