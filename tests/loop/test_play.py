@@ -77,7 +77,7 @@ class Play(unittest.TestCase):
         person.type(b"loop\r")
         person.until(rb"(?s)top auto .*bottom auto .*ok")
         person.type(b"sp bottom 108\r")
-        person.until(rb"SETPOINT bottom 108")
+        person.until(rb"bottom setpoint 108 degC")
         person.type(b"\x03")
         self.assertEqual(person.ended(), 0)
 
