@@ -269,7 +269,7 @@ class OnAPort(FolderTest):
     def setUp(self) -> None:
         super().setUp()
         self.firmware = self.enterContext(launch.start("host"))
-        self.enterContext(launch.plant(self.firmware, "pilot", "--speed", "600", "--tick", "30"))
+        self.enterContext(launch.plant(self.firmware, "pilot", "--speed", "600", "--tick", "30", "--timeout", "3600"))
         self.lab = self.enterContext(Lab(port=self.firmware.console))
 
     def test_the_same_calls_drive_a_board(self) -> None:

@@ -37,7 +37,7 @@ class Blocks(FolderTest):
                 if "ColumnEnv" in block and not importlib.util.find_spec("gymnasium"):
                     self.skipTest("gymnasium is not installed; pip install gymnasium")
                 if PORT in block:
-                    with launch.start("host") as firmware, launch.plant(firmware, "pilot", "--speed", "600", "--tick", "30"):
+                    with launch.start("host") as firmware, launch.plant(firmware, "pilot", "--speed", "600", "--tick", "30", "--timeout", "3600"):
                         self.run_block(block.replace(PORT, firmware.console))
                 else:
                     self.run_block(block)
