@@ -1,4 +1,4 @@
-/* The plant's side of the plant link (docs/plant-link.md): greeting, pages, samples out, commands in, keep-alive
+/* The plant's side of the plant link (docs/inside/plant-link.md): greeting, pages, samples out, commands in, keep-alive
  * and silence. It never waits: call link_server_turn() whenever bytes may have come or link_server_due() is over.
  */
 #ifndef REFLUX_HOST_SIM_LINK_SERVER_H

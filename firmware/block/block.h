@@ -1,5 +1,5 @@
 /* A block is what computes: a controller, a compensator, a feedforward element, an estimator. Every family of
- * blocks is one `struct block_kind`, and the tick knows blocks by this struct alone (docs/architecture.md).
+ * blocks is one `struct block_kind`, and the tick knows blocks by this struct alone (docs/inside/architecture.md).
  *
  * All signals are num_t fractions of span. A block serves members: the loops whose outputs it gives. Arrays hold
  * one entry per member, in the order of the members.

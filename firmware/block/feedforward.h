@@ -6,7 +6,7 @@
  * d and u_ff are fractions of the spans of their channels. The ideal element is -Gd/G: the path of the disturbance
  * divided by the path of the input (Seborg, Edgar and Mellichamp, "Process Dynamics and Control", ch. on
  * feedforward). With first-order models, lead is the time constant of G, lag is that of Gd, and the dead time is
- * that of Gd less that of G where this is positive (docs/feedforward.md). */
+ * that of Gd less that of G where this is positive (docs/methods/feedforward.md). */
 #ifndef REFLUX_BLOCK_FEEDFORWARD_H
 #define REFLUX_BLOCK_FEEDFORWARD_H
 

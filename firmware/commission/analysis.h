@@ -1,5 +1,5 @@
 /* From the elements of a plant to a set of loops: gains, pairing, structure, decoupler, settings, and the prediction of setpoint
- * steps. Each stage runs in pieces. docs/commissioning.md describes the decisions. Main loop. */
+ * steps. Each stage runs in pieces. docs/use/commission.md describes the decisions. Main loop. */
 #ifndef REFLUX_COMMISSION_ANALYSIS_H
 #define REFLUX_COMMISSION_ANALYSIS_H
 

@@ -23,7 +23,7 @@ uint8_t analysis_inner_of(const struct analysis *a, uint8_t k);
 /* Number of loops of the proposal, inner ones included. */
 uint8_t analysis_loops(const struct analysis *a);
 
-/* Feedforward from the input of pair `from` to that of pair `to`, as docs/commissioning-method.md has it. */
+/* Feedforward from the input of pair `from` to that of pair `to`, as docs/inside/commissioning.md has it. */
 enum feed_verdict {
     FEED_NONE, /* there is no path, or the two disturb each other */
     FEED_USED,

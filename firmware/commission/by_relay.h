@@ -6,7 +6,7 @@
  *     relay  until the limit cycle repeats itself; then the output is where it was held, and there is a proposal for this
  *            one loop: PI by Tyreus and Luyben (design/tuning.h), to be accepted, edited or rejected like any other
  *
- * docs/relay.md. Tick; the main loop reads the results. */
+ * docs/methods/relay.md. Tick; the main loop reads the results. */
 #ifndef REFLUX_COMMISSION_BY_RELAY_H
 #define REFLUX_COMMISSION_BY_RELAY_H
 

@@ -8,7 +8,7 @@
  *     back   0, until every output is at rest, so that the drift since before the step is known
  *
  * Everything is in fractions of span and in samples. Only the bounded record is stored, no trajectory; the model comes from it and
- * from the moments afterwards (docs/commissioning.md). Tick; experiment_baseline() and experiment_bend() in the main loop. */
+ * from the moments afterwards (docs/use/commission.md). Tick; experiment_baseline() and experiment_bend() in the main loop. */
 #ifndef REFLUX_COMMISSION_EXPERIMENT_H
 #define REFLUX_COMMISSION_EXPERIMENT_H
 

@@ -24,7 +24,7 @@
 #define BENT_BETTER    REAL_C(12.0)
 #define ASYMMETRY_MOST REAL_C(2000.0)
 
-/* Error of a gain by a bend: docs/commissioning-method.md. */
+/* Error of a gain by a bend: docs/inside/commissioning.md. */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0))
 
 /* Fits of an output: one lag with a straight drift, one lag with a drift that turns, a shape that competes with that drift, the

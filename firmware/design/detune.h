@@ -1,4 +1,4 @@
-/* PI settings for loops that disturb each other: docs/tuning.md.
+/* PI settings for loops that disturb each other: docs/methods/tuning.md.
  *
  * Every loop begins with SIMC (Skogestad 2003) on its own element, and all are slowed by one factor F:
  *     tau_c = F max(theta, T/8)

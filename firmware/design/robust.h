@@ -1,4 +1,4 @@
-/* PI settings for the worst of many plants: docs/tuning.md.
+/* PI settings for the worst of many plants: docs/methods/tuning.md.
  *
  * The largest sensitivities |S_kk| and |T_kk| of every loop, broken while the others stay closed (design/peaks.h), stay below two
  * bounds, for the nominal plant and for every member drawn from what is not known of it. Under these bounds the sum over the

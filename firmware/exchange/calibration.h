@@ -1,4 +1,4 @@
-/* Calibration of a measurement (docs/faults.md). */
+/* Calibration of a measurement (docs/inside/faults.md). */
 #ifndef REFLUX_EXCHANGE_CALIBRATION_H
 #define REFLUX_EXCHANGE_CALIBRATION_H
 

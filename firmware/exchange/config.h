@@ -266,7 +266,7 @@ enum step_action {
 enum step_until { STEP_AT_ONCE, STEP_ABOVE, STEP_BELOW, STEP_STEADY, STEP_TIME, STEP_CONFIRM };
 enum step_otherwise { STEP_ABORT, STEP_GO_ON, STEP_HOLD };
 
-/* One row of a sequence: its action, and the condition it waits for afterwards. docs/sequences.md */
+/* One row of a sequence: its action, and the condition it waits for afterwards. docs/use/sequences.md */
 struct step_config {
     char what[CHANNEL_NAME_SIZE]; /* manipulated variable, loop or measurement of the action */
     char measurement[CHANNEL_NAME_SIZE]; /* measurement of the condition */

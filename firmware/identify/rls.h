@@ -2,7 +2,7 @@
  *
  *     e = y - phi'theta    alpha = v + phi'P phi    K = P phi/alpha    theta += K e    P = (P - P phi phi'P/alpha)/v
  *
- * Rules of forgetting, correction into bounds, normalisation, limit and dead zone: docs/self-tuning.md has the equations and
+ * Rules of forgetting, correction into bounds, normalisation, limit and dead zone: docs/methods/self-tuning.md has the equations and
  * their sources (T. O. Folami 1989, 8.40 to 8.53, 9.3, A5.1). phi, y and theta are num_t; theta is kept wide, so that small
  * corrections add up; P has the exponents of scaled_t in the fixed build.
  *

@@ -1,4 +1,4 @@
-/* Which input controls which output, and how sure that is: docs/interaction.md.
+/* Which input controls which output, and how sure that is: docs/methods/interaction.md.
  *
  * 1. A plant with more outputs than inputs keeps as many outputs as it has inputs, those with the largest sums of
  *    relative gains over their row (Chang and Yu 1990; the sum is the squared length of the output's projection on what

@@ -1,4 +1,4 @@
-/* Relative gains and what follows from them: docs/interaction.md.
+/* Relative gains and what follows from them: docs/methods/interaction.md.
  *
  * Accuracy: each relative gain within 16 REAL_EPSILON kappa (1 + |lambda|) of the exact one, kappa the condition number
  * of the equilibrated matrix. Where the sums that are 1 by definition miss it by more than 0.05, rounding has taken over

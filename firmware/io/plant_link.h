@@ -1,4 +1,4 @@
-/* Controller side of the plant link (docs/plant-link.md): hal/io.h implemented on frames over a serial line.
+/* Controller side of the plant link (docs/inside/plant-link.md): hal/io.h implemented on frames over a serial line.
  * All functions run in the tick context. */
 #ifndef REFLUX_IO_PLANT_LINK_H
 #define REFLUX_IO_PLANT_LINK_H

@@ -1,4 +1,4 @@
-/* Decides whether a sample makes a tick. Plant time decides (docs/tick.md, "Samples that are not on time"). The board's
+/* Decides whether a sample makes a tick. Plant time decides (docs/inside/tick.md, "Samples that are not on time"). The board's
  * clock only watches whether the samples that come make ticks at all. All functions run in the tick context.
  */
 #ifndef REFLUX_IO_SAMPLES_H

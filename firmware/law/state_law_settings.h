@@ -1,4 +1,4 @@
-/* Settings of the kind `state_law`, which keeps a law, as the kind `state` reads them, which computes with it (docs/state-decoupling.md). */
+/* Settings of the kind `state_law`, which keeps a law, as the kind `state` reads them, which computes with it (docs/methods/state-decoupling.md). */
 #ifndef REFLUX_LAW_STATE_LAW_SETTINGS_H
 #define REFLUX_LAW_STATE_LAW_SETTINGS_H
 

@@ -4,7 +4,7 @@
  *
  * Numbers are little-endian. The CRC-32 (base/crc32.h) covers type, sequence and payload. Consistent Overhead
  * Byte Stuffing (Cheshire and Baker 1999) removes every zero byte, so 0x00 can only be the end of a frame and
- * a receiver that joins in the middle is in step after one frame. docs/plant-link.md specifies the format.
+ * a receiver that joins in the middle is in step after one frame. docs/inside/plant-link.md specifies the format.
  */
 #ifndef REFLUX_LINK_FRAME_H
 #define REFLUX_LINK_FRAME_H

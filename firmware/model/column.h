@@ -11,8 +11,8 @@
  * unless the config says otherwise; pressure falls linearly; Murphree efficiency on trays, ideal reboiler.
  *
  * What is ours: the conservative form (see enum column_holdup), the limits on the flows (struct column_flows),
- * levels and hydraulics (docs/columns.md). Equations are those of A. Frau, thesis, Cagliari (XXIII cycle), chapter 3, with
- * the signs of (3.2a), (3.2e) and (3.2f) repaired so that they add up to zero; see docs/column-model.md.
+ * levels and hydraulics (docs/use/columns.md). Equations are those of A. Frau, thesis, Cagliari (XXIII cycle), chapter 3, with
+ * the signs of (3.2a), (3.2e) and (3.2f) repaired so that they add up to zero; see docs/methods/column-model.md.
  *
  * Use: column_init, where holdups move column_take_reference, then column_set_inputs whenever inputs change, then
  * column_rates for dx/dt (an integrator) or column_evaluate for the algebraic outputs alone; both leave the outputs in the
@@ -88,7 +88,7 @@ struct column_config {
     activity_fn *activity;  /* activity coefficients, NULL for an ideal liquid */
     void *activity_context; /* handed to activity */
     /* Holdups that move, molar form only; all 0: none does. Each is a further state, its holdup over the nominal one
-     * (those above), from the reboiler up behind the mole fractions. docs/columns.md has the equations. */
+     * (those above), from the reboiler up behind the mole fractions. docs/use/columns.md has the equations. */
     /* s, of the trays' liquid; 0: their holdup is constant, above 0 otherwise */
     real_t hydraulic_time;
     real_t hydraulic_vapour; /* liquid driven off a tray by more vapour, mol per mol, -5 to 5 */

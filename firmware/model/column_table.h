@@ -1,5 +1,5 @@
 /* The compact table of a column: what an estimator on a board needs to know of it, in float values one behind the other
- * (docs/column-table.md; column_table_form.h has the places). One code for board and host, in float. */
+ * (docs/methods/column-table.md; column_table_form.h has the places). One code for board and host, in float. */
 #ifndef REFLUX_MODEL_COLUMN_TABLE_H
 #define REFLUX_MODEL_COLUMN_TABLE_H
 

@@ -1,4 +1,4 @@
-/* Places in the compact table of a column (docs/column-table.md). Nothing but numbers of places, because maker
+/* Places in the compact table of a column (docs/methods/column-table.md). Nothing but numbers of places, because maker
  * and reader of a table may have different real_t. */
 #ifndef REFLUX_MODEL_COLUMN_TABLE_FORM_H
 #define REFLUX_MODEL_COLUMN_TABLE_FORM_H

@@ -115,7 +115,8 @@ static const struct parameter_field measurement_fields[] = {
                 CALIBRATION_ROWS(
                     C(gain, 21, "EU/EU", 1e-6f, 1e6f, 1,
                       "calibration: reading = zero + gain times what the plant sends"),
-                    C(zero, 22, "EU", -BIG, BIG, 0, "calibration: added to that (docs/faults.md)"),
+                    C(zero, 22, "EU", -BIG, BIG, 0,
+                      "calibration: added to that (inside/faults.md)"),
                     C(valid_lo, 23, "EU", -BIG, BIG, 0,
                       "a lower reading is not valid; both 0 = -2.5 % and 106.25 % of the span, as "
                       "NAMUR NE 43"),
@@ -174,7 +175,7 @@ static const struct parameter_field loop_fields[] = {
     W(loop_config, own.action, 19, "action", "reverse|direct", LOOP_REVERSE,
       "reverse: output rises when the measurement is below setpoint (heating)"),
     W(loop_config, own.algorithm, 20, "algorithm", "positional|velocity|two_position",
-      LOOP_POSITIONAL, "form of the PID; two_position: out_hi or out_lo (docs/loops.md)"),
+      LOOP_POSITIONAL, "form of the PID; two_position: out_hi or out_lo (use/loops.md)"),
     W(loop_config, sp_track, 21, "sp_track", "off|on", 1,
       "in manual the setpoint follows the measurement"),
     W(loop_config, decouple, 22, "decouple", "off|on", 0, "takes part in the static decoupler"),
@@ -249,7 +250,7 @@ static const struct parameter_field step_fields[] = {
 #define S(member, id, name, words, initial, help)                                                  \
     ROW(id, PARAMETER_WORD, offsetof(struct step_config, member), name, words, 0, 0, initial, help)
     S(sequence, 1, "seq", "none|start|stop", SEQUENCE_NONE,
-      "sequence the row belongs to (docs/sequences.md); none = unused"),
+      "sequence the row belongs to (use/sequences.md); none = unused"),
     S(action, 2, "do", "nothing|out|manual|auto|cascade|sp|offset_on|offset_off|guard|drop",
       STEP_NOTHING,
       "what the row does; guard: its condition must hold from here on, drop: no longer"),
@@ -290,7 +291,7 @@ OPTIONAL_FIELDS deviation_fields[] = {GUARD_ROWS(
 
 static const struct parameter_field console_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,
-        "opens the engineer level of the console (docs/console.md); - = always open"),
+        "opens the engineer level of the console (use/console.md); - = always open"),
     F(config, relock_s, 2, "relock", "s", 0, 86400, 900,
       "the engineer level locks itself after this long without its commands; 0 = never"),
 };

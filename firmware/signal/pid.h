@@ -8,7 +8,7 @@
  * belongs to the channel. Integral: rectangular, on a wide accumulator (num/accumulator.h), so it does not
  * stall at 0.05 s ticks with hour-long integral times. Anti-windup by tracking: the integral is driven with
  * time constant Tt by (applied - computed), where applied comes back from the whole output chain.
- * Source: Astrom and Hagglund, "Advanced PID Control" (2006), ch. 3; the inhibitor is ours (docs/pid.md).
+ * Source: Astrom and Hagglund, "Advanced PID Control" (2006), ch. 3; the inhibitor is ours (docs/methods/pid.md).
  *
  * Order of calls: init, follow, then step and back_calculate in turn; follow again whenever the block does not act.
  * The integral takes the error of a step in the back-calculation that closes it, so the step after follow, with the same

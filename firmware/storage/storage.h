@@ -1,4 +1,4 @@
-/* Parameter storage: sets of keyed records in flash. Format and life of a save: docs/storage.md.
+/* Parameter storage: sets of keyed records in flash. Format and life of a save: docs/inside/storage.md.
  *
  * There are two slots, each a half of the area that hal/nvm.h describes. A save appends a whole set to a slot that was
  * erased before, and confirms it. The newest whole set counts, and storage never overwrites what it needs to find that

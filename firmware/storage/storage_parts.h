@@ -1,5 +1,5 @@
 /* Shared by the files of storage alone: storage_turns.c (a start, turns), storage_read.c (find, check, load) and
- * storage_write.c (erase, save). docs/storage.md has the format. */
+ * storage_write.c (erase, save). docs/inside/storage.md has the format. */
 #ifndef REFLUX_STORAGE_STORAGE_PARTS_H
 #define REFLUX_STORAGE_STORAGE_PARTS_H
 

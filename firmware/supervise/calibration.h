@@ -1,4 +1,4 @@
-/* The limits within which a calibrated reading may be true (docs/faults.md). */
+/* The limits within which a calibrated reading may be true (docs/inside/faults.md). */
 #ifndef REFLUX_SUPERVISE_CALIBRATION_H
 #define REFLUX_SUPERVISE_CALIBRATION_H
 

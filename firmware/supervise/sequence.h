@@ -1,6 +1,6 @@
 /* Sequences: start-up and shut-down as a table of rows, step<k>.* of the configuration.
  *
- * Each row does one action and then waits for one condition (docs/sequences.md). Rows of one sequence follow each
+ * Each row does one action and then waits for one condition (docs/use/sequences.md). Rows of one sequence follow each
  * other in the order of the table; rows without a wait run in one tick. The condition of a row counts only while
  * the reading is valid.
  *

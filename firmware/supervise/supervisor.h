@@ -3,7 +3,7 @@
  * All functions run in the tick context. Other contexts talk to it through requests, and read snapshots under
  * hal_tick_lock.
  *
- * A tick, top to bottom (architecture: docs/tick.md)
+ * A tick, top to bottom (architecture: docs/inside/tick.md)
  *     validate      readings to fractions of span; bad ones are held, then their loops go to manual; estimators
  *     requests      modes, setpoints and manual outputs asked for since the last tick
  *     sequence      the actions of the next rows of a sequence

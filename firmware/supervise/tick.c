@@ -1,4 +1,4 @@
-/* The order of a tick (docs/tick.md), and its shorter steps: readings in, loops, commands. */
+/* The order of a tick (docs/inside/tick.md), and its shorter steps: readings in, loops, commands. */
 
 #include "supervise/alarms.h"
 #include "supervise/back_calculate.h"

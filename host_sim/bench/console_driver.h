@@ -1,4 +1,4 @@
-/* The firmware's console as a program uses it (docs/console.md, `mode machine`): lines out, replies in, and the
+/* The firmware's console as a program uses it (docs/use/console.md, `mode machine`): lines out, replies in, and the
  * asynchronous lines that may come at any time: `H,` telemetry header, `T,<format>,<sample number>,` telemetry row,
  * `!` event or alarm.
  * It never waits: console_turn() takes what has arrived.

@@ -3,7 +3,7 @@
  *     600:zF=0.35        a disturbance of the plant, within its span
  *     600:F.swing=10     it swings by so much about its value from then on, a sine; 0 ends it
  *     600:F.period=1200  ... with this period, s
- *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/faults.md)
+ *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/inside/faults.md)
  *     1200:noise=2       the noise of all sensors, times their own
  *
  * Everything is checked before the run begins.

@@ -52,7 +52,7 @@ void options_print_help(void)
     print_options("measurements", PLANT_MEASUREMENT);
     print_options("manipulated variables", PLANT_MV);
     (void)fputs(
-        "                         (docs/faults.md says what each does)\n"
+        "                         (docs/inside/faults.md says what each does)\n"
         "  --measure NAME         a truth of the plant becomes a measurement, without lag and "
         "noise;\n"
         "                         repeatable\n"

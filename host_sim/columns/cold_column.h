@@ -3,7 +3,7 @@
  *
  * Stages count upwards: 0 the reboiler, 1 .. N-2 trays, N-1 the reflux drum. SI units: mol, s, K, Pa, W, J, m3, m.
  *
- * Equations (all ours; docs/pilot-cold.md explains them)
+ * Equations (all ours; docs/use/pilot-cold.md explains them)
  *   stage       dn_j/dt = what comes in - what goes out, dU/dt = likewise with enthalpies - UA (T - T_ambient)
  *   energy      U = C_metal (T - T_ref) + sum n_j cp_j (T - Tb_j); solved for T, no iteration
  *   enthalpies  liquid cp_j (T - Tb_j), vapour lambda + cp_j (T - Tb_j): one molar heat of vaporisation for both

@@ -1,4 +1,4 @@
-/* Reads a column from its file (docs/columns.md): the JSON that has the key `column`. */
+/* Reads a column from its file (docs/use/columns.md): the JSON that has the key `column`. */
 #ifndef REFLUX_HOST_SIM_COLUMN_JSON_H
 #define REFLUX_HOST_SIM_COLUMN_JSON_H
 

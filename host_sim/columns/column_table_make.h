@@ -1,4 +1,4 @@
-/* Makes the compact table of a column (docs/column-table.md) from a simulated one at a steady state. */
+/* Makes the compact table of a column (docs/methods/column-table.md) from a simulated one at a steady state. */
 #ifndef REFLUX_HOST_SIM_COLUMN_TABLE_MAKE_H
 #define REFLUX_HOST_SIM_COLUMN_TABLE_MAKE_H
 

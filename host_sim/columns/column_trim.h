@@ -1,5 +1,5 @@
 /* The nominal state of a column that comes from a file: at rest with perfect levels at the nominal inputs, some of
- * which are sought so that the state meets what the file asks of it (docs/columns.md, "The nominal state"). */
+ * which are sought so that the state meets what the file asks of it (docs/use/columns.md, "The nominal state"). */
 #ifndef REFLUX_HOST_SIM_COLUMN_TRIM_H
 #define REFLUX_HOST_SIM_COLUMN_TRIM_H
 

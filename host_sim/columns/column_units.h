@@ -1,4 +1,4 @@
-/* The units in which a column's file may give and show quantities, and what they are in SI: docs/columns.md. */
+/* The units in which a column's file may give and show quantities, and what they are in SI: docs/use/columns.md. */
 #ifndef REFLUX_HOST_SIM_COLUMN_UNITS_H
 #define REFLUX_HOST_SIM_COLUMN_UNITS_H
 

@@ -1,4 +1,4 @@
-/* The compact table of a column (docs/column-table.md) as console lines to paste, and read from them. The same functions
+/* The compact table of a column (docs/methods/column-table.md) as console lines to paste, and read from them. The same functions
  * write and read the numbers as on the board. No real_t here: whoever makes a table computes in double, the board, and who
  * checks a table as the board does, in float. */
 #ifndef REFLUX_HOST_SIM_TABLE_LINES_H

@@ -70,7 +70,7 @@ bool table_task_make(const struct plant_class *class, const struct plant *p,
     struct table_wish wish = {task->components, task->closing, task->truncated, task->antoine};
     char reason[SIM_ERROR_SIZE] = "";
     if (class->column == NULL) {
-        return sim_fail(err, err_size, "--table: %s is not a column of docs/columns.md",
+        return sim_fail(err, err_size, "--table: %s is not a column of docs/use/columns.md",
                         class->name);
     }
     return column_table_make(column_plant_column(p), column_plant_state(p), class->name,

@@ -1,4 +1,4 @@
-/* reflux-sim --table and --table-check: the compact table of a column for a board (docs/column-table.md). */
+/* reflux-sim --table and --table-check: the compact table of a column for a board (docs/methods/column-table.md). */
 #ifndef REFLUX_HOST_SIM_TABLE_TASK_H
 #define REFLUX_HOST_SIM_TABLE_TASK_H
 

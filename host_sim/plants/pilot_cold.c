@@ -1,9 +1,9 @@
 /* The pilot column from cold: the column of plants/pilot.json (same mixture, trays, properties, feed and running state)
  * with what a start-up needs: an energy balance on every stage, levels, valves, condenser, heater. Equations:
- * cold_column.h; a start worked through: docs/pilot-cold.md.
+ * cold_column.h; a start worked through: docs/use/pilot-cold.md.
  *
  * The source's own (T. O. Folami, PhD thesis, University of Aston in Birmingham, 1989, volume 2): what
- * docs/column-model.md lists for the pilot; heater of 0.7 to 1.25 kW; the reboiler level that reads 8 +/- 2 cm too high
+ * docs/methods/column-model.md lists for the pilot; heater of 0.7 to 1.25 kW; the reboiler level that reads 8 +/- 2 cm too high
  * once vapour rises; total reflux for 10 to 15 minutes; distillate valve at 40 %; bottoms valve at 60 % or 10 % by the reboiler's level; valves
  * with a linear characteristic and a rangeability of 40:1, so that less than 2.5 % is no opening at all; reflux valve
  * between 12 and 60 %; the reboiler cools to about 30 degC in about 3 h (here 3.4 h). He has it, too, that his own

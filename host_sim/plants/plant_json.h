@@ -1,4 +1,4 @@
-/* Reads a linear plant from a JSON text (docs/linear-plants.md). Errors are one line: the name of the file,
+/* Reads a linear plant from a JSON text (docs/use/linear-plants.md). Errors are one line: the name of the file,
  * then line and column when the text is not JSON, or the key's path when its meaning is wrong. */
 #ifndef REFLUX_HOST_SIM_PLANT_JSON_H
 #define REFLUX_HOST_SIM_PLANT_JSON_H

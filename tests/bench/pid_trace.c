@@ -1,5 +1,5 @@
 /* Prints closed loops of the firmware's own PID on simulated first-order-plus-dead-time plants, as CSV, for
- * the figures of docs/pid.md and docs/feedforward.md (tools/figures/pid_figures.py).
+ * the figures of docs/methods/pid.md and docs/methods/feedforward.md (tools/figures/pid_figures.py).
  *
  *     pid_trace NAME            one table: t,sp and for every curve y_LABEL,u_LABEL
  *     pid_trace --list          the names

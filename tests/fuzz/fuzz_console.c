@@ -10,7 +10,7 @@
 #include "fuzz.h"
 #include "fuzz_board.h"
 
-/* The line editor as docs/console.md describes it, with the board's length of a line. */
+/* The line editor as docs/use/console.md describes it, with the board's length of a line. */
 static struct {
     char text[LINE_EDITOR_MAX + 1];
     size_t n;

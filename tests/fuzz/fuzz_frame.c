@@ -1,4 +1,4 @@
-/* The frame decoder against a second one written from docs/plant-link.md: same frames, same counts, and what is
+/* The frame decoder against a second one written from docs/inside/plant-link.md: same frames, same counts, and what is
  * delivered encodes to the very bytes it came from. The line in pieces gives the same as byte by byte.
  *
  * Input: a first byte; when it is even the rest goes on the line as it is, else the rest describes frames

@@ -1,4 +1,4 @@
-# Adaptive feedforward (docs/adaptive-feedforward.md) on the whole firmware with Siddha's loop.
+# Adaptive feedforward (docs/methods/adaptive-feedforward.md) on the whole firmware with Siddha's loop.
 set(folder "${CMAKE_CURRENT_LIST_DIR}/feedforward")
 foreach(part feedforward_tune feedforward_faults feedforward_speed feedforward_pilot
              feedforward_unlike feedforward_events feedforward_switch_off

@@ -1,4 +1,4 @@
-# Self-tuning control (docs/self-tuning.md) on the whole firmware with the pilot column.
+# Self-tuning control (docs/methods/self-tuning.md) on the whole firmware with the pilot column.
 set(folder "${CMAKE_CURRENT_LIST_DIR}/self_tuning")
 foreach(part self_tuning self_tuning_without self_tuning_settings self_tuning_faults)
   reflux_test(${part} LABEL loop SOURCES ${folder}/test_${part}.c

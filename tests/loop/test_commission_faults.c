@@ -1,6 +1,6 @@
 /* Automatic start-up and faults: instruments, valves, the plant, the line, resets, in the middle of a test and while a fit or
  * the analysis is being worked out. Each case begins at the same moment of one run. Table for people:
- * docs/commissioning.md. */
+ * docs/use/commission.md. */
 #include "commission_wood_berry.h"
 
 void setUp(void)

@@ -1,4 +1,4 @@
-/* Guards the promise of docs/commissioning-method.md that a start-up is the same run on every processor and in every build: the same
+/* Guards the promise of docs/inside/commissioning.md that a start-up is the same run on every processor and in every build: the same
  * events in the same ticks, the same results, the same end. A number that depends on the compiler, the optimiser or the machine, or a
  * job that is taken in another tick, moves a line.
  *

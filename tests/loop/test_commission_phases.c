@@ -1,6 +1,6 @@
 /* Automatic start-up and three faults in every one of its phases: the board is reset, a reading is no number, plant time stands
  * still. No step is left standing, nothing is stored, start-up gives its reason, and it can begin again. Table for people:
- * docs/commissioning.md. */
+ * docs/use/commission.md. */
 #include "commission_wood_berry.h"
 #include "turn_bench.h"
 

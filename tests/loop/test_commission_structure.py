@@ -222,7 +222,7 @@ class Blocks(unittest.TestCase):
         said = run.reply("commission pairing")
         self.assertTrue(any(line.startswith("second_opinion agrees") for line in said), said)
         self.assertIn("second opinion agrees", " ".join(results_text.pairing_words(results.pairing_of(said))))
-        # docs/interaction.md
+        # docs/methods/interaction.md
         self.assertAlmostEqual(float(facts(next(x for x in said if x.startswith("pair ")))["phi"]), 1.56, delta=0.03)
 
 

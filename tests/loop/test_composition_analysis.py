@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""An analyser beside the estimate of a composition (docs/composition-estimation.md): a sample every 30 min, shown 20 min later; one that
+"""An analyser beside the estimate of a composition (docs/methods/composition-estimation.md): a sample every 30 min, shown 20 min later; one that
 lies, one that falls silent, one that is noisy."""
 
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Mistakes of a user with the estimator of docs/composition-estimation.md, and what it must say: units forgotten, a thermometer broken from the
+"""Mistakes of a user with the estimator of docs/methods/composition-estimation.md, and what it must say: units forgotten, a thermometer broken from the
 start, all thermometers gone for an hour. An estimate that nobody can rely on is not called good."""
 
 import sys

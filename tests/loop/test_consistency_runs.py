@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """tools/consistency on recorded runs of the splitter and of the methanol column: the replay is what the board had, the noise of thermometers
-is found, one that is off is named and by how much, and where no covariance does it that is said (docs/consistency.md)."""
+is found, one that is off is named and by how much, and where no covariance does it that is said (docs/methods/consistency.md)."""
 
 import contextlib
 import io

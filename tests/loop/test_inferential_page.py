@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/inferential.md, From nothing to two ends: its console lines, typed at a board that knows nothing, end in CLF control of both ends of the
+"""docs/methods/inferential.md, From nothing to two ends: its console lines, typed at a board that knows nothing, end in CLF control of both ends of the
 splitter, and nothing jumps on the way."""
 
 import re
@@ -16,7 +16,7 @@ from reflux import runner, scenario  # noqa: E402
 from research import trays  # noqa: E402
 from reflux.scenario import Line  # noqa: E402
 
-PAGE = ROOT / "docs" / "inferential.md"
+PAGE = ROOT / "docs" / "methods" / "inferential.md"
 SCENARIO = ROOT / "host_sim" / "scenarios" / "splitter-two-ends.toml"
 BEGIN_S, BETWEEN_S = 300.0, 600.0
 

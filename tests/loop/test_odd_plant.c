@@ -1,4 +1,4 @@
-/* Plants that do not keep to docs/plant-link.md: each is told in words, once, nothing acts, and the next good one is met. */
+/* Plants that do not keep to docs/inside/plant-link.md: each is told in words, once, nothing acts, and the next good one is met. */
 #include <math.h>
 
 #include "board_bench.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A plant in another language, written from docs/plant-link.md alone, is controlled by the firmware."""
+"""A plant in another language, written from docs/inside/plant-link.md alone, is controlled by the firmware."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-# The worked family of docs/adding-a-controller.md: kinds that no product has, on the whole firmware with the wood-berry column.
+# The worked family of docs/inside/adding-a-controller.md: kinds that no product has, on the whole firmware with the wood-berry column.
 # They see what a folder of firmware/ would see; their table of kinds is linked in place of firmware/app/kinds.c.
 set(folder "${CMAKE_CURRENT_LIST_DIR}/worked_family")
 add_library(worked_family OBJECT EXCLUDE_FROM_ALL ${folder}/observer.c ${folder}/state_feedback.c ${folder}/kinds.c)

@@ -1,4 +1,4 @@
-"""Property data and units of columns as data, from docs/columns.md; part of columns_reference.
+"""Property data and units of columns as data, from docs/use/columns.md; part of columns_reference.
 
 Whatever is computed takes complex numbers. Compositions have the components last; temperatures lack that axis.
 """

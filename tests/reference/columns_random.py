@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Twenty small columns of all kinds that docs/columns.md knows, made from a fixed seed.
+"""Twenty small columns of all kinds that docs/use/columns.md knows, made from a fixed seed.
 
     tests/reference/columns_random.py
 

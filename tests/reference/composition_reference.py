@@ -5,7 +5,7 @@
     estimator.step(inputs, temperatures)            # inputs by what they are: feed, feed_temperature, reflux, heat ...
 
 Nothing of the C sources of the estimator was read. The column is that of columns_reference, with the numbers of a compact
-table (docs/column-table.md); what is solved block by block there is here one dense matrix. Stages and components count
+table (docs/methods/column-table.md); what is solved block by block there is here one dense matrix. Stages and components count
 from 0 here. Units are SI; lambda is in 1/s.
 """
 

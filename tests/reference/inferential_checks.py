@@ -1,4 +1,4 @@
-"""Checks of docs/inferential.md without firmware: published vectors, the algebra of Frau's chapter 4 (with its
+"""Checks of docs/methods/inferential.md without firmware: published vectors, the algebra of Frau's chapter 4 (with its
 misprints repaired), and both discrete forms. Run by inferential_reference.py. Each check prints its largest difference.
 """
 

@@ -1,4 +1,4 @@
-"""The controllers of docs/inferential.md in double, written from the page alone, and the model plants they are for.
+"""The controllers of docs/methods/inferential.md in double, written from the page alone, and the model plants they are for.
 
 Units: hours, EU, and u counted from the lower end of the MV's span. Used by inferential_checks.py and inferential_reference.py.
 """

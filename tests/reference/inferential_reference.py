@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Composition control from tray temperatures worked out apart from the firmware, from docs/inferential.md alone, in double.
+"""Composition control from tray temperatures worked out apart from the firmware, from docs/methods/inferential.md alone, in double.
 
   /usr/bin/python3 tests/reference/inferential_reference.py          checks itself and writes the tables beside this script
   /usr/bin/python3 tests/reference/inferential_reference.py --check  checks itself and compares them with the committed ones

@@ -1,4 +1,4 @@
-"""Regressions and laws of a self-tuner as docs/self-tuning.md ("Model", "Control laws") has them, in double; written from the
+"""Regressions and laws of a self-tuner as docs/methods/self-tuning.md ("Model", "Control laws") has them, in double; written from the
 page. The firmware was read afterwards, for one thing that the page left open: the order in which MVs are put to their limits.
 Everything has been at rest at 0 before the first step: a signal of the past is 0.
 

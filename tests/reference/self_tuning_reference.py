@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Self-tuning control worked out apart from the firmware, from docs/self-tuning.md alone, in double. Writes
+"""Self-tuning control worked out apart from the firmware, from docs/methods/self-tuning.md alone, in double. Writes
 
   rls_settings.csv   a row for each case of the estimator: case, n, forgetting and correction (numbers of the words in
                      rls.h), forget, forget_least, memory, trace, rate, error_most, normalise, p0, size of theta where it

@@ -1,4 +1,4 @@
-"""Recursive least squares as docs/self-tuning.md ("Estimator") has it, dense, in double; written from the page, without the
+"""Recursive least squares as docs/methods/self-tuning.md ("Estimator") has it, dense, in double; written from the page, without the
 firmware. Where the limit of the error stands when there is normalisation was open and has been compared with the firmware.
 
 Used by self_tuning_reference.py, which writes the tables.

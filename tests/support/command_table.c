@@ -1,8 +1,8 @@
-/* Compares the table of commands in docs/console.md with console/commands.h: every command has rows there, its rows name every word of
+/* Compares the table of commands in docs/use/console.md with console/commands.h: every command has rows there, its rows name every word of
  * its arguments, and no row is of another command. Without a file it prints a row for each command.
  *
  *     command_table                   prints
- *     command_table docs/console.md   compares what stands between the two marks
+ *     command_table docs/use/console.md   compares what stands between the two marks
  */
 #include <ctype.h>
 #include <stdio.h>

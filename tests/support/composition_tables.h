@@ -1,4 +1,4 @@
-/* Tables of columns as reflux-sim prints them (docs/column-table.md). */
+/* Tables of columns as reflux-sim prints them (docs/methods/column-table.md). */
 #ifndef REFLUX_TESTS_COMPOSITION_TABLES_H
 #define REFLUX_TESTS_COMPOSITION_TABLES_H
 

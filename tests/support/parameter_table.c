@@ -1,8 +1,8 @@
-/* Prints the table of parameters in docs/console.md from their declaration. With a file as argument: compares
+/* Prints the table of parameters in docs/use/console.md from their declaration. With a file as argument: compares
  * instead, and fails where the file's table is another.
  *
  *     parameter_table                   prints
- *     parameter_table docs/console.md   compares what stands between the two marks
+ *     parameter_table docs/use/console.md   compares what stands between the two marks
  */
 #include <stdio.h>
 #include <stdlib.h>

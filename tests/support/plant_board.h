@@ -141,7 +141,7 @@ static inline double commanded(const char *name)
     return 0;
 }
 
-/* "LB.quality=2", "supply=0" (docs/faults.md); NULL is nothing. */
+/* "LB.quality=2", "supply=0" (docs/inside/faults.md); NULL is nothing. */
 static inline void plant_event(const char *what)
 {
     static struct events events;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A plant written from docs/plant-link.md alone: two first-order tanks with cross flow, lockstep.
+"""A plant written from docs/inside/plant-link.md alone: two first-order tanks with cross flow, lockstep.
 
 usage: python_plant.py WHERE [SAMPLES]     WHERE: a unix socket to connect to, or a pseudo-terminal
 Prints one CSV row a sample; exit status 0 when all samples were answered.

@@ -1,4 +1,4 @@
-"""The layers of docs/architecture.md are those of CMake; no file includes what its place does not allow, no modules include
+"""The layers of docs/inside/architecture.md are those of CMake; no file includes what its place does not allow, no modules include
 each other in a circle, and a static function has its name for itself. A struct of state has one owner, and no files include or
 call each other in a circle. Conditionals on the configuration are few, and stand outside of functions and structs."""
 
@@ -12,7 +12,7 @@ from support import ROOT, FolderTest
 
 from reflux.paths import every
 
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "inside" / "architecture.md"
 FIRMWARE = ROOT / "firmware"
 DATA = Path(__file__).parent / "data"
 OWNERS = DATA / "owners.toml"

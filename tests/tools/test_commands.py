@@ -218,7 +218,7 @@ def load_tests(loader: unittest.TestLoader, tests: unittest.TestSuite, pattern: 
 
 def main() -> int:
     p = argparse.ArgumentParser(description="Runs the commands of README and docs/ as they are printed.")
-    p.add_argument("pages", nargs="*", metavar="PAGE", help="such as README.md or docs/kalman.md (default: every page)")
+    p.add_argument("pages", nargs="*", metavar="PAGE", help="such as README.md or docs/methods/kalman.md (default: every page)")
     p.add_argument("--quick", action="store_true", help="without the commands that commands.toml calls slow")
     p.add_argument("--list", action="store_true", help="print the pages, one per line, and run nothing")
     p.add_argument("--times", action="store_true", help="print the processor seconds of each command")

@@ -14,10 +14,10 @@ from support import ROOT
 
 from reflux.paths import every
 
-PAGES = (  # page, header, struct, group of docs/console.md
-    ("pid.md", "signal/pid.h", "pid_config", "loop<i>"),
-    ("feedforward.md", "block/settings.h", "feedforward_settings", "ff<i>"),
-    ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
+PAGES = (  # page, header, struct, group of docs/use/console.md
+    ("methods/pid.md", "signal/pid.h", "pid_config", "loop<i>"),
+    ("methods/feedforward.md", "block/settings.h", "feedforward_settings", "ff<i>"),
+    ("methods/tuning.md", "design/tuning.h", "tuning", "loop<i>"),
 )
 
 
@@ -34,7 +34,7 @@ def fields(header: str, struct: str) -> list[str]:
 
 
 def parameters(group: str) -> list[str]:
-    section = page("console.md").split(f"**`{group}`**")[1].split("\n**`")[0]
+    section = page("use/console.md").split(f"**`{group}`**")[1].split("\n**`")[0]
     return re.findall(r"^\| (\w+) \|.*0x[0-9a-f]+ \|$", section, re.MULTILINE)
 
 
@@ -77,7 +77,7 @@ class Kinds(unittest.TestCase):
         tables = [body for path in (ROOT / "firmware" / "kinds").glob("*/*.c")
                   for body in re.findall(r"^const struct block_kind \w+ = {\n(.*?)^};", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)]
         names = {re.findall(r'\.name = "(\w+)"', body)[0] for body in tables if ".parameter =" in body}
-        row = re.findall(r"^\| kind \|  \| (\S+) \|.*0x[0-9a-f]+ \|$", page("console.md"), re.MULTILINE)
+        row = re.findall(r"^\| kind \|  \| (\S+) \|.*0x[0-9a-f]+ \|$", page("use/console.md"), re.MULTILINE)
         self.assertEqual(len(row), 1)
         self.assertEqual(set(row[0].split("\\|")), names | {"-"})
 
@@ -86,7 +86,7 @@ class WorkedFamily(unittest.TestCase):
     """The page on adding a controller prints what its example touches, as git diff --stat has it."""
 
     def test_the_diffstat_on_the_page_has_all_its_files_and_no_other(self) -> None:
-        section = page("adding-a-controller.md").split("\n## What it touches\n")[1].split("\n## ")[0]
+        section = page("inside/adding-a-controller.md").split("\n## What it touches\n")[1].split("\n## ")[0]
         rows = re.findall(r"^ +(\S+) +\| +(\d+) \++$", section, re.MULTILINE)
         loop = ROOT / "tests" / "loop"
         files = [loop / "worked_family.cmake", *(loop / "worked_family").iterdir()]
@@ -94,7 +94,7 @@ class WorkedFamily(unittest.TestCase):
         self.assertIn(f"{len(rows)} files changed, {sum(int(lines) for _, lines in rows)} insertions(+)", section)
 
     def test_the_tests_that_the_page_names_are_there(self) -> None:
-        section = page("adding-a-controller.md").split("\n### 10. Tests\n")[1].split("\n## ")[0]
+        section = page("inside/adding-a-controller.md").split("\n### 10. Tests\n")[1].split("\n## ")[0]
         texts = "".join(path.read_text(encoding="utf-8") for path in every(ROOT / "tests/loop/worked_family", "test_*.c"))
         named = re.findall(r"`(\w+)`", section)
         self.assertTrue(named)

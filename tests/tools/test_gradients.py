@@ -373,7 +373,7 @@ def channels(plant: dict) -> list[str]:
 
 
 class Lines(unittest.TestCase):
-    """Console lines of an estimator, docs/composition-estimation.md."""
+    """Console lines of an estimator, docs/methods/composition-estimation.md."""
 
     def test_three_thermometers_in_the_section_of_the_product(self) -> None:
         _, out, _ = call("gradients", "splitter", "--no-steps", "--estimate", "iC4:37")

@@ -1,4 +1,4 @@
-"""Each Python block of docs/python.md runs as printed, in a folder and a process of its own. A port on the page is the host build here."""
+"""Each Python block of docs/use/python.md runs as printed, in a folder and a process of its own. A port on the page is the host build here."""
 
 import importlib.util
 import os

@@ -6,7 +6,7 @@ reflux_test(ud LABEL unit SOURCES test_ud.c LIBS reflux_num)
 reflux_test(signal LABEL unit SOURCES test_signal.c LIBS reflux_signal)
 reflux_test(tuning LABEL unit SOURCES test_tuning.c LIBS reflux_design)
 
-# Not a test: the tables behind the figures of docs/pid.md and docs/feedforward.md.
+# Not a test: the tables behind the figures of docs/methods/pid.md and docs/methods/feedforward.md.
 add_executable(pid_trace "${PROJECT_SOURCE_DIR}/tests/bench/pid_trace.c")
 target_link_libraries(pid_trace PRIVATE reflux_every_kind reflux_options m)
 target_include_directories(pid_trace PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")

@@ -298,7 +298,8 @@ static void gains_over_residence_times_agree_on_the_books_plants(void)
 {
     take(PLANT_WOOD_BERRY, 60);
     TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.56, (double)a.layout.pair_phi[0]); /* docs/interaction.md */
+    /* docs/methods/interaction.md */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.56, (double)a.layout.pair_phi[0]);
     take(PLANT_LUYBEN_4X4, 60);
     TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.layout.second);
 }

@@ -1,6 +1,6 @@
 /* Bounds by trying everything: the frame decoder from every state it can be in, on short inputs of the bytes that
  * matter and on every shape of group; rings and queues of small sizes from every position, across the wrap of
- * their counts at 2^32. What is proved instead, and how, stands in docs/proofs.md.
+ * their counts at 2^32. What is proved instead, and how, stands in docs/inside/proofs.md.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -657,7 +657,7 @@ class Structures(Files):
 
 class Page(Files):
     def test_the_worked_example_of_the_page_prints_what_the_page_says(self):
-        page = os.path.join(PLANTS, "..", "..", "docs", "columns.md")
+        page = os.path.join(PLANTS, "..", "..", "docs", "use", "columns.md")
         with open(page, encoding="utf-8") as file:
             text = file.read()
         example = text[text.index("## A worked example"):text.index("## The file")]

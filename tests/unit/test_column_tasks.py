@@ -138,7 +138,7 @@ class Columns(unittest.TestCase):
         head = [line for line in done.stdout.splitlines() if line.startswith("#")]
         self.assertEqual(head[0], "# splitter: 37 stages, feed on 19, components C3 iC4 nC4 (the last closes), "
                                   "57 states (17 stages truncated)")
-        # The checksum by the words of docs/column-table.md.
+        # The checksum by the words of docs/methods/column-table.md.
         value = dict(line.split()[1:] for line in done.stdout.splitlines() if line.startswith("set "))
         size, rows = int(value["block2.size"]), [value[f"block2.value.{k}"].split(",") for k in range(1, 22)]
         floats = [float(x) for row in rows for x in row][:size]

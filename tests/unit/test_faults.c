@@ -1,4 +1,4 @@
-/* Faults of instruments: each does what docs/faults.md says, at the time it is asked for, the same every run. */
+/* Faults of instruments: each does what docs/inside/faults.md says, at the time it is asked for, the same every run. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -339,7 +339,7 @@ static bool is_option(enum plant_kind kind, const char *name)
     return false;
 }
 
-/* The table of docs/faults.md under `head` has a row for each option of that kind, and no other row. */
+/* The table of docs/inside/faults.md under `head` has a row for each option of that kind, and no other row. */
 static void compare_table(const char *page, const char *head, enum plant_kind kind)
 {
     char row[60], message[240];
@@ -349,20 +349,20 @@ static void compare_table(const char *page, const char *head, enum plant_kind ki
     TEST_ASSERT_NOT_NULL_MESSAGE(end, head);
     for (size_t n = 0; (option = events_option(kind, n)) != NULL; n++) {
         (void)snprintf(row, sizeof(row), "\n| `%s` |", option);
-        (void)snprintf(message, sizeof(message),
-                       "%s has no row in docs/faults.md: write \"| `%s` | unit | what it does |\" "
-                       "under \"%s\"",
-                       option, option, head);
+        (void)snprintf(
+            message, sizeof(message),
+            "%s has no row in docs/inside/faults.md: write \"| `%s` | unit | what it does |\" "
+            "under \"%s\"",
+            option, option, head);
         const char *found = strstr(table, row);
         TEST_ASSERT_TRUE_MESSAGE(found && found < end, message);
     }
     for (const char *at = strstr(table, "\n| `"); at && at < end; at = strstr(at + 1, "\n| `")) {
         (void)snprintf(row, sizeof(row), "%.*s", (int)strcspn(at + 4, "`"), at + 4);
-        (void)snprintf(
-            message, sizeof(message),
-            "docs/faults.md, under \"%s\": options[] of host_sim/bench/events.c has no `%s`: "
-            "delete its row",
-            head, row);
+        (void)snprintf(message, sizeof(message),
+                       "docs/inside/faults.md, under \"%s\": options[] of host_sim/bench/events.c "
+                       "has no `%s`: delete its row",
+                       head, row);
         TEST_ASSERT_TRUE_MESSAGE(is_option(kind, row), message);
     }
 }
@@ -370,7 +370,7 @@ static void compare_table(const char *page, const char *head, enum plant_kind ki
 static void the_document_has_a_row_for_every_option_and_no_other(void)
 {
     static char page[60000];
-    FILE *file = fopen("../docs/faults.md", "r");
+    FILE *file = fopen("../docs/inside/faults.md", "r");
     TEST_ASSERT_NOT_NULL(file);
     page[fread(page, 1, sizeof(page) - 1, file)] = '\0';
     (void)fclose(file);

@@ -1,4 +1,4 @@
-/* Guards the promise of docs/proofs.md that tests notice nine in ten faults drawn from the code. Answers are compared with references
+/* Guards the promise of docs/inside/proofs.md that tests notice nine in ten faults drawn from the code. Answers are compared with references
  * within bounds, and a changed threshold, weight or fall-back mostly stays within them. Here it moves a line.
  *
  * The lines are every number of the analysis of interaction on small plants, six digits each: gains as a whole, relative gains, pairings

@@ -221,7 +221,7 @@ class Tasks(Folder):
         self.assertIn("cannot be read", sim("--list", env=user).stdout)
 
     def test_the_worked_example_of_the_page_works(self):
-        with open(os.path.join(HERE, "..", "..", "docs", "linear-plants.md"), encoding="utf-8") as file:
+        with open(os.path.join(HERE, "..", "..", "docs", "use", "linear-plants.md"), encoding="utf-8") as file:
             text = re.search(r"```json\n(.*?)```", file.read(), re.S).group(1)
         done = sim("--steady", "--plant", self.write(text, "oven.json"), "--set", "air=10")
         self.assertIn("measurement,T1,degC,160\n", done.stdout)
@@ -315,7 +315,7 @@ class Figures(unittest.TestCase):
         s = np.linalg.svd(k)[1]
         self.assertGreater(s[3], 1e-3)
         self.assertLess(s[4], 1e-12 * s[0])
-        # Johansson's K to its one decimal, but for column u3 and K22 (docs/linear-plants.md)
+        # Johansson's K to its one decimal, but for column u3 and K22 (docs/use/linear-plants.md)
         np.testing.assert_allclose(k[[0, 2, 3, 4]][:, [0, 1, 3, 4]],
                                    [[-6.8, -6.6, 6.6, 0], [0.5, 0.5, -0.5, 0], [1, 1, -1, 0], [0.3, 0.3, 0, 0.3]],
                                    atol=0.085)

@@ -1,4 +1,4 @@
-/* The worked frames of docs/plant-link.md are what the codec really makes, and really takes. */
+/* The worked frames of docs/inside/plant-link.md are what the codec really makes, and really takes. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "link/messages.h"
 #include "unity.h"
 
-#define DOCUMENT   "../docs/plant-link.md" /* ctest runs in tests/ */
+#define DOCUMENT   "../docs/inside/plant-link.md" /* ctest runs in tests/ */
 #define FIELDS_MAX 64
 
 struct field {

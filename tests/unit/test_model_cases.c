@@ -1,4 +1,4 @@
-/* Guards the promise of docs/proofs.md that tests notice nine in ten faults drawn from the code. Answers are compared with references
+/* Guards the promise of docs/inside/proofs.md that tests notice nine in ten faults drawn from the code. Answers are compared with references
  * within bounds, and a changed threshold, weight or fall-back mostly stays within them. Here it moves a line.
  *
  * The lines are how each test of an input ended and the model that start-up makes of it, six digits each: a double step from rest to rest

@@ -108,7 +108,7 @@ class Options(Bench):
                 self.refused(self.BASE + more, because)
 
     def test_every_fault_of_a_thermometer_in_the_fault_matrix_can_be_played(self):
-        page = open(os.path.join(ROOT, "docs", "faults.md"), encoding="utf-8").read()
+        page = open(os.path.join(ROOT, "docs", "inside", "faults.md"), encoding="utf-8").read()
         faults = sorted(set(re.findall(r"`(T(?:1|5|10)\.\w+=[-0-9.]+)`", page)))
         self.assertGreater(len(faults), 15)
         for fault in faults:
@@ -132,7 +132,7 @@ class Options(Bench):
 
     def test_help_lists_the_options_of_instruments_that_the_page_explains(self):
         text = subprocess.run([SIM, "--help"], capture_output=True, text=True, timeout=HANG_S).stdout
-        with open(os.path.join(ROOT, "docs", "faults.md"), encoding="utf-8") as file:
+        with open(os.path.join(ROOT, "docs", "inside", "faults.md"), encoding="utf-8") as file:
             page = file.read()
         for title, head in (("measurements", "measurement"), ("manipulated variables", "manipulated variable")):
             with self.subTest(title):
@@ -140,7 +140,7 @@ class Options(Bench):
                 self.assertIsNotNone(listed, text)
                 table = page.split(f"| option of a {head} |")[1].split("\n\n")[0]
                 self.assertEqual(sorted(listed[1].split()), sorted(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)),
-                                 f"options of {title} in --help, and in the table of docs/faults.md that explains them")
+                                 f"options of {title} in --help, and in the table of docs/inside/faults.md that explains them")
         self.assertLessEqual(max(map(len, text.splitlines())), 120)
 
 

@@ -1,5 +1,5 @@
 /* Recursive least squares, in the number format of the build, beside a dense one in double that is written out here from the
- * equations of docs/self-tuning.md (Folami 1989, 8.40 to 8.53, A5.1).
+ * equations of docs/methods/self-tuning.md (Folami 1989, 8.40 to 8.53, A5.1).
  *
  * Contract: parameters within 2e-4 of the dense ones after 300 samples, v and the trace within 1 %: each sample may round P by
  * n steps of 2^-24, and the data here are conditioned to 1e3. */

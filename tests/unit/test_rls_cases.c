@@ -1,4 +1,4 @@
-/* Recursive least squares beside trajectories that an independent model in double has written from docs/self-tuning.md
+/* Recursive least squares beside trajectories that an independent model in double has written from docs/methods/self-tuning.md
  * (tests/reference/self_tuning_reference.py).
  *
  * Contract, float and fixed: error, v, trace (relative) and parameters within 5e-5 of the model's. A sample may round by n

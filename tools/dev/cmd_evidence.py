@@ -1,4 +1,4 @@
-"""tools/evidence: runs everything that counts, and writes the counts to docs/evidence.md, each with its command."""
+"""tools/evidence: runs everything that counts, and writes the counts to docs/inside/evidence.md, each with its command."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from reflux import build, packages
 from reflux.errors import RunFailed, UserError
 from reflux.paths import ROOT, build_dir, build_root, named, shown
 
-PAGE = ROOT / "docs" / "evidence.md"
+PAGE = ROOT / "docs" / "inside" / "evidence.md"
 START = re.compile(r"^\s*Start\s+(\d+): (\S+)")
 RANDOM_SEED = "2029"
 OF_TEST = re.compile(r"^(\d+): (.*)$")
@@ -55,7 +55,7 @@ SECTIONS = (
             "words after an interrupted erase, every bit is flipped, twice in a row: the old or the new set is found "
             "whole, or defaults and an alarm. Words that a cut left and that read differently each time: every set answered `ok` is "
             "found at ten further starts. A sample; `test_storage_power all` and `test_storage_unstable all` try every "
-            "case (docs/storage.md).", "tests", r"storage\b.*\d.*"),
+            "case (docs/inside/storage.md).", "tests", r"storage\b.*\d.*"),
     Section("Storage and interrupted ticks, every case", "What `tools/test` runs a sample of. Words of an interrupted "
             "operation read differently each time: every set answered `ok` is found at ten further starts with saves between. A "
             "timer's signal runs the tick anywhere in the main loop: no plan in force is torn.", "long",
@@ -90,7 +90,7 @@ SECTIONS = (
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/evidence",
-        description="Runs the programs that count things and writes docs/evidence.md. Naming sources runs only these; "
+        description="Runs the programs that count things and writes docs/inside/evidence.md. Naming sources runs only these; "
         "the others' figures are those of their last run: from build/evidence, or as the page has them.")
     p.add_argument("sources", nargs="*", metavar="SOURCE", help=f"{', '.join(SOURCES)} (default: all)")
     p.add_argument("--page-only", action="store_true", help="run nothing; write the page from earlier results")

@@ -20,7 +20,7 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/prove",
         description="Proves with Frama-C WP that no access of the frame codec leaves its buffers, that nothing overflows, "
-        "and that every loop ends, for every input (docs/proofs.md). Takes a minute or two.")
+        "and that every loop ends, for every input (docs/inside/proofs.md). Takes a minute or two.")
     p.add_argument("--timeout", type=int, default=10, metavar="S", help="time for one goal (default 10)")
     options = p.parse_args(arguments)
     packages.need("host", "prove")

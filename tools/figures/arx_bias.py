@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Bias and scatter of difference models against noise of the measurements, by method: table and figure of docs/difference-models.md.
+"""Bias and scatter of difference models against noise of the measurements, by method: table and figure of docs/methods/difference-models.md.
 
     cmake --preset host && cmake --build --preset host --target libreflux
     tools/figures/arx_bias.py                 100 seeds, writes the table into the page and the figure; half a minute
@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 from reflux import identification, libreflux, paths, table  # noqa: E402
 
-PAGE = ROOT / "docs" / "difference-models.md"
+PAGE = ROOT / "docs" / "methods" / "difference-models.md"
 A = np.array([[-0.80338, 0.02616], [-1.06726, 0.14709]])
 B = np.array([[[0.03851, -0.00386], [-0.01062, -0.00192]], [[0.01262, 0.00316], [-0.01990, 0.00157]]])
 GAIN = B.sum(axis=2) / (1 + A.sum(axis=1))[:, None]

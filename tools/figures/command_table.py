@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Renews the table of commands in docs/console.md: adds a row for each command of firmware/console/commands.h that has none, and
+"""Renews the table of commands in docs/use/console.md: adds a row for each command of firmware/console/commands.h that has none, and
 takes out the rows of commands that are gone. Rows that are there stay as they are written.
 
     tools/figures/command_table.py [BUILD]      BUILD: a host build folder, build/host by default
@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "console.md"
+PAGE = ROOT / "docs" / "use" / "console.md"
 BEGIN, END = "<!-- commands: begin -->\n", "<!-- commands: end -->"
 HEADER = ["| command | what |\n", "|---|---|\n"]
 

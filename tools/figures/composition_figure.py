@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/composition-estimation.md: docs/figures/composition-estimation.png.
+"""The figure of docs/methods/composition-estimation.md: docs/figures/composition-estimation.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory
     tools/figures/composition_figure.py

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/experiment.md: docs/figures/experiment.png.
+"""The figure of docs/methods/experiment.md: docs/figures/experiment.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory reflux-plant
     tools/figures/experiment_figure.py

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/adaptive-feedforward.md: docs/figures/adaptive-feedforward.png.
+"""The figure of docs/methods/adaptive-feedforward.md: docs/figures/adaptive-feedforward.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory reflux-plant
     tools/figures/feedforward_figure.py

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/adaptive-feedforward.md on tuning: docs/figures/feedforward-tuning.png.
+"""The figure of docs/methods/adaptive-feedforward.md on tuning: docs/figures/feedforward-tuning.png.
 
     cmake --preset host && cmake --build --preset host --target libreflux_board
     tools/figures/feedforward_tuning_figure.py

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Moments against least squares against scipy on the same noisy records: the tables of docs/identification.md.
+"""Moments against least squares against scipy on the same noisy records: the tables of docs/methods/identification.md.
 
     cmake --preset host && cmake --build --preset host --target identify_records
     tools/figures/identification_table.py                 200 seeds, writes the tables into the page; a few minutes
@@ -28,7 +28,7 @@ import identify_reference as reference  # noqa: E402
 sys.path.insert(0, str(ROOT / "tools"))
 from reflux import paths  # noqa: E402
 
-PAGE = ROOT / "docs/identification.md"
+PAGE = ROOT / "docs/methods/identification.md"
 NOISE, DRIFT, ANSWER, COUNT = 0.005, 0.01, 0.05, 1.0 / 4096
 WINDOW_BLOCKS, POINTS = 16, 128
 HEAD = np.dtype([("samples", "u4"), ("before", "u4"), ("half", "u4"), ("window", "u4"),

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The worked example of docs/interaction.md and docs/tuning.md: numbers on the terminal, docs/figures/interaction.png.
+"""The worked example of docs/methods/interaction.md and docs/methods/tuning.md: numbers on the terminal, docs/figures/interaction.png.
 
     cmake --preset host && cmake --build --preset host --target libreflux
     tools/figures/interaction_figure.py

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/composition-estimation.md: docs/figures/kalman.png.
+"""The figure of docs/methods/composition-estimation.md: docs/figures/kalman.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim reflux-sim-memory
     tools/figures/kalman_figure.py

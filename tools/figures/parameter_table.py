@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Renews the table of parameters in docs/console.md from what the firmware declares.
+"""Renews the table of parameters in docs/use/console.md from what the firmware declares.
 
     tools/figures/parameter_table.py [BUILD]      BUILD: a host build folder, build/host by default
 """
@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "console.md"
+PAGE = ROOT / "docs" / "use" / "console.md"
 BEGIN, END = "<!-- parameters: begin -->\n", "<!-- parameters: end -->"
 
 

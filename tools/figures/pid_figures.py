@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the figures of docs/pid.md and docs/feedforward.md from the firmware's own controller.
+"""Draws the figures of docs/methods/pid.md and docs/methods/feedforward.md from the firmware's own controller.
 
     cmake --preset host && cmake --build --preset host --target pid_trace
     tools/figures/pid_figures.py                 writes docs/figures/pid-*.png and prints their key numbers

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """A scenario for tools/run in which all inputs of a linear plant move at once, by the firmware's pseudorandom binary signals, for tools/identify
-(docs/difference-models.md).
+(docs/methods/difference-models.md).
 
     cmake --preset host && cmake --build --preset host --target libreflux
     tools/figures/prbs_scenario.py kotyk-column --amplitude 1 --out out/kotyk-prbs.toml

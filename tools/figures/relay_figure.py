@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The worked example of docs/relay.md: numbers on the terminal, docs/figures/relay.png.
+"""The worked example of docs/methods/relay.md: numbers on the terminal, docs/figures/relay.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory
     tools/figures/relay_figure.py

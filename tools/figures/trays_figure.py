@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figures of docs/inferential.md: docs/figures/trays-one-end.png, trays-two-ends.png, trays-limit.png.
+"""The figures of docs/methods/inferential.md: docs/figures/trays-one-end.png, trays-two-ends.png, trays-limit.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim reflux-sim-memory
     tools/figures/trays_figure.py

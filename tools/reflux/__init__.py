@@ -1,4 +1,4 @@
-"""Reflux from Python (docs/python.md): a board and a plant in this process or on a port, and the firmware's own analysis and design.
+"""Reflux from Python (docs/use/python.md): a board and a plant in this process or on a port, and the firmware's own analysis and design.
 
     from reflux import Lab
     with Lab("pilot") as lab:

@@ -64,7 +64,7 @@ WORDS = {
     "prove": "proofs of single functions",
     "mutate": "faults put into the code, and which of them the tests notice",
     "image": "proofs on the linked image, and where its memory goes",
-    "evidence": "what counts things, run and written to docs/evidence.md",
+    "evidence": "what counts things, run and written to docs/inside/evidence.md",
 }
 PACKAGES = {
     "numpy": "python3-numpy",

@@ -1,4 +1,4 @@
-"""All console lines of a board for a column: channels, loops, interlock, table and estimator, as one paste (docs/columns.md, Onto a board)."""
+"""All console lines of a board for a column: channels, loops, interlock, table and estimator, as one paste (docs/use/columns.md, Onto a board)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reflux.table import figure
 MEASUREMENTS, OUTPUTS = 16, 16  # of a board
 LINE_MOST = 200  # characters that the console takes, all of them ASCII
 HEATS = ("heat", "boilup")
-FEED_F = 0.2  # part by which a feed that nobody measures may differ from the file's, as in docs/kalman.md
+FEED_F = 0.2  # part by which a feed that nobody measures may differ from the file's, as in docs/methods/kalman.md
 FILTERED = {2: 2, 3: 3, 4: 5}  # components, and the thermometers from which a filter does better than the geometric method
 SHOWN = {"-": 1.0, "%": 100.0, "ppm": 1e6, "%w": 100.0}  # a fraction in the unit of its channel
 TRIP = 0.05  # of the span: the interlock is so far above the hottest that composition can make a thermometer

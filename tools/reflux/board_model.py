@@ -1,5 +1,5 @@
 """The model that the kind `experiment` has in its settings, from any text that lists them: `list block1` or `list all` at the console, the
-transcript of a run, a file of `set` lines. In the units of the channels. docs/experiment.md."""
+transcript of a run, a file of `set` lines. In the units of the channels. docs/methods/experiment.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The boards that the emulator runs: the one table of them. Another board is a row here (docs/architecture.md)."""
+"""The boards that the emulator runs: the one table of them. Another board is a row here (docs/inside/architecture.md)."""
 
 from __future__ import annotations
 

@@ -30,14 +30,14 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/column", description="Draws a column's profile and prints its steady-state gains, relative gains, "
         "directions and times at the steady state of its inputs, outputs and inputs in spans where they are compared.")
-    p.add_argument("column", metavar="NAME_OR_FILE", help="a column of host_sim/plants by name, or the path of a file (docs/columns.md)")
+    p.add_argument("column", metavar="NAME_OR_FILE", help="a column of host_sim/plants by name, or the path of a file (docs/use/columns.md)")
     p.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="value of an input instead of its nominal one; repeatable")
     p.add_argument("--outputs", type=_names, metavar="NAME,...",
                    help="outputs to use (default: in each section the temperature nearest its steepest place; the compositions of both products)")
     p.add_argument("--inputs", type=_names, metavar="NAME,...", help="inputs to use (default: all manipulated variables)")
     p.add_argument("--out", type=named, metavar="PNG", help="file of the picture (default: out/column/NAME.png)")
     p.add_argument("--board", action="store_true", help="prints all console lines of a board for this column, as one paste: channels, loops, interlock, "
-                   "table, estimator (docs/columns.md); draws nothing")
+                   "table, estimator (docs/use/columns.md); draws nothing")
     options = p.parse_args(arguments)
 
     column = column_file.read(options.column)

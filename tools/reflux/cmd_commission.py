@@ -31,7 +31,7 @@ FILES = ("transcript.txt", "telemetry.csv", "answers.toml", "board.conf", "repor
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/commission",
-        description="Guided start-up (docs/commissioning.md): tests every input of the plant, finds a model, proposes "
+        description="Guided start-up (docs/use/commission.md): tests every input of the plant, finds a model, proposes "
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "
         "(the last line says why), 2 usage error, 3 the loops are kept, and something that was tested has "

@@ -22,7 +22,7 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/consistency",
         description="Covariances for the filters of a block of the kind composition: `lines` makes them from physical quantities, `check` replays a recorded run to "
-        "the firmware and says whether the innovations are as the filter expects them, and what to change (docs/consistency.md).",
+        "the firmware and says whether the innovations are as the filter expects them, and what to change (docs/methods/consistency.md).",
     )
     what = p.add_subparsers(dest="what", required=True, metavar="lines|check")
     _lines_parser(what.add_parser("lines", help="the block's parameters from sensor, feed and model", description="Prints the block's lines for the console."))

@@ -23,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/decouple",
         description="Designs a decoupler, and with --loops pp a controller for each loop, from a model in discrete time, and prints the settings of the board "
-        "(docs/polynomial-decoupler.md).")
+        "(docs/methods/polynomial-decoupler.md).")
     p.add_argument("model", help="output of tools/identify --format json (NAME.json), a board's listing of an experiment (NAME.txt), or a "
                    "linear plant of host_sim/plants by name or file")
     p.add_argument("--method", choices=METHODS, default="polynomial", help="polynomial (default): removes all of the interaction; static: K^-1; partial, one-way "

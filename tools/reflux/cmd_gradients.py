@@ -25,13 +25,13 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/gradients",
         description="Draws the gradient diagram of a column at a steady state, from the simulator or from a profile of "
-        "your own, and proposes which temperatures to control with and to estimate from, with reasons (docs/gradients.md).",
+        "your own, and proposes which temperatures to control with and to estimate from, with reasons (docs/methods/gradients.md).",
     )
     p.add_argument(
         "column",
         metavar="NAME_OR_FILE",
         nargs="?",
-        help="a column of host_sim/plants by name, or the path of a file (docs/columns.md)",
+        help="a column of host_sim/plants by name, or the path of a file (docs/use/columns.md)",
     )
     p.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="value of an input instead of its nominal one; repeatable"
@@ -69,7 +69,7 @@ def main(arguments: list[str]) -> int:
             type=type(value),
             default=value,
             metavar="X",
-            help=f"threshold, docs/gradients.md; default {value:g}",
+            help=f"threshold, docs/methods/gradients.md; default {value:g}",
         )
     p.add_argument(
         "--step",

@@ -51,7 +51,7 @@ class Found:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/identify",
-        description="Finds A(z^-1) y = B(z^-1) u, A diagonal, from a log in which all inputs were excited at once (docs/difference-models.md).")
+        description="Finds A(z^-1) y = B(z^-1) u, A diagonal, from a log in which all inputs were excited at once (docs/methods/difference-models.md).")
     p.add_argument("log", type=named, metavar="LOG", help="a log.csv of tools/run, a folder that holds one, or another CSV with a header")
     p.add_argument("--inputs", type=names, required=True, metavar="U,U", help="manipulated variables, up to 4")
     p.add_argument("--outputs", type=names, required=True, metavar="Y,Y", help="measurements, up to 4")

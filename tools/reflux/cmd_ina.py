@@ -35,9 +35,9 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/ina", formatter_class=argparse.RawDescriptionHelpFormatter, epilog=HELP,
         description="Draws the inverse Nyquist array of a plant with Gershgorin's bands, does elementary operations, searches the constant compensator, "
-        "and prints it for the board (docs/ina.md).",
+        "and prints it for the board (docs/methods/ina.md).",
     )
-    p.add_argument("plant", help="a linear plant of host_sim/plants by name, or a file NAME.json (docs/linear-plants.md)")
+    p.add_argument("plant", help="a linear plant of host_sim/plants by name, or a file NAME.json (docs/use/linear-plants.md)")
     p.add_argument("--do", action="append", default=[], metavar="'OPERATION'", help="one operation, as below; repeatable, in this order")
     p.add_argument("--auto", action="store_true", help="do `auto` after all other operations")
     p.add_argument("--prompt", action="store_true", help="then take operations from the terminal or stdin, and draw after each")

@@ -16,7 +16,7 @@ from reflux.schema import check_number
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/run",
-        description="Runs a scenario (docs/scenarios.md): builds what it needs, starts the firmware, lets the "
+        description="Runs a scenario (docs/use/scenarios.md): builds what it needs, starts the firmware, lets the "
         "simulated plant run against it, and writes log, plots and report. Exit status: 0 all limits kept, "
         "1 a limit missed or the run failed, 2 usage error.")
     p.add_argument("scenario", nargs="?", metavar="SCENARIO",

@@ -20,7 +20,7 @@ def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
         prog="tools/state-feedback",
         description="Designs u = F x + G w + Tf d, each output with its own setpoint and pole, from the linearisation of a plant, and prints the settings of the kind `state` "
-        "(docs/state-decoupling.md). It is designed for samples with inputs held, by the firmware's code in double.")
+        "(docs/methods/state-decoupling.md). It is designed for samples with inputs held, by the firmware's code in double.")
     p.add_argument("plant", help="a plant of host_sim/plants by name, or a file NAME.json")
     p.add_argument("--outputs", required=True, metavar="Y,Y", help="measurements, in the order of the loops")
     p.add_argument("--inputs", required=True, metavar="U,U", help="MV of each loop")

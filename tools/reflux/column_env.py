@@ -1,4 +1,4 @@
-"""A Gymnasium environment: an agent operates the plant through the board (docs/python.md). Needs gymnasium, which nothing else does.
+"""A Gymnasium environment: an agent operates the plant through the board (docs/use/python.md). Needs gymnasium, which nothing else does.
 
     env = reflux.ColumnEnv("pilot", targets={"T1": 87.0, "T10": 108.5})
 

@@ -23,7 +23,7 @@ class ColumnFile:
 def read(name: str) -> ColumnFile:
     data, path = plant_file.load(name)
     if "column" not in data:
-        raise UserError(f"{shown(path)}: is not a column (docs/columns.md): it has no key \"column\"")
+        raise UserError(f"{shown(path)}: is not a column (docs/use/columns.md): it has no key \"column\"")
     try:
         return _column(data)
     except (KeyError, TypeError, ValueError) as error:

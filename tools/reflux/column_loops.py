@@ -1,4 +1,4 @@
-"""Loops of a column from its step responses at a steady state: which measurement gets which manipulated variable, and PI settings (docs/columns.md,
+"""Loops of a column from its step responses at a steady state: which measurement gets which manipulated variable, and PI settings (docs/use/columns.md,
 Onto a board). Pairing and detuning are the firmware's."""
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TI_MOST_S = 1e6  # of a loop of the board
 LEVEL_GAIN = 2.0  # output span per span of a level: 10 % of the level move the flow by 20 %
 NOISE_MOST = 0.01  # standard deviation of an output that comes of the noise of its measurement, part of the span
 PARTS = (0.283, 0.632)  # of its end that a first-order lag has reached after a third of its time constant, and after all of it
-MARGIN = 1.7  # times all gains: docs/tuning.md
+MARGIN = 1.7  # times all gains: docs/methods/tuning.md
 SLOWER_STEP, SLOWER_MOST = 1.25, 1000.0
 DEAF = 1e-3  # gain in spans of a measurement that cannot be controlled
 FINER = 15  # from one grid of a step response to the next
@@ -108,7 +108,7 @@ def closed(model: linear.Model, loop: Loop, channels: dict[str, Any]) -> linear.
 
 def controlled(plant: dict[str, Any], seen: list[dict[str, Any]], of: Diagram, keys: Sequence[str]) -> dict[str, str]:
     """Name of a loop: its measurement. Of each section the thermometer beside the largest step that comes of the keys (rule B of
-    docs/gradients.md), away from feed, reboiler and condenser before others; where all are small, the composition of the product, if that is
+    docs/methods/gradients.md), away from feed, reboiler and condenser before others; where all are small, the composition of the product, if that is
     measured."""
     chosen = {}
     for name, end, stages in (("top", of.stages, range(plant["feed_stage"] + 1, of.stages + 1)), ("bottom", 1, range(1, plant["feed_stage"] + 1))):
@@ -159,7 +159,7 @@ def paired(model: linear.Model, names: dict[str, str], channels: dict[str, Any],
     if max(pairs["lambda"], default=0.0) > SAME:
         words.append(f"# a relative gain above {SAME:g}: the measurements see nearly the same. Leave the slower loop in manual, or measure elsewhere")
     if not figures["kept"] or factor > SLOWER_MOST:
-        words.append("# the loops together do not keep the distance from instability that docs/tuning.md asks for: close one at a time")
+        words.append("# the loops together do not keep the distance from instability that docs/methods/tuning.md asks for: close one at a time")
     return [dataclasses.replace(loop, gain=loop.gain / factor, ti_s=min(loop.ti_s * factor, TI_MOST_S)) for loop in out], words
 
 

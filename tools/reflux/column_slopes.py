@@ -1,4 +1,4 @@
-"""A column at a steady state, and how a tray's temperature answers there to reflux and heat (docs/inferential.md, Slope)."""
+"""A column at a steady state, and how a tray's temperature answers there to reflux and heat (docs/methods/inferential.md, Slope)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """Columns from Python: their steady states, profiles and gains, as tools/column has them. A column is a name of host_sim/plants or a file
-(docs/columns.md).
+(docs/use/columns.md).
 
     reflux.columns.steady("splitter").temperature          # K, from the reboiler up
     reflux.columns.gains("splitter", outputs=["T5", "T27"], inputs=["R", "Q"])

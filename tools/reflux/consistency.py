@@ -1,4 +1,4 @@
-"""Judges the covariances of a filter by its innovations, in words, and says what to set instead. docs/consistency.md has the reasons."""
+"""Judges the covariances of a filter by its innovations, in words, and says what to set instead. docs/methods/consistency.md has the reasons."""
 
 from __future__ import annotations
 

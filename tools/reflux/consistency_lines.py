@@ -1,4 +1,4 @@
-"""Parameters of a filter's covariances from what people know: data sheets, the feed's range, how good the model is (docs/consistency.md)."""
+"""Parameters of a filter's covariances from what people know: data sheets, the feed's range, how good the model is (docs/methods/consistency.md)."""
 
 from __future__ import annotations
 

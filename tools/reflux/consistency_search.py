@@ -79,7 +79,7 @@ def look(run: Run, changes: dict[str, float] | None = None, shift: dict[str, flo
 
 
 def automatic(method: str, covariance: str) -> tuple[float, float]:
-    """`noise` and `model` of a block that has 0 for them (docs/kalman.md); the noise that it finds is not known here, but its least."""
+    """`noise` and `model` of a block that has 0 for them (docs/methods/kalman.md); the noise that it finds is not known here, but its least."""
     return (0.05, 0.011) if method == "ekf" and covariance == "full" else (0.2, 0.1)
 
 

@@ -1,4 +1,4 @@
-"""Console lines of a block of the kind `composition` (docs/composition-estimation.md) for a column, as the gradient diagram proposes it."""
+"""Console lines of a block of the kind `composition` (docs/methods/composition-estimation.md) for a column, as the gradient diagram proposes it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from reflux.paths import shown
 from reflux.sensor_rules import Thresholds
 
 HOUR, MINUTE, CALORIE = 3600.0, 60.0, 4.184
-# SI of a unit of docs/columns.md: factor and zero.
+# SI of a unit of docs/use/columns.md: factor and zero.
 SI = {
     "K": (1.0, 0.0), "degC": (1.0, 273.15), "-": (1.0, 0.0),
     "W": (1.0, 0.0), "kW": (1e3, 0.0), "MW": (1e6, 0.0),
@@ -210,7 +210,7 @@ def estimator(column: Column, points: list[Point], method: Callable[[int, int], 
     try:
         simulator.table_lines(column.name, TABLE_BLOCK, *words)  # refuses what a board would refuse
     except (UserError, RunFailed) as error:
-        raise UserError(f"no table for a board: {str(error).removeprefix('--table: ')}; docs/gradients.md says what to do") from None
+        raise UserError(f"no table for a board: {str(error).removeprefix('--table: ')}; docs/methods/gradients.md says what to do") from None
     rows = [
         f"set block{BLOCK}.kind composition",
         f"set block{BLOCK}.column {TABLE_BLOCK}",

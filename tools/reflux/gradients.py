@@ -1,4 +1,4 @@
-"""The gradient diagram of a column at a steady state (docs/gradients.md): how much the temperature changes from stage to stage, and
+"""The gradient diagram of a column at a steady state (docs/methods/gradients.md): how much the temperature changes from stage to stage, and
 what each component has to do with it."""
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Liquid:
 
 
 def activity_coefficients(activity: dict[str, Any], x: Sequence[float], t: float) -> list[float]:
-    """docs/columns.md, Activity."""
+    """docs/use/columns.md, Activity."""
     n, total = range(len(x)), sum(x)
     x = [xj / total for xj in x]
     a, b = activity["a"], activity.get("b") or [[0.0] * len(x) for _ in n]

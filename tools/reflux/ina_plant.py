@@ -64,7 +64,7 @@ def read(name: str, pairs: str | None) -> SquarePlant:
         response, period, times = MODELS[j["model"]](j, rows, columns)
         return SquarePlant(j["name"], tuple(channel(j["outputs"][i]) for i in rows), tuple(channel(j["inputs"][k]) for k in columns), response, period, times)
     except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
-        raise UserError(f"{shown(path)} is not as docs/linear-plants.md has it: {type(error).__name__} {error}") from None
+        raise UserError(f"{shown(path)} is not as docs/use/linear-plants.md has it: {type(error).__name__} {error}") from None
 
 
 def channel(c: dict[str, Any]) -> Channel:
@@ -95,7 +95,7 @@ def paired(j: dict[str, Any], text: str | None) -> tuple[list[int], list[int]]:
     return rows, columns
 
 
-# ---- models of docs/linear-plants.md ----
+# ---- models of docs/use/linear-plants.md ----
 
 
 def of_polynomials(j, rows, columns):

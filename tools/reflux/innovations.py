@@ -1,5 +1,5 @@
 """Innovations of thermometers: how large they are beside what a filter expects, whether each can be told from the one before, whether they
-stay on one side. docs/consistency.md has the formulas. Kelvin."""
+stay on one side. docs/methods/consistency.md has the formulas. Kelvin."""
 
 from __future__ import annotations
 

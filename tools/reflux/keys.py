@@ -1,4 +1,4 @@
-"""The access key of a board (docs/console.md): where a tool takes it from, and lines shown without it."""
+"""The access key of a board (docs/use/console.md): where a tool takes it from, and lines shown without it."""
 
 from __future__ import annotations
 

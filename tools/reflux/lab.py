@@ -1,4 +1,4 @@
-"""reflux.Lab: a board with a plant behind it, from Python (docs/python.md).
+"""reflux.Lab: a board with a plant behind it, from Python (docs/use/python.md).
 
     with Lab("pilot") as lab:
         lab.mode("bottom", "auto")
@@ -153,7 +153,7 @@ class Lab:
         self._say(f"out {name} {value:.9g}")
 
     def set(self, name: str, value: float | str) -> None:
-        """A parameter, as bottom.gain; docs/console.md has them all."""
+        """A parameter, as bottom.gain; docs/use/console.md has them all."""
         self._say(f"set {name} {value:.9g}" if isinstance(value, float) else f"set {name} {value}")
 
     def get(self, name: str) -> str:
@@ -162,7 +162,7 @@ class Lab:
         return words[0] if words else ""
 
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
-        """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/faults.md), from the next sample on or later."""
+        """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
         self._engine().event(self._engine().time_s + after_s, name, value)
 
     # ---- time ----

@@ -1,6 +1,6 @@
 """What Lab.run() returns: a pandas DataFrame where pandas is installed, else a small table with the same column access.
 
-Columns are those of log.csv (docs/logs.md) without their units, which are in attrs["units"]. A name that people use finds its column:
+Columns are those of log.csv (docs/use/logs.md) without their units, which are in attrs["units"]. A name that people use finds its column:
 T1 is T1.meas, bottom.sp is fw.bottom.sp.
 """
 

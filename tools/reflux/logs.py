@@ -1,4 +1,4 @@
-"""Logs of a run (docs/logs.md): the simulator's CSV, the firmware's telemetry, and the two joined by sample number."""
+"""Logs of a run (docs/use/logs.md): the simulator's CSV, the firmware's telemetry, and the two joined by sample number."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Log:
         return self._place[bare(name)]
 
     def named(self, name: str) -> str:
-        """The column that a person means: the name as it stands, else as the simulator or the board writes it (docs/logs.md)."""
+        """The column that a person means: the name as it stands, else as the simulator or the board writes it (docs/use/logs.md)."""
         wanted = bare(name)
         return next((other for other in (wanted, *aliases(wanted)) if self.has(other)), wanted)
 

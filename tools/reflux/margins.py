@@ -1,6 +1,6 @@
 """Gain margin, phase margin and largest sensitivity of loops on a linear model of their plant.
 
-The open loop is the sampled control law of docs/pid.md times the plant as the sampler sees it: inputs held over a step, dead times of any
+The open loop is the sampled control law of docs/methods/pid.md times the plant as the sampler sees it: inputs held over a step, dead times of any
 length.
 """
 

@@ -1,4 +1,4 @@
-"""Measures of how well a loop did. Definitions (also in docs/scenarios.md), for samples t_k, y_k and the
+"""Measures of how well a loop did. Definitions (also in docs/use/scenarios.md), for samples t_k, y_k and the
 setpoint r_k that holds from t_k to t_k+1:
 
   iae        sum over the intervals of dt * (|r_k - y_k| + |r_k - y_k+1|) / 2          [unit s]

@@ -1,4 +1,4 @@
-"""A plant to try the firmware on: one of ours by name, a file (docs/linear-plants.md, docs/columns.md), or the same as a dictionary."""
+"""A plant to try the firmware on: one of ours by name, a file (docs/use/linear-plants.md, docs/use/columns.md), or the same as a dictionary."""
 
 from __future__ import annotations
 

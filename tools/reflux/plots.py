@@ -103,7 +103,7 @@ def hours(log: Log) -> list[float]:
 
 # ---- tools/plot ----
 
-# Columns that hold from a sample to the next one, and those whose value is of the interval before their sample (docs/logs.md).
+# Columns that hold from a sample to the next one, and those whose value is of the interval before their sample (docs/use/logs.md).
 HELD = (".cmd", ".app", ".sp", ".mode", ".q", ".quality", ".new", ".off")
 MEANS = (".applied",)
 HELD_ALONE = ("state", "safe", "seq", "step", "ev")

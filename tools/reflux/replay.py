@@ -1,4 +1,4 @@
-"""A recorded run played to the firmware by a plant that does nothing else (docs/plant-link.md): its readings, and as read-back what was
+"""A recorded run played to the firmware by a plant that does nothing else (docs/inside/plant-link.md): its readings, and as read-back what was
 really applied; what the firmware answers changes nothing. After each tick the values of a block are read at the console. Lockstep: as
 fast as the firmware goes, and the same each time."""
 

@@ -108,7 +108,7 @@ def page(result: Result, plots: list[plotting.Plot], found: run_margins.Found | 
         element("h2", "Loops, window by window"),
         grid(table.loop_header(units), table.loop_rows(result.windows, units), total="whole run"),
         note("A window runs from one change to the next. Over the whole run, overshoot and settling "
-             "time are those of the worst setpoint step. A dash: nothing was stepped. Definitions: docs/scenarios.md."),
+             "time are those of the worst setpoint step. A dash: nothing was stepped. Definitions: docs/use/scenarios.md."),
         listed(never_settled(result)),
         *([element("h2", "Margins"), *margins_part(found)] if found else []),
         element("h2", "What happened"), events_table(result),

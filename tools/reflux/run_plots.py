@@ -15,7 +15,7 @@ from reflux.scenario_settings import Interlock, interlocks
 MAX_MARKER = 26
 LABEL_ROOM = 0.025  # of the run, between two labels
 LABEL_ROOM_NARROW = 0.08
-ESTIMATE = "_est"  # ends the name of a channel that the board computes (docs/composition-estimation.md)
+ESTIMATE = "_est"  # ends the name of a channel that the board computes (docs/methods/composition-estimation.md)
 
 
 @dataclass(frozen=True)

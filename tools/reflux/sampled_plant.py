@@ -70,7 +70,7 @@ def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
         try:
             plant = of_file(j, pairs, period)
         except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
-            raise UserError(f"{shown(path)} is not as docs/linear-plants.md has it: {type(error).__name__} {error}") from None
+            raise UserError(f"{shown(path)} is not as docs/use/linear-plants.md has it: {type(error).__name__} {error}") from None
     if period is not None and not np.isclose(period, plant.period, rtol=1e-9):
         raise UserError(f"--period {period:g}: {plant.name} is sampled already, every {plant.period:g} s")
     check(plant)

@@ -1,4 +1,4 @@
-"""A scenario: one run of one plant against one firmware, as written in a TOML file (docs/scenarios.md)."""
+"""A scenario: one run of one plant against one firmware, as written in a TOML file (docs/use/scenarios.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which stages to measure, by rules that can be said in a sentence (docs/gradients.md). The source chooses by eye; its words became
+"""Which stages to measure, by rules that can be said in a sentence (docs/methods/gradients.md). The source chooses by eye; its words became
 rules with thresholds, which are ours."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Talking to a console in machine mode: one command, one reply (docs/console.md)."""
+"""Talking to a console in machine mode: one command, one reply (docs/use/console.md)."""
 
 from __future__ import annotations
 

@@ -357,7 +357,7 @@ def write_results(campaign: Campaign, results: list[dict[str, Any]], folder: Pat
     text = (f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`: {len(results)} runs of "
             f"`{scenarios.relative(campaign.scenario.file)}` on the firmware `{campaign.scenario.firmware}`; {bad} "
             "failed or missed limits. Metrics over the whole run; overshoot and settling time of the worst "
-            "setpoint step of a run (docs/scenarios.md).\n\n" + table.markdown(*distribution(campaign, results)) + "\n")
+            "setpoint step of a run (docs/use/scenarios.md).\n\n" + table.markdown(*distribution(campaign, results)) + "\n")
     (folder / f"{campaign.name}.md").write_text(text, encoding="utf-8")
     with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")

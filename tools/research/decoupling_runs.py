@@ -112,7 +112,7 @@ def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
         outputs, inputs, a, b, period, _ = board_model.read(transcript, bench.period_s)
     except UserError:
         verdict = re.findall(r" verdict = (\d+)", transcript.read_text(encoding="utf-8"))
-        raise RunFailed(f"no model, verdict {verdict[-1] if verdict else '-'} of the experiment (docs/experiment.md)") from None
+        raise RunFailed(f"no model, verdict {verdict[-1] if verdict else '-'} of the experiment (docs/methods/experiment.md)") from None
     spans = [np.array([float(j[side][k]["hi"]) - float(j[side][k]["lo"]) for k in which]) for side, which in (("outputs", rows), ("inputs", columns))]
     return SampledPlant(bench.name, tuple(outputs), tuple(inputs), sampled_plant.shortened(a), sampled_plant.shortened(b), period, *spans).in_spans()
 

@@ -1,6 +1,6 @@
 """Tunings of the campaign `decoupling`, by one rule for all methods, so that none is favoured: all loops are slowed by one factor, as little
 as possible, but so that the closed-loop log modulus of all of them together, 20 log |W/(1 + W)| with W = det(I + P G C) - 1, stays below 2 dB for
-each loop and 6 dB in all (Luyben 1986, and docs/tuning.md). PIs are those of SIMC (Skogestad 2003) for what each loop has before it with the
+each loop and 6 dB in all (Luyben 1986, and docs/methods/tuning.md). PIs are those of SIMC (Skogestad 2003) for what each loop has before it with the
 decoupler in place."""
 
 from __future__ import annotations

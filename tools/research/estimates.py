@@ -1,4 +1,4 @@
-"""Composition estimation on the splitter by the structures of the source (docs/composition-estimation.md): a scenario for each, and what
+"""Composition estimation on the splitter by the structures of the source (docs/methods/composition-estimation.md): a scenario for each, and what
 becomes of the estimates. Names are hers: sE[C3,30,31,33] moves C3 at stages 30, 31 and 33; ...T[1,12] interpolates the temperatures
 between stages 1 and 12."""
 

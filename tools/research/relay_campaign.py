@@ -278,7 +278,7 @@ Written by `tools/campaign {campaign.name}`: {len(start.plants)} plants, each tu
 
 The start-up has to find the pairs as well; the relay tests are given those of `tests/reference/linear_pairing.csv`. A relay
 test begins at rest and ends with its limit cycle; the next begins when the plant is at rest again. Settings by Tyreus and
-Luyben (docs/relay.md). *quiet*: exact sensors, one run. *noise*: {len(start.seeds)} seeds with noise of {start.noise:.1%} of span and
+Luyben (docs/methods/relay.md). *quiet*: exact sensors, one run. *noise*: {len(start.seeds)} seeds with noise of {start.noise:.1%} of span and
 {start.bits} bits. *drift*: the same with the drift that the campaign of start-ups has, {start.drift:.0%} of span per slowest
 time constant.
 

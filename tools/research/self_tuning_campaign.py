@@ -24,7 +24,7 @@ from reflux.scenario import Event, Line, Scenario
 from reflux.schema import Table
 
 MINUTE = 60.0
-PAGE = "docs/self-tuning-experiments.md"
+PAGE = "docs/methods/self-tuning-experiments.md"
 # Columns of a table: sums beside those of the first line; or mean and worst of its seeds, and how the MVs were used.
 FORMS = ("shares", "figures")
 WAYS = ("run", "search", "search setpoints", "best", "bound")

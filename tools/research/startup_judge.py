@@ -1,6 +1,6 @@
 """Judges PI loops on a linear plant: stable or not, the largest sensitivity, the gain margin, and the Niederlinski index of the true gains.
 
-The loops are those that the firmware runs: the positional PI of docs/pid.md at every tick of the plant, inputs held between. Each loop is
+The loops are those that the firmware runs: the positional PI of docs/methods/pid.md at every tick of the plant, inputs held between. Each loop is
 broken at its input while the others stay closed. Stability is exact: det(I + G C) is followed along a circle just outside the unit circle and
 its turns about 0 are counted, which gives the number of closed-loop poles outside.
 """
@@ -18,7 +18,7 @@ OUTSIDE = 1e-8  # distance of the circle from the unit circle: poles at 1 stay i
 TURN_MOST = np.pi / 4.0  # between two points of the curve
 REFINEMENTS = 30
 PER_DECADE = 60
-DERIVATIVE_FILTER = 8.0  # N of docs/pid.md
+DERIVATIVE_FILTER = 8.0  # N of docs/methods/pid.md
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Plants on which automatic start-up is judged and which it was not made for: named ones of every class, and random ones by their seed.
 
-All are the simulator's JSON (docs/linear-plants.md). Channels are 0 to 100 % about 50 %, so that gains are those in spans. What the format does
-not have, an instrument does (docs/faults.md): backlash, stiction, drift, and a valve whose gain doubles. One is a column (startup_columns.py).
+All are the simulator's JSON (docs/use/linear-plants.md). Channels are 0 to 100 % about 50 %, so that gains are those in spans. What the format does
+not have, an instrument does (docs/inside/faults.md): backlash, stiction, drift, and a valve whose gain doubles. One is a column (startup_columns.py).
 """
 
 from __future__ import annotations

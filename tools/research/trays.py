@@ -25,7 +25,7 @@ PARTS = 6
 MVS = {"R": ("m3/h", 0, 120, 10, 110), "Q": ("Mcal/h", 0, 6000, 1500, 5800)}
 MOVES = {"R": "reflux", "Q": "heat"}
 FEED_STAGE = 19
-# Inputs of the two steady states (docs/column-model.md, The splitter).
+# Inputs of the two steady states (docs/methods/column-model.md, The splitter).
 STATES: dict[str, dict[str, float]] = {"SS1": {"R": 61.62, "Q": 4143.046}, "SS2": {"R": 32.2787, "Q": 2804.458}}
 # Frau's gains, 1/h: kc, kc2, ko of the enriching and of the stripping section at SS2; at SS1 those of the first everywhere.
 ENRICHING, STRIPPING = (2.0, 4.0, 20.0), (4.0, 8.0, 20.0)
@@ -210,7 +210,7 @@ def loop_name(pairing: Pairing) -> str:
 
 
 def pi_rows(k: int, case: Case, pairing: Pairing) -> list[str]:
-    """SIMC for a process that integrates (docs/tuning.md): dead time 35 s, closed loop 150 s, as docs/splitter.md has it."""
+    """SIMC for a process that integrates (docs/methods/tuning.md): dead time 35 s, closed loop 150 s, as docs/use/splitter.md has it."""
     a = slope(pairing.stages[0], pairing.mv, case.state, "consistent")
     dead_h, closed_h = (35 + 0.5 * (case.tick_s - 30) + max(case.lag_s - 10, 0)) / HOUR, 150 / HOUR
     closed_h = max(closed_h, dead_h)

@@ -230,7 +230,7 @@ def write_results(campaign: Trays, state: Any, folder: Path) -> None:
         text.append(f"\n## {part.title}\n")
         if part.is_map:
             text.append(
-                "\nIAE of what is controlled, as part of that of the loops' own PIs (SIMC, docs/splitter.md) under the same; above 1, bold, the PI "
+                "\nIAE of what is controlled, as part of that of the loops' own PIs (SIMC, docs/use/splitter.md) under the same; above 1, bold, the PI "
                 "is better. Slopes consistent.\n"
             )
             header, rows = map_rows(part, state)

@@ -63,7 +63,7 @@ def of_profiles() -> list[Claim]:
                 "the same after trimming the inputs by up to 7.3 %",
                 f"{d:.5f}, {b:.2g}",
                 abs(d - 0.02) < 1e-4 and (b < 1e-4 if state == "SS1" else abs(b - 0.02) < 1e-4),
-                "inputs trimmed by up to 7.7 % (docs/column-model.md)",
+                "inputs trimmed by up to 7.7 % (docs/methods/column-model.md)",
             )
         )
     stage, peak = steepest(ss1, 20, 35)
@@ -379,7 +379,7 @@ def page(title: str, find: Find) -> str:
         for c in claims
     ]
     text = (
-        f"# {title}: what the source says, and what comes out\n\nWritten by `tools/campaign trays`. The source is A. Frau's thesis (docs/inferential.md), whose plots carry no numbers: "
+        f"# {title}: what the source says, and what comes out\n\nWritten by `tools/campaign trays`. The source is A. Frau's thesis (docs/methods/inferential.md), whose plots carry no numbers: "
         "what her text says is put beside a fresh reading of it with other property data (other vapour pressures, pressure and holdups; no firmware, no thermometers), and beside the "
         "firmware on the splitter of this project, whose property data, pressure and holdups are ours. Of two figures of ours the first is with her printed slopes, the second with consistent "
         "ones. Fractions and IAE in 1e-3 (mole fraction, and times h).\n\n"

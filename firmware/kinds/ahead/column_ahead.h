@@ -4,12 +4,12 @@
  *     y(k + 1) = w + exp(-h/tau) (y(k) - w)      for each loop, whatever the others do
  *
  * is what the linear law of design/state_decoupler.h asks for with one pole a loop (T. O. Folami, 1989, chapter 6). That law takes y(k + 1)
- * from matrices that belong to one point, which is where it failed on his column. Here the column of a compact table (docs/column-table.md) is
+ * from matrices that belong to one point, which is where it failed on his column. Here the column of a compact table (docs/methods/column-table.md) is
  * carried one interval on from its present state, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
  *
  * The present state is that of the model, corrected at the places of the inputs, measured or estimated. The error of the last prediction is
  * added to the next, a part of it in each step; that is the integral. Where an MV is limited only its own loop leaves its setpoint; the
- * others reach theirs. docs/state-decoupling.md */
+ * others reach theirs. docs/methods/state-decoupling.md */
 #ifndef REFLUX_AHEAD_COLUMN_AHEAD_H
 #define REFLUX_AHEAD_COLUMN_AHEAD_H
 

@@ -1,5 +1,5 @@
 /* A kind of the estimate stage that estimates nothing: its settings are the compact table of a column (model/column_table.h,
- * docs/column-table.md), which other blocks name. No member, no input, no point. */
+ * docs/methods/column-table.md), which other blocks name. No member, no input, no point. */
 #ifndef REFLUX_COLUMN_COLUMN_H
 #define REFLUX_COLUMN_COLUMN_H
 

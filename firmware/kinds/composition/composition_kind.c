@@ -1,4 +1,4 @@
-/* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
+/* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/methods/composition-estimation.md). */
 #include <string.h>
 
 #include "base/assertion.h"

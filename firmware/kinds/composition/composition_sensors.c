@@ -27,10 +27,10 @@
 /* The least noise that is found of a reading, K2. */
 #define NOISE_LEAST2 REAL_C(0.0025)
 
-/* Values where none are given: lambda 10 1/h and zeta 3, Frau 2.4, docs/composition-estimation.md. */
+/* Values where none are given: lambda 10 1/h and zeta 3, Frau 2.4, docs/methods/composition-estimation.md. */
 #define LAMBDA_INITIAL REAL_C(10.0)
 #define ZETA_INITIAL   REAL_C(3.0)
-/* noise and model, docs/kalman.md, docs/composition-estimation.md. */
+/* noise and model, docs/methods/kalman.md, docs/methods/composition-estimation.md. */
 #define NOISE_INITIAL REAL_C(0.2)
 #define MODEL_INITIAL REAL_C(0.1)
 #define MODEL_TRUSTED REAL_C(0.011)

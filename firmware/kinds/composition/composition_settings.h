@@ -1,4 +1,4 @@
-/* Settings of the kind `composition` (docs/composition-estimation.md), as its parameters fill them. Row k belongs to input k of the
+/* Settings of the kind `composition` (docs/methods/composition-estimation.md), as its parameters fill them. Row k belongs to input k of the
  * block, or to its point k. */
 #ifndef REFLUX_COMPOSITION_COMPOSITION_SETTINGS_H
 #define REFLUX_COMPOSITION_COMPOSITION_SETTINGS_H

@@ -8,7 +8,7 @@
 
 /* Steps of the mean about which innovations swing by the readings' noise, since noise is faster than the column. */
 #define SLOW_STEPS REAL_C(20.0)
-/* Innovations that are off to one side for long, as far as docs/consistency.md has it: a model that is trusted has none. */
+/* Innovations that are off to one side for long, as far as docs/methods/consistency.md has it: a model that is trusted has none. */
 #define MEAN_MOST REAL_C(0.3)
 
 void composition_watch_set(struct composition_watch *w, const struct block_setup *setup)

@@ -13,7 +13,7 @@
  * so S is the most random one with the blocks that are kept, and its inverse is block-banded. Measurements leave S so: nothing is lost
  * there. A step does not; it is carried exactly through each sweep of the transition, and after each the blocks beyond the
  * neighbours are forgotten. Each matrix is a covariance whatever is forgotten: no variance becomes negative, no taper is needed. The
- * uncertainty of an extra stays in M, so that an unmeasured feed binds stages far from each other. Cost: docs/kalman.md.
+ * uncertainty of an extra stays in M, so that an unmeasured feed binds stages far from each other. Cost: docs/methods/kalman.md.
  *
  * Sources: A. Asif, J. M. F. Moura, Block matrices with L-block-banded inverse: inversion algorithms, IEEE Trans. Signal Processing 53
  * (2005) 630 (the completion). M and the way through the transition are ours. */

@@ -1,5 +1,5 @@
 /* The kind `experiment` moves all MVs of a plant at the same time by pseudorandom binary signals, and finds a difference model of it
- * (docs/experiment.md). Inputs of the block: n measurements, then n MVs. */
+ * (docs/methods/experiment.md). Inputs of the block: n measurements, then n MVs. */
 #ifndef REFLUX_EXPERIMENT_PLANT_EXPERIMENT_H
 #define REFLUX_EXPERIMENT_PLANT_EXPERIMENT_H
 

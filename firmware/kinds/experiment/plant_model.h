@@ -3,7 +3,7 @@
  * the last third, which none has seen; it is then fitted on all of the record. tools/identify does the same on the host.
  *
  * Whether it may be relied on is judged by what the last third says, by what it must have in common with the experiment, and
- * by what both parts of the record say alike; docs/experiment.md has the thresholds. */
+ * by what both parts of the record say alike; docs/methods/experiment.md has the thresholds. */
 #ifndef REFLUX_EXPERIMENT_PLANT_MODEL_H
 #define REFLUX_EXPERIMENT_PLANT_MODEL_H
 

@@ -1,5 +1,5 @@
 /* The kind `ff_tune` identifies a loop and the path of a measured disturbance while the loop is closed, and tunes a feedforward element from the
- * frequency responses (docs/adaptive-feedforward.md; R. Siddha 2003). It has one loop, whose controller's output passes through unchanged: it is
+ * frequency responses (docs/methods/adaptive-feedforward.md; R. Siddha 2003). It has one loop, whose controller's output passes through unchanged: it is
  * a compensator so that it sees what the controller gave beside what took effect. Inputs: the PV, the disturbance. */
 #ifndef REFLUX_FF_TUNE_FEEDFORWARD_TUNE_H
 #define REFLUX_FF_TUNE_FEEDFORWARD_TUNE_H

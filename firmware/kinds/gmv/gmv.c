@@ -1,5 +1,5 @@
 /* The self-tuner: its control law, an equation for each loop that acts, linear in the moves of the MVs, solved together
- * (docs/self-tuning.md, Control laws; Folami 1989, 8.14 to 8.19, 8.30), over its parts, samples and learner. */
+ * (docs/methods/self-tuning.md, Control laws; Folami 1989, 8.14 to 8.19, 8.30), over its parts, samples and learner. */
 #include "kinds/gmv/gmv.h"
 
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* Generalised minimum variance self-tuning of one loop or two: samples, regressions and control law, without supervision
- * (kinds/gmv/gmv_kind.c has that). Equations and sources: docs/self-tuning.md.
+ * (kinds/gmv/gmv_kind.c has that). Equations and sources: docs/methods/self-tuning.md.
  *
  * A step of the block:  gmv_take (measurements)  ->  gmv_learn (one regression per loop)  ->  gmv_solve (the MVs).
  * All signals are num_t fractions of span. The applied values of the MVs are looked up in their histories.

@@ -1,4 +1,4 @@
-/* Kind `gmv`: self-tuning control of one loop or two by generalised minimum variance, with supervision (docs/self-tuning.md). */
+/* Kind `gmv`: self-tuning control of one loop or two by generalised minimum variance, with supervision (docs/methods/self-tuning.md). */
 #ifndef REFLUX_GMV_GMV_KIND_H
 #define REFLUX_GMV_GMV_KIND_H
 

@@ -1,4 +1,4 @@
-/* Lambda in use, and the trials that find it. docs/self-tuning.md, Adoption. */
+/* Lambda in use, and the trials that find it. docs/methods/self-tuning.md, Adoption. */
 #ifndef REFLUX_GMV_GMV_LAMBDA_H
 #define REFLUX_GMV_GMV_LAMBDA_H
 

@@ -1,4 +1,4 @@
-/* Outcome of a self-tuner's trial, and whether it is good enough. docs/self-tuning.md, Adoption. */
+/* Outcome of a self-tuner's trial, and whether it is good enough. docs/methods/self-tuning.md, Adoption. */
 #ifndef REFLUX_GMV_GMV_OUTCOME_H
 #define REFLUX_GMV_GMV_OUTCOME_H
 

@@ -1,5 +1,5 @@
 /* Samples of the self-tuner: signals as they look back, the filters P and R, and the regressions made of them.
- * docs/self-tuning.md, Model. */
+ * docs/methods/self-tuning.md, Model. */
 #ifndef REFLUX_GMV_GMV_SAMPLES_H
 #define REFLUX_GMV_GMV_SAMPLES_H
 

@@ -1,4 +1,4 @@
-/* Shape of a self-tuner: loops, delays, terms, and the places that these have in the regressions. docs/self-tuning.md, Model. */
+/* Shape of a self-tuner: loops, delays, terms, and the places that these have in the regressions. docs/methods/self-tuning.md, Model. */
 #ifndef REFLUX_GMV_GMV_SHAPE_H
 #define REFLUX_GMV_GMV_SHAPE_H
 

@@ -1,5 +1,5 @@
 /* Supervision of a self-tuner: who computes the MVs, when the estimator may learn, when its parameters may be used, and when
- * they may no longer be. Ours (docs/self-tuning.md, Supervision). It works on numbers alone: it knows no block and no plant.
+ * they may no longer be. Ours (docs/methods/self-tuning.md, Supervision). It works on numbers alone: it knows no block and no plant.
  *
  * In each step: gmv_supervise_look (before the regressions: which loops may learn)  ->  gmv_supervise_judge (after them: who
  * computes from then on). */

@@ -5,7 +5,7 @@
  *
  * Source: A. Frau, thesis, Cagliari, chapter 4, (4.10), (4.26) to (4.30), (4.59) to (4.61), with the signs of the observers
  * repaired; the joint form, the setpoint that passes the observers by, and what u* may be at a limit are ours. All of it is
- * derived in docs/inferential.md.
+ * derived in docs/methods/inferential.md.
  *
  * Signals are fractions of span. The states are kept in fractions of the output's span: x_i = chi_i/a_i. Order of calls: init,
  * follow, then step and back_calculate in turn; follow again whenever the loop does not act. */

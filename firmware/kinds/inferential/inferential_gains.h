@@ -1,4 +1,4 @@
-/* The equations of docs/inferential.md in steps and fractions of span. For this folder alone. */
+/* The equations of docs/methods/inferential.md in steps and fractions of span. For this folder alone. */
 #ifndef REFLUX_INFERENTIAL_INFERENTIAL_GAINS_H
 #define REFLUX_INFERENTIAL_INFERENTIAL_GAINS_H
 

@@ -54,7 +54,7 @@ _Static_assert(INFERENTIAL_LOOPS == 2, "rows of the table");
 
 /* ---- slopes and gains ---- */
 
-/* Returns a slope with the sign of the gradient; 0 where no gradient is given. Frau (4.5), docs/inferential.md. */
+/* Returns a slope with the sign of the gradient; 0 where no gradient is given. Frau (4.5), docs/methods/inferential.md. */
 static float slope_from_gradient(const struct inferential_settings *c, unsigned k, unsigned i)
 {
     float size = c->flow[k] * c->gradient[k][i];

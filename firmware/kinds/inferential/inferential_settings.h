@@ -1,4 +1,4 @@
-/* Settings of the kind `inferential` (docs/inferential.md), as its parameters fill them. Row k: loop k of the block. */
+/* Settings of the kind `inferential` (docs/methods/inferential.md), as its parameters fill them. Row k: loop k of the block. */
 #ifndef REFLUX_INFERENTIAL_INFERENTIAL_SETTINGS_H
 #define REFLUX_INFERENTIAL_INFERENTIAL_SETTINGS_H
 

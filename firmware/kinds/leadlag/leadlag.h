@@ -4,7 +4,7 @@
  *
  * each term from one input to one MV, with exact dead time. The form is that of the element ffN (block/feedforward.h); what is
  * more: several inputs and MVs, a dead band against the noise of a sensor, a washout of slow changes, limits of the sum and of how fast it
- * moves, and an input that is lost is held for a while before the element gives up. All in fractions of span. docs/feedforward.md */
+ * moves, and an input that is lost is held for a while before the element gives up. All in fractions of span. docs/methods/feedforward.md */
 #ifndef REFLUX_LEADLAG_LEADLAG_H
 #define REFLUX_LEADLAG_LEADLAG_H
 

@@ -2,7 +2,7 @@
  * settings of its own, which `state` takes when it names the block (its parameter law). It moves nothing itself.
  *
  * The law comes from the equations of the column whose table the block names, linear around the table's profile (`block N design`). Where it
- * names no table, another block that has identified the plant puts the law there (the kind `experiment`). docs/state-decoupling.md
+ * names no table, another block that has identified the plant puts the law there (the kind `experiment`). docs/methods/state-decoupling.md
  *
  * Inputs: first the measurements of the loops, one for each, then what else `state` is given, in its order; behind them the MVs of the loops.
  *

@@ -92,7 +92,8 @@ static struct loop_case plant_of(unsigned k, uint64_t seed, unsigned method)
     }
     c.method = (uint8_t)method;
     c.check_s = CHECK_S;
-    c.step = method == TUNE_JOINT ? 0.05 : 0.15; /* docs/adaptive-feedforward.md: how large */
+    /* How large: docs/methods/adaptive-feedforward.md. */
+    c.step = method == TUNE_JOINT ? 0.05 : 0.15;
     return c;
 }
 

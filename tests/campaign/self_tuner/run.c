@@ -5,7 +5,7 @@
 #include "self_tuner.h"
 
 #define DAY_S        86400.0
-#define ERROR_TIMES  4.0 /* the limits of docs/self-tuning.md */
+#define ERROR_TIMES  4.0 /* the limits of docs/methods/self-tuning.md */
 #define MOVE_TIMES   9.0
 #define ERROR_LEAST  0.005
 #define WINDOWS_MOST 1200u

@@ -5,7 +5,7 @@
 #define BLOCK   4
 #define TICK_MS 120000u
 #define GOES_ON 0
-/* Values of `reason`, as docs/experiment.md has them. */
+/* Values of `reason`, as docs/methods/experiment.md has them. */
 enum { STOPPED = 1, BAND, READING, UNSTEADY, WORKSPACE, SETTINGS, AWAY };
 enum { LIMIT = 13, INTERLOCK, MODE, HAND, CHANNEL, SAFE, PLAN = 20 };
 

@@ -114,7 +114,7 @@ static double noisy_disturbance(bool dead_band)
     return alone;
 }
 
-/* As docs/adaptive-feedforward.md has it: the block says how large the noise is at rest, and somebody sets four times as much. */
+/* As docs/methods/adaptive-feedforward.md has it: the block says how large the noise is at rest, and somebody sets four times as much. */
 static void with_a_dead_band_against_noise_the_mv_is_calm_at_rest_and_the_element_stays(void)
 {
     double alone = noisy_disturbance(true);

@@ -243,7 +243,7 @@ static void the_example_of_its_page_is_taken_as_it_stands(void)
     bool found = false;
     plant_power_on("pilot", TICK_MS, 1, 1);
     ask_file("../host_sim/scenarios/pilot.conf");
-    FILE *page = fopen("../docs/self-tuning.md", "r");
+    FILE *page = fopen("../docs/methods/self-tuning.md", "r");
     TEST_ASSERT_NOT_NULL(page);
     while (fgets(line, sizeof line, page)) {
         if (strncmp(line, "## ", 3) == 0)

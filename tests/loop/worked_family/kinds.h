@@ -1,4 +1,4 @@
-/* Two kinds of blocks that no product has: the worked example of docs/adding-a-controller.md. */
+/* Two kinds of blocks that no product has: the worked example of docs/inside/adding-a-controller.md. */
 #ifndef REFLUX_TESTS_WORKED_FAMILY_KINDS_H
 #define REFLUX_TESTS_WORKED_FAMILY_KINDS_H
 

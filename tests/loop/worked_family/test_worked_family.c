@@ -1,4 +1,4 @@
-/* The worked family of docs/adding-a-controller.md at work: its points, its loops, and what happens without it. */
+/* The worked family of docs/inside/adding-a-controller.md at work: its points, its loops, and what happens without it. */
 #include "worked_family_bench.h"
 
 void setUp(void) {}

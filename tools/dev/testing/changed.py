@@ -24,7 +24,7 @@ FIXED = "REFLUX_FIXED_POINT"
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import\s+(\(.*?\)|[^\n]+)|import\s+([\w., ]+))", re.MULTILINE | re.DOTALL)
 # Tests that read pages, and those that read every C source as text.
-OF_PAGES = ("tools.documents", "tools.architecture", "tools.evidence", "parameter_document", "link_document", "fault_matrix")
+OF_PAGES = ("tools.documents", "tools.links", "tools.architecture", "tools.evidence", "parameter_document", "link_document", "fault_matrix")
 OF_SOURCES = ("style.", "tools.architecture")
 
 

@@ -1,1 +1,1 @@
-"""tools/commission: guided start-up of a plant over the console (docs/commissioning.md)."""
+"""tools/commission: guided start-up of a plant over the console (docs/use/commission.md)."""

@@ -20,7 +20,7 @@ def defaults(plant: Plant, parameters: dict[str, str], state: State, operating: 
         new = [c for c in channels if c.name not in where]
         if len(new) > places - len(where):
             raise UserError(f"the plant has {len(new)} {kind}s that are not configured, the board room for "
-                            f"{places - len(where)} more; configure those that matter (docs/console.md)")
+                            f"{places - len(where)} more; configure those that matter (docs/use/console.md)")
         for channel in channels:
             place = where.get(channel.name)
             have = {} if place is None else {n.split(".")[1]: v for n, v in parameters.items()

@@ -87,7 +87,7 @@ def _guarded(table: Table, key: str, what: Any) -> None:
 
 def text(answers: Answers) -> str:
     """As a file that gives the same answers."""
-    out = ["# Answers of a start-up; tools/commission ... --file runs it again. docs/commissioning.md", "",
+    out = ["# Answers of a start-up; tools/commission ... --file runs it again. docs/use/commission.md", "",
            "[plant]", f'name = "{answers.plant}"', f"tick_s = {answers.tick_s:.9g}"]
     for key, all_values in (("measurement", answers.measurements), ("input", answers.inputs)):
         for v in all_values:

@@ -20,7 +20,7 @@ def lines(model: Model, pairing: Pairing, known: list[Pair], parameters: dict[st
         out.append("- Where you know which input belongs to which measurement, state it and begin anew: "
                    f"`[known]`, `pairs = {example}`")
     if not pairs:
-        return [*out, "- Or tune one loop at a time by a relay test, which takes a pair for given: docs/relay.md"]
+        return [*out, "- Or tune one loop at a time by a relay test, which takes a pair for given: docs/methods/relay.md"]
     whose = "the pairs you stated" if known else "the likeliest pairs, which you must know to be right"
     out += [f"- Or tune one loop at a time by a relay test, which is much faster ({whose}), at the board's console",
             "  (tools/console PORT), one loop after the other; `commission` says how far it is, accept once it is ready:", ""]

@@ -61,7 +61,7 @@ def model_part(r: Record) -> list[Content]:
     header, rows = results_text.model_rows(r.model)
     return [element("h2", "Model"),
             note("Each element: gain exp(-L s) / (T s + 1), or with the lags and the zero of the last column, by least squares over all rounds, with "
-                 "standard deviations. Loops and predictions come from this model. docs/identification.md says how."),
+                 "standard deviations. Loops and predictions come from this model. docs/methods/identification.md says how."),
             grid(header, rows, text_columns=2), flags_used(r), *second_opinions_part(r), *direction_part(r)]
 
 
@@ -115,7 +115,7 @@ def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
     if r.trial:
         parts += [element("h2", "Trial"), grid(*results_text.trial_rows(r.trial)),
                   note("Kept when no loop overshoots, errs or wanders much further than predicted "
-                       "(docs/commissioning.md).")]
+                       "(docs/use/commission.md).")]
         parts += [drawing(pictures["trial"])] if "trial" in pictures else []
     return parts
 

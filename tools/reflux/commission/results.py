@@ -1,4 +1,4 @@
-"""Results of a start-up, from the listings of `commission` (docs/console.md), and as tables."""
+"""Results of a start-up, from the listings of `commission` (docs/use/console.md), and as tables."""
 
 from __future__ import annotations
 

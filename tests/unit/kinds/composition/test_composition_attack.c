@@ -238,7 +238,7 @@ static void whatever_is_set_told_and_read_nothing_is_no_number(void)
 /* ---- what is called good ---- */
 
 /* Errors that are borne: so many standard deviations, and what a feed that jumps within a tick makes besides. Gains are found at each tick: with
- * longer cycles the filter overreacts, the more the longer (docs/kalman.md). */
+ * longer cycles the filter overreacts, the more the longer (docs/methods/kalman.md). */
 #define MOST_SD    4.0f
 #define MOST_SHIFT 0.01f
 

@@ -1,4 +1,4 @@
-/* The kind `composition` with complete innovation (docs/composition-estimation.md), whichever way its gains are found: what it finds, and
+/* The kind `composition` with complete innovation (docs/methods/composition-estimation.md), whichever way its gains are found: what it finds, and
  * what becomes of it when its settings, its readings and its place in memory change. */
 #include "composition_filter_bench.h"
 

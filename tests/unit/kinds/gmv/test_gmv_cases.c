@@ -1,5 +1,5 @@
 /* The self-tuner's regressions and laws beside closed loops that an independent model in double has written from
- * docs/self-tuning.md (tests/reference/self_tuning_reference.py). At each step the firmware gets what the model measured and
+ * docs/methods/self-tuning.md (tests/reference/self_tuning_reference.py). At each step the firmware gets what the model measured and
  * applied, so differences do not feed back.
  *
  * Contract, float and fixed: parameters within 2e-5 (45 samples of 7 parameters, each rounded by a step of 2^-24), MVs within

@@ -1,5 +1,5 @@
 /* Kind `inferential` in closed loops with model plants, beside an independent model in double that was written from
- * docs/inferential.md (tests/reference/inferential_reference.py).
+ * docs/methods/inferential.md (tests/reference/inferential_reference.py).
  *
  * Contract, float and fixed. A temperature is rounded to half a step of 2^-24, and all gains are applied to it, so
  *     MV              16 roundings of both temperatures by all gains that act on them, spans

@@ -1,4 +1,4 @@
-/* Kind `inferential`: what it is configured with. Every parameter and inner value of docs/inferential.md, what settings come to, and
+/* Kind `inferential`: what it is configured with. Every parameter and inner value of docs/methods/inferential.md, what settings come to, and
  * what is refused, in words. */
 #include "inferential_bench.h"
 

@@ -202,7 +202,7 @@ static void retuning_every_tick_does_not_stop_integral_or_derivative(void)
     }
 }
 
-/* ---- retunes at random, against the law in double as docs/pid.md writes it ---- */
+/* ---- retunes at random, against the law in double as docs/methods/pid.md writes it ---- */
 
 struct described {
     struct pid_config c;
