@@ -120,6 +120,17 @@ class Decisions(unittest.TestCase):
                 self.assertIn(f"{dates[0]} |", next(line for line in index.splitlines() if path.name in line))
 
 
+class Glossary(unittest.TestCase):
+    """docs/start/glossary.md: a line for each term, in the order of the alphabet."""
+
+    def test_each_term_has_one_line_in_the_order_of_the_alphabet(self) -> None:
+        lines = page("start/glossary.md").splitlines()[4:]
+        terms = [match[1].casefold() for match in (re.fullmatch(r"- \*\*([^*]+)\*\*: .{20,}\.", line) for line in lines) if match]
+        self.assertEqual(len(terms), len(lines))
+        self.assertGreaterEqual(len(terms), 50)
+        self.assertEqual(terms, sorted(set(terms)))
+
+
 class Figures(unittest.TestCase):
     def test_each_script_says_how_it_is_used_and_draws_nothing(self) -> None:
         """All in this process: the libraries that draw take most of a second to load."""
