@@ -169,7 +169,7 @@ class Bootstrap(FakeSystem):
 
     def test_a_tool_judges_its_arguments_before_it_installs(self) -> None:
         for wrong in (["fuzz", "nope"], ["fuzz", "--runs", "0"], ["coverage", "--check"], ["evidence", "nope"], ["image", "nope"], ["mutate", "--jobs", "0"],
-                      ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
+                      ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["site", "--out", ""], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
                       ["demo", "--firmware", "serial"]):
             with self.subTest(wrong):
                 answer = self.tool(*wrong)
@@ -177,6 +177,7 @@ class Bootstrap(FakeSystem):
 
     def test_a_tool_asks_for_what_it_needs_and_no_more(self) -> None:
         for words, wanted in ((["fuzz", "frame"], ["--ask", "host", "fuzz"]), (["coverage"], ["--ask", "host", "coverage"]), (["prove"], ["--ask", "host", "prove"]),
+                              (["site"], ["--ask", "site"]),
                               (["coverage", "--reach"], ["--ask", "host"]), (["mutate", "--random", "1"], ["--ask", "host"]),
                               (["image"], ["--ask", "host", "target"]), (["test", "unit"], ["--set-up", "host"]),
                               (["test", "target"], ["--set-up", "host", "target"]), (["test"], ["--set-up", "host", "target", "test"]),

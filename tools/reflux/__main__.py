@@ -37,6 +37,7 @@ COMMANDS = {
     "mutate": "dev.cmd_mutate",
     "image": "dev.cmd_image",
     "evidence": "dev.cmd_evidence",
+    "site": "dev.cmd_site",
 }
 # One line of --help for each.
 WORDS = {
@@ -65,6 +66,7 @@ WORDS = {
     "mutate": "faults put into the code, and which of them the tests notice",
     "image": "proofs on the linked image, and where its memory goes",
     "evidence": "what counts things, run and written to docs/inside/evidence.md",
+    "site": "the pages as a site with search",
 }
 PACKAGES = {
     "numpy": "python3-numpy",

@@ -1,0 +1,55 @@
+"""Hooks of MkDocs (mkdocs.yml). Pages are written for GitHub's Markdown and may link to any file of the repository; the site has Python's Markdown,
+and has only pages."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+OF_THE_ROOT = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")  # pages of the site that stand beside docs/
+LINK = re.compile(r"\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Adds the pages of the root folder."""
+    from mkdocs.structure.files import File  # here, because the tests of this file do without MkDocs
+
+    for name in OF_THE_ROOT:
+        files.append(File(name, str(ROOT), config["site_dir"], config["use_directory_urls"]))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """The page in the Markdown of the site, with the paths of the site."""
+    name = page.file.src_uri
+    folder = ROOT if name in OF_THE_ROOT else (DOCS / name).parent
+    out, fenced = [], False
+    for line in markdown.split("\n"):
+        fenced ^= line.startswith("```")
+        out.append(line if fenced or line.startswith("    ") else for_site(line, folder))
+    return "\n".join(out)
+
+
+def for_site(line: str, folder: Path) -> str:
+    """A line of a page that stands in this folder."""
+    if line.startswith("|"):  # GitHub wants a bar escaped that stands in a cell's code; Python's Markdown would show the backslash
+        line = re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), line)
+    line = re.sub(r"^ {2,3}(?=[-*] )", "    ", line)  # a list within a list
+    return LINK.sub(lambda match: _link(match[1], match[2], folder), line)
+
+
+def _link(text: str, target: str, folder: Path) -> str:
+    path, mark, anchor = target.partition("#")
+    if not path or re.match(r"\w+:", target):
+        return f"[{text}]({target})"
+    to = Path(os.path.normpath(folder / path))
+    name = to.relative_to(ROOT).as_posix()
+    if not to.is_relative_to(DOCS) and name not in OF_THE_ROOT:
+        return f"`{name}`" if text.split("/")[-1] == to.name else f"{text} (`{name}`)"
+    place = DOCS / name if name in OF_THE_ROOT else to  # on the site, the pages of the root stand in docs/
+    start = DOCS if folder == ROOT else folder
+    return f"[{text}]({Path(os.path.relpath(place, start)).as_posix()}{mark}{anchor})"
