@@ -180,11 +180,18 @@ class Rows(FolderTest):
         self.assertEqual(sorted(again.done), [("plain", "1", "0.001"), ("plain", "2", "0.001")])
         ran = []
         jobs = [startup_campaign.Job("plain", seed, 0.001) for seed in (1, 2, 3)]
-        with mock.patch.object(startup_campaign, "single_threaded", Here):
-            startup_campaign.run_missing("test", jobs, again, 1, lambda job: ran.append(job) or row(program="abc", seed=str(job.seed)))
+        with mock.patch.object(startup_campaign, "processes", Here):
+            startup_campaign.run_missing("test", jobs, again, 1, "host", lambda job: ran.append(job) or row(program="abc", seed=str(job.seed)))
         self.assertEqual([job.seed for job in ran], [3])
         self.assertEqual(len(startup_campaign.Rows(path, startup_campaign.FIELDS, mark).done), 3)
         self.assertEqual(startup_campaign.Rows(path, startup_campaign.FIELDS, ("program", "new")).others, 3)
+
+    def test_the_program_is_that_of_the_preset_in_use(self) -> None:
+        self.addCleanup(startup_runs.use, "host")
+        with mock.patch.object(build, "find_program", side_effect=lambda preset, name: self.folder / preset / name):
+            self.assertEqual(startup_runs.program(), self.folder / "host" / "reflux-sim-memory")
+            startup_runs.use("host-fixed")
+            self.assertEqual(startup_runs.program(), self.folder / "host-fixed" / "reflux-sim-memory")
 
     def test_a_sample_is_the_beginning_of_one_order_and_takes_all_plants_in_turn(self) -> None:
         start = cmd_campaign.load("startup")
@@ -205,8 +212,8 @@ class Rows(FolderTest):
 class Here:
     """An executor that runs everything at once, in this process."""
 
-    def __init__(self, workers: int):
-        del workers
+    def __init__(self, workers: int, preset: str):
+        del workers, preset
 
     def __enter__(self) -> "Here":
         return self

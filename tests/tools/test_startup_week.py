@@ -2,6 +2,7 @@
 
 import unittest
 
+import support  # noqa: F401  it finds the packages
 import numpy as np
 
 from research import startup_plants, startup_week as weeks
