@@ -15,21 +15,35 @@
 #define MEMBERS    24u          /* plants drawn, for which the settings must be sound */
 #define STEP       REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
-/* Longest lag of an element of the plant, s: that of an integrator (lti/shape.h) may be longer, and is then as good with less. */
-#define LAG_MOST REAL_C(9e5)
+/* Largest numbers of an element of the plant, below the bounds in interact/plant.h: a slow shape or an integrator
+ * (lti/shape.h) may have larger ones. With gain, lags and their product reduced by one factor the response is the same as far as
+ * the tests saw it. */
+#define LAG_MOST    REAL_C(9e5) /* s; a zero and a dead time too */
+#define SQUARE_MOST (LAG_MOST * LAG_MOST)
+#define DAMPING_LOW REAL_C(0.02)
+
+static real_t within(real_t x, real_t most)
+{
+    return x > most ? most : x < -most ? -most : x;
+}
 
 static real_t put_shape(struct interact_plant *plant, uint8_t j, uint8_t n, struct shape s)
 {
     REFLUX_ASSERT(j < INTERACT_MAX && n < INTERACT_MAX);
     real_t part = REAL_C(1.0);
-    if (s.lag_s > LAG_MOST) {
+    if (s.lag_s > LAG_MOST)
         part = LAG_MOST / s.lag_s;
-        s.lag_s = LAG_MOST;
-    }
-    plant->element[j][n] = (struct fopdt){
-        .gain = part * s.gain, .dead_time_s = s.dead_time_s, .time_constant_s = s.lag_s};
+    if (part * s.square_s2 > SQUARE_MOST)
+        part = SQUARE_MOST / s.square_s2;
+    real_t square_s2 = part * s.square_s2, lag_s = part * s.lag_s;
+    real_t damped_s = REAL_C(2.0) * DAMPING_LOW * real_sqrt(square_s2);
+    if (lag_s < damped_s)
+        lag_s = damped_s;
+    plant->element[j][n] = (struct fopdt){.gain = part * s.gain,
+                                          .dead_time_s = within(s.dead_time_s, LAG_MOST),
+                                          .time_constant_s = lag_s};
     plant->shape[j][n] =
-        (struct interact_shape){.square_s2 = part * s.square_s2, .zero_s = s.zero_s};
+        (struct interact_shape){.square_s2 = square_s2, .zero_s = within(s.zero_s, LAG_MOST)};
     return part;
 }
 
