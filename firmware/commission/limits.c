@@ -32,21 +32,29 @@ real_t limits_room(const struct experiment *e, uint8_t j)
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
 
-/* Distance of output j from the line of its drift; `way` -1: from the line of a drift that has reversed. */
-static real_t away_along(const struct experiment *e, uint8_t j, const real_t *y, real_t way)
+/* Time since the rest before the step, s. */
+static real_t rest_age_s(const struct experiment *e)
 {
-    REFLUX_ASSERT(j < CHANNEL_MAX);
-    real_t slope = experiment_slope(e, j);
-    if (experiment_settings(e)->origin)
-        slope = origin_drift(experiment_settings(e)->origin, j, slope);
-    real_t carried = way * slope * experiment_settings(e)->h_s * (real_t)experiment_samples(e);
-    return steady_away(y[j] - experiment_rest(e, j), carried,
-                       DRIFT_SHARE * experiment_settings(e)->limit[j]);
+    return experiment_settings(e)->h_s * (real_t)experiment_samples(e);
 }
 
 real_t limits_away(const struct experiment *e, uint8_t j, const real_t *y)
 {
-    return away_along(e, j, y, REAL_C(1.0));
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct origin *o = experiment_settings(e)->origin;
+    real_t slope = o ? origin_drift(o, j, experiment_slope(e, j)) : experiment_slope(e, j);
+    return steady_away(y[j] - experiment_rest(e, j), slope * rest_age_s(e),
+                       DRIFT_SHARE * experiment_settings(e)->limit[j]);
+}
+
+/* Distance of output j from where drifts may have carried it since rest, however often they have turned. */
+static real_t away_at_least(const struct experiment *e, uint8_t j, const real_t *y)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct origin *o = experiment_settings(e)->origin;
+    real_t fastest = o ? origin_fastest(o, j) : experiment_slope(e, j);
+    return steady_beyond(y[j] - experiment_rest(e, j), fastest * rest_age_s(e),
+                         DRIFT_SHARE * experiment_settings(e)->limit[j]);
 }
 
 int limits_spent(const struct experiment *e)
@@ -322,11 +330,8 @@ int limits_past(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         real_t limit = experiment_settings(e)->limit[j], room = limits_room(e, j);
-        real_t from = limits_away(e, j, y);
-        if (experiment_phase(e) > EXPERIMENT_UP) { /* meanwhile it may have turned */
-            real_t turned = away_along(e, j, y, REAL_C(-1.0));
-            from = real_abs(turned) < real_abs(from) ? turned : from;
-        }
+        real_t from =
+            experiment_phase(e) > EXPERIMENT_UP ? away_at_least(e, j, y) : limits_away(e, j, y);
         real_t away = real_abs(from);
         real_t used = (away + limit - room) / limit;
         if (used > experiment_guards(e)->worst) {

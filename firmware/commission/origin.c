@@ -56,10 +56,8 @@ void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest,
         see_drift(c, rest);
         c->left = c->moved = REAL_C(0.0);
     }
-    bool drifts = real_abs(rest->slope_per_s) > SURE_SDS * rest->slope_sd_per_s;
-    if (drifts && !o->fixed)
+    if (!o->fixed && real_abs(rest->slope_per_s) > SURE_SDS * rest->slope_sd_per_s)
         o->drifted = true;
-    c->slope_per_s = drifts ? origin_drift(o, j, rest->slope_per_s) : REAL_C(0.0);
     c->level = level;
 }
 
@@ -76,11 +74,15 @@ real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s)
     return slope_per_s > most ? most : slope_per_s < -most ? -most : slope_per_s;
 }
 
-real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit)
+real_t origin_fastest(const struct origin *o, uint32_t j)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
-    const struct origin_channel *c = &o->channel[j];
-    return steady_away(y - c->level, c->slope_per_s * o->since_s, limit);
+    return o->channel[j].drift_per_s;
+}
+
+real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit)
+{
+    return steady_beyond(y - o->channel[j].level, origin_fastest(o, j) * o->since_s, limit);
 }
 
 void origin_taken(struct origin *o)

@@ -31,7 +31,10 @@ real_t origin_moved(const struct origin *o, uint32_t j);
 real_t origin_spent(const struct origin *o, uint32_t j, real_t limit);
 /* The part of a slope that may be a drift, span per second: no more than the rest before the first test has shown. */
 real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s);
-/* Distance of y from the latest rest, or from the line of its drift, whichever is nearer, fraction of span. */
+/* The fastest drift of measurement j that a rest has shown, magnitude, span per second. */
+real_t origin_fastest(const struct origin *o, uint32_t j);
+/* Distance of y from where that drift, turning at any time, may have carried it since the latest rest (by `limit` at most), fraction of
+ * span, signed; 0 within. */
 real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit);
 
 /* An output drifted before the first test, beyond its noise; later slopes may be the ends of slow responses. */

@@ -7,7 +7,6 @@
 
 struct origin_channel {
     real_t level;       /* at the latest rest, fraction of span */
-    real_t slope_per_s; /* at the latest rest, as far as it is a drift's */
     real_t slope_most;  /* fastest possible drift by the rest before the first test, magnitude */
     real_t drift_per_s; /* fastest drift that has been seen, magnitude */
     real_t left;        /* from the operating point without drifts, fraction of span, signed */

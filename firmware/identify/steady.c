@@ -135,3 +135,13 @@ real_t steady_away(real_t away, real_t carried, real_t most)
         carried = carried > ZERO ? most : -most;
     return real_abs(away - carried) < real_abs(away) ? away - carried : away;
 }
+
+real_t steady_beyond(real_t away, real_t carried, real_t most)
+{
+    carried = real_abs(carried);
+    if (carried > most)
+        carried = most;
+    if (real_abs(away) <= carried)
+        return ZERO;
+    return away > ZERO ? away - carried : away + carried;
+}

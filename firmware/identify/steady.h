@@ -79,5 +79,8 @@ MUST_CHECK enum err steady_look(const struct steady *s, uint32_t output,
  * `carried` since (at most by `most` either way), whichever is nearer. A drift that goes on is no response; one that turns
  * carries it back to where it was. All in one unit. */
 real_t steady_away(real_t away, real_t carried, real_t most);
+/* Distance of a measurement from where a drift that turns at any time may have carried it: by |carried| either way, at most by `most`.
+ * 0 within. */
+real_t steady_beyond(real_t away, real_t carried, real_t most);
 
 #endif

@@ -447,12 +447,19 @@ static void before_the_step_it_may_stray_for_nine_tenths_of_the_room(void)
         TEST_ASSERT_EQUAL_INT(0, limits_strayed(&e, y));
         is(0, 0.0);
     }
-    /* The line of a drift counts no farther than the limit. */
-    origin.channel[1].slope_per_s = REAL_C(0.001);
+    /* The fastest drift seen may have carried it either way. */
+    origin.channel[1].drift_per_s = REAL_C(0.001);
     origin.since_s = 100;
-    is(1, 0.1 + 0.168);
-    for (unsigned n = 0; n < 2; n++)
+    for (int sign = -1; sign <= 1; sign += 2) {
+        is(1, sign * (0.1 + 0.168));
+        for (unsigned n = 0; n < 2; n++)
+            TEST_ASSERT_EQUAL_INT(-1, limits_strayed(&e, y));
+        is(1, sign * (0.1 + 0.1695));
         TEST_ASSERT_EQUAL_INT(-1, limits_strayed(&e, y));
+        TEST_ASSERT_EQUAL_INT(1, limits_strayed(&e, y));
+        is(1, 0.0);
+        TEST_ASSERT_EQUAL_INT(-1, limits_strayed(&e, y));
+    }
     origin.fixed = false;
     is(1, 0.3);
     for (unsigned n = 0; n < 2; n++)
@@ -511,6 +518,19 @@ static void after_the_first_half_a_drift_may_have_turned(void)
         TEST_ASSERT_FALSE(past(0.281));
         TEST_ASSERT_TRUE(past(0.2815));
     }
+}
+
+static void the_fastest_drift_of_any_rest_may_have_come_back(void)
+{
+    with_origin();
+    origin.channel[1].drift_per_s = REAL_C(1.0) / 1024; /* the latest rest shows none */
+    e.half = 1000;
+    TEST_ASSERT_TRUE(past(0.2501));
+    e.phase = EXPERIMENT_DOWN;
+    TEST_ASSERT_FALSE(past(0.281));
+    TEST_ASSERT_FALSE(past(-0.281));
+    TEST_ASSERT_TRUE(past(0.2815));
+    TEST_ASSERT_TRUE(past(-0.2815));
 }
 
 static void what_runs_away_is_stopped_before_its_limit(void)
@@ -577,6 +597,7 @@ int main(void)
     RUN_TEST(before_the_step_it_may_stray_for_nine_tenths_of_the_room);
     RUN_TEST(a_limit_is_passed_where_two_samples_are_beyond_it);
     RUN_TEST(after_the_first_half_a_drift_may_have_turned);
+    RUN_TEST(the_fastest_drift_of_any_rest_may_have_come_back);
     RUN_TEST(what_runs_away_is_stopped_before_its_limit);
     return UNITY_END();
 }
