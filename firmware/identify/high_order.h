@@ -12,8 +12,8 @@
  * sensor makes e coloured as long as A is short; and in closed loop with a poor model of the noise the error is a bias, which no P knows of. With
  * the source's settings and signals as they are it is up to 6.6 times what P says. With all signals through two lags of half the
  * dead time, which no response notices, it is up to 1.7 times what P says, and as large as a half (method D at 0.5 to 1 rad/s) down to a
- * ninth (method A there) of what it was: tests/unit/test_high_order_confidence.c, table in docs/methods/adaptive-feedforward.md. P(0) has to be
- * large for that: what the lags leave is small.
+ * ninth (method A there) of what it was: tests/unit/test_high_order_confidence.c, table in tests/campaign/results/feedforward-notes.md. P(0)
+ * has to be large for that: what the lags leave is small.
  *
  * Signals are num_t, filtered by the caller with one and the same filter, |values| up to 2. */
 #ifndef REFLUX_IDENTIFY_HIGH_ORDER_H

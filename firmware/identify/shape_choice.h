@@ -3,7 +3,7 @@
  * The formula with the least BIC is chosen (Schwarz 1978). The deviations mix the formulas with Akaike's weights, exp(-AIC/2)
  * (Burnham and Anderson 2002): a formula too many is a worse choice than one too few, but an error that it would explain must
  * not be left out. Both criteria count as many points as are independent, n (1 - r)/(1 + r), r the lag-one correlation of the
- * residuals. docs/methods/identification.md has the study. */
+ * residuals. tests/campaign/results/shapes.md has the study. */
 #ifndef REFLUX_IDENTIFY_SHAPE_CHOICE_H
 #define REFLUX_IDENTIFY_SHAPE_CHOICE_H
 

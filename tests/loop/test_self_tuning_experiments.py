@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Self-tuners on the nonlinear pilot column beside PIs: lines of the campaign `self-tuning`, in both number formats. The bounds are
-those that the piece of work was given before anything was measured; what came out stands in docs/methods/self-tuning-experiments.md."""
+those that the piece of work was given before anything was measured; what came out stands in docs/methods/self-tuning.md."""
 
 import sys
 import unittest

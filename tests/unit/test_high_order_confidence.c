@@ -5,7 +5,7 @@
  * Contract: what P says covers the scatter from seed to seed, in every band of every method. With the signals as they are it does not cover the
  * error: noise of a sensor passed through A is not white, and what that makes of the estimate is the same in every run; by how
  * much is printed. Through the lags the r.m.s. error is at most DOUBT times what P says, as the block counts it by default, and smaller than without in
- * every band of every method. docs/methods/adaptive-feedforward.md has the table. */
+ * every band of every method. tests/campaign/results/feedforward-notes.md has the table. */
 #include <complex.h>
 #include <math.h>
 #include <stdalign.h>

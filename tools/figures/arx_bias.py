@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Bias and scatter of difference models against noise of the measurements, by method: table and figure of docs/methods/difference-models.md.
+"""Bias and scatter of difference models against noise of the measurements, by method: the figure of docs/methods/difference-models.md
+and the table of tests/campaign/results/arx-bias.md.
 
     cmake --preset host && cmake --build --preset host --target libreflux
-    tools/figures/arx_bias.py                 100 seeds, writes the table into the page and the figure; half a minute
+    tools/figures/arx_bias.py                 100 seeds, writes the table and the figure; half a minute
     tools/figures/arx_bias.py --seeds 2 --print    prints the table and writes nothing
 
 The column of Kotyk and Machacek (1995), both inputs excited at once. Noise, amplitude and lengths are ours. Seeds count from 0; the same
@@ -23,7 +24,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 from reflux import identification, libreflux, paths, table  # noqa: E402
 
-PAGE = ROOT / "docs" / "methods" / "difference-models.md"
+PAGE = ROOT / "tests" / "campaign" / "results" / "arx-bias.md"
 A = np.array([[-0.80338, 0.02616], [-1.06726, 0.14709]])
 B = np.array([[[0.03851, -0.00386], [-0.01062, -0.00192]], [[0.01262, 0.00316], [-0.01990, 0.00157]]])
 GAIN = B.sum(axis=2) / (1 + A.sum(axis=1))[:, None]

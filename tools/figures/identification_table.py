@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Moments against least squares against scipy on the same noisy records: the tables of docs/methods/identification.md.
+"""Moments against least squares against scipy on the same noisy records: the tables of
+tests/campaign/results/identification.md, whose method docs/methods/identification.md has.
 
     cmake --preset host && cmake --build --preset host --target identify_records
-    tools/figures/identification_table.py                 200 seeds, writes the tables into the page; a few minutes
+    tools/figures/identification_table.py                 200 seeds, writes the tables; a few minutes
     tools/figures/identification_table.py --seeds 10 --check    judges instead of writing: what the test runs
     tools/figures/identification_table.py --figure        draws docs/figures/identification.png and prints its numbers
 
@@ -28,7 +29,7 @@ import identify_reference as reference  # noqa: E402
 sys.path.insert(0, str(ROOT / "tools"))
 from reflux import paths  # noqa: E402
 
-PAGE = ROOT / "docs/methods/identification.md"
+PAGE = ROOT / "tests/campaign/results/identification.md"
 NOISE, DRIFT, ANSWER, COUNT = 0.005, 0.01, 0.05, 1.0 / 4096
 WINDOW_BLOCKS, POINTS = 16, 128
 HEAD = np.dtype([("samples", "u4"), ("before", "u4"), ("half", "u4"), ("window", "u4"),

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figures of docs/methods/self-tuning-experiments.md: docs/figures/self-tuning.png and self-tuning-parameters.png.
+"""The figures of docs/methods/self-tuning.md: docs/figures/self-tuning.png and self-tuning-parameters.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory reflux-plant
     tools/figures/self_tuning_figure.py

@@ -69,7 +69,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--fraction", type=float, default=1.0, metavar="X", help="run only this part of the seeds")
     p.add_argument("--check", action="store_true", help="write no tables; only say whether all limits hold")
     p.add_argument("--out", type=named, metavar="FOLDER", help="folder for the tables (default out/campaign)")
-    p.add_argument("--keep", action="store_true", help="write the tables into tests/campaign/results and the pages that show them, to be committed")
+    p.add_argument("--keep", action="store_true", help="write the tables into tests/campaign/results, to be committed")
     p.add_argument("--again", action="store_true", help="forget the finished runs")
     p.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
     p.add_argument("--no-build", action="store_true", help="do not build; use what is there")

@@ -7,7 +7,6 @@ import argparse
 import csv
 import hashlib
 import math
-import re
 import statistics
 import tempfile
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -19,12 +18,11 @@ from reflux import build, metrics, runner, table
 from research import best_inputs, changed_plant, mv_use
 from reflux import scenario as scenarios
 from reflux.errors import RunFailed, UserError
-from reflux.paths import CAMPAIGNS, ROOT, shown
+from reflux.paths import CAMPAIGNS, shown
 from reflux.scenario import Event, Line, Scenario
 from reflux.schema import Table
 
 MINUTE = 60.0
-PAGE = "docs/methods/self-tuning-experiments.md"
 # Columns of a table: sums beside those of the first line; or mean and worst of its seeds, and how the MVs were used.
 FORMS = ("shares", "figures")
 WAYS = ("run", "search", "search setpoints", "best", "bound")
@@ -71,7 +69,6 @@ class Comparison:
     variants: tuple[Variant, ...]
     again_min: float  # how much later everything comes a second time, where the plant's gain changes
     form: str = FORMS[0]
-    page: str = PAGE  # that has tables of it
 
     def jobs(self, fraction: float) -> list[dict[str, Any]]:
         """Returns every n-th line of a part of the campaign, each with the line that it is compared with."""
@@ -96,7 +93,7 @@ def place_of(campaign: Comparison, variant: Variant) -> int:
 def load(top: Table, name: str) -> Comparison:
     title, about = top.text("title", name), " ".join(top.texts("about"))
     windows = windows_in(top)
-    again, form, page = top.number("again_min", 0.0, low=0), top.text("form", FORMS[0], choices=FORMS), top.text("page", PAGE)
+    again, form = top.number("again_min", 0.0, low=0), top.text("form", FORMS[0], choices=FORMS)
     parts: list[Part] = []
     variants: list[Variant] = []
     for one in top.tables("table"):
@@ -111,7 +108,7 @@ def load(top: Table, name: str) -> Comparison:
                 raise UserError(f"{line.path('scenario')} is missing")
         one.done()
     top.done()
-    campaign = Comparison(name, title, about, tuple(parts), tuple(variants), again, form, page)
+    campaign = Comparison(name, title, about, tuple(parts), tuple(variants), again, form)
     for variant in variants:
         place_of(campaign, variant)
         if variant.gain and not again:
@@ -421,17 +418,6 @@ def write_results(campaign: Comparison, results: list[dict[str, Any]], folder: P
     print(f"results: {shown(folder / campaign.name)}.md and .csv")
 
 
-def copy_tables(campaign: Comparison, results: list[dict[str, Any]]) -> None:
-    """Into the page, between <!-- table NAME --> and <!-- end of table -->."""
-    file = ROOT / campaign.page
-    page = file.read_text(encoding="utf-8")
-    for part in campaign.parts:
-        rows = table.markdown(*rows_of(campaign, part, results))
-        page = re.sub(rf"(<!-- table {re.escape(part.name)} -->\n).*?(<!-- end of table -->)",
-                      lambda m: m.group(1) + "\n" + rows + "\n\n" + m.group(2), page, flags=re.S)
-    file.write_text(page, encoding="utf-8")
-
-
 def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> int:
     jobs = [{**job, "what": repr(campaign.variants[job["line"]])} for job in campaign.jobs(options.fraction)]
     missing = [job for job in jobs if state.get(job) is None]
@@ -452,8 +438,6 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
     results = [state.get(job) for job in jobs]
     if options.fraction == 1.0 and not options.check:
         write_results(campaign, results, options.results)
-        if options.keep:
-            copy_tables(campaign, results)
     for part in campaign.parts:
         header, rows = rows_of(campaign, part, results)
         if rows:

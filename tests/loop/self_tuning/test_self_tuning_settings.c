@@ -247,7 +247,7 @@ static void the_example_of_its_page_is_taken_as_it_stands(void)
     TEST_ASSERT_NOT_NULL(page);
     while (fgets(line, sizeof line, page)) {
         if (strncmp(line, "## ", 3) == 0)
-            found = strstr(line, "in a minute") != NULL;
+            found = strstr(line, "Set it up") != NULL;
         line[strcspn(line, "\n")] = '\0';
         if (!found || strncmp(line, "    ", 4) != 0)
             continue;
