@@ -1,5 +1,5 @@
-/* Places in the compact table of a column (docs/methods/column-table.md). Nothing but numbers of places, because maker
- * and reader of a table may have different real_t. */
+/* Places in the compact table of a column (docs/methods/column-table.md), in SI units. Nothing but numbers of places, because
+ * maker and reader of a table may have different real_t. */
 #ifndef REFLUX_MODEL_COLUMN_TABLE_FORM_H
 #define REFLUX_MODEL_COLUMN_TABLE_FORM_H
 
@@ -21,12 +21,12 @@ enum column_table_place {
     COLUMN_TABLE_N_COMPONENTS,
     COLUMN_TABLE_FEED_STAGE,
     COLUMN_TABLE_EFFICIENCY,
-    COLUMN_TABLE_PRESSURE_DROP, /* Pa */
-    COLUMN_TABLE_HOLDUP,        /* 0 molar, 1 volumetric, 2 conservative */
-    COLUMN_TABLE_HOLDUP_REBOILER,
+    COLUMN_TABLE_PRESSURE_DROP,   /* Pa */
+    COLUMN_TABLE_HOLDUP,          /* 0 molar, 1 volumetric, 2 conservative */
+    COLUMN_TABLE_HOLDUP_REBOILER, /* mol or m3, as the two after it */
     COLUMN_TABLE_HOLDUP_TRAY,
     COLUMN_TABLE_HOLDUP_CONDENSER,
-    COLUMN_TABLE_HOLDUP_BOTTOM_K,
+    COLUMN_TABLE_HOLDUP_BOTTOM_K, /* temperatures at which volumes count */
     COLUMN_TABLE_HOLDUP_TOP_K,
     COLUMN_TABLE_LOWEST_K,
     COLUMN_TABLE_HIGHEST_K,
@@ -57,7 +57,7 @@ enum column_table_component {
     COLUMN_TABLE_C_BOILING,
     COLUMN_TABLE_C_CRITICAL,
     COLUMN_TABLE_C_CAPACITY,
-    COLUMN_TABLE_C_FEED, /* fraction of the feed */
+    COLUMN_TABLE_C_FEED, /* fraction of the feed; 0 of another property: not given */
     COLUMN_TABLE_C_VALUES
 };
 

@@ -1,5 +1,5 @@
 /* Integration and steady state of a column (model/column.h, in double). After a jump of the inputs or the state a
- * one-step method (rosenbrock.h) integrates; smooth stretches are CVODE's. See docs/methods/column-model.md.
+ * one-step method (rosenbrock.h) integrates; smooth stretches are CVODE's. See docs/inside/column-solver.md.
  *
  * Rules
  *  1. Inputs are piecewise constant: those set last hold over the next advance.

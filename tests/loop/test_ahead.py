@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The kind `ahead` on the nonlinear pilot column and on a second one, beside the loops' own PIs and a self-tuner in the same run: lines of the
 campaign `state-ahead`, in both number formats. Every bound is what something else came to in that run, or half of it; what came out
-stands in docs/methods/state-decoupling.md."""
+stands in docs/methods/ahead.md."""
 
 import sys
 import unittest

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/methods/inferential.md, A slow analyser above it: the scenario, and what becomes of it when the analyser stops."""
+"""docs/use/analysers.md, Above a temperature loop: the scenario, and what becomes of it when the analyser stops."""
 
 import sys
 import tempfile

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Estimated compositions (docs/methods/composition-estimation.md, docs/methods/kalman.md) when thermometers and flow meters fail or lie, the table
 is another column's, or the plant is far from it: three thermometers on the splitter, and one. `test_composition_faults.py table` prints the rows of
-docs/inside/faults.md, which a test compares."""
+tests/loop/fault-matrix.md, which a test compares."""
 
 import re
 import sys
@@ -202,9 +202,9 @@ class Faults(unittest.TestCase):
         self.assertTrue(said(told, BEGINS, ENDS) & {"nis", "apart", "pull"}, told)
 
     def test_the_page_has_these_rows(self) -> None:
-        page = (ROOT / "docs" / "inside" / "faults.md").read_text(encoding="utf-8")
-        section = page.split("### Estimated compositions")[1]
-        self.assertEqual(re.findall(r"^\|.*$", section.split("\n### ")[0], re.MULTILINE), rows())
+        page = (ROOT / "tests" / "loop" / "fault-matrix.md").read_text(encoding="utf-8")
+        section = page.split("## Estimated compositions")[1]
+        self.assertEqual(re.findall(r"^\|.*$", section.split("\n## ")[0], re.MULTILINE), rows())
 
 
 if __name__ == "__main__":

@@ -349,7 +349,7 @@ static void every_fault_in_every_mode_ends_in_its_state(void)
     printf("fault matrix of blocks: %u combinations\n", combinations);
 }
 
-/* A row of the table in docs/inside/faults.md. */
+/* A row of the table in tests/loop/fault-matrix.md. */
 static void row(unsigned f, char *line, size_t size)
 {
     const struct fault *fault = &faults[f];

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Bad thermometers under composition control from tray temperatures (docs/methods/inferential.md): every law in every mode, a bad primary and a bad
-secondary, and the state each must end in. `test_inferential_faults.py table` prints the rows of docs/inside/faults.md, which a test compares.
+secondary, and the state each must end in. `test_inferential_faults.py table` prints the rows of tests/loop/fault-matrix.md, which a test compares.
 The configuration is host_sim/scenarios/composition-cascade.conf, whose thermometers have rate_limit and frozen."""
 
 import re
@@ -168,9 +168,9 @@ class Faults(unittest.TestCase):
         print(f"{len(cases)} combinations")
 
     def test_the_page_has_these_rows(self) -> None:
-        page = (ROOT / "docs" / "inside" / "faults.md").read_text(encoding="utf-8")
-        section = page.split("### Composition control from tray temperatures")[1]
-        self.assertEqual(re.findall(r"^\|.*$", section.split("\n### ")[0], re.MULTILINE), rows())
+        page = (ROOT / "tests" / "loop" / "fault-matrix.md").read_text(encoding="utf-8")
+        section = page.split("## Composition control from tray temperatures")[1]
+        self.assertEqual(re.findall(r"^\|.*$", section.split("\n## ")[0], re.MULTILINE), rows())
 
 
 if __name__ == "__main__":

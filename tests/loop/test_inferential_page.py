@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/methods/inferential.md, From nothing to two ends: its console lines, typed at a board that knows nothing, end in CLF control of both ends of the
+"""docs/methods/inferential.md, Set it up: its console lines, typed at a board that knows nothing, end in CLF control of both ends of the
 splitter, and nothing jumps on the way."""
 
 import re
@@ -23,7 +23,7 @@ BEGIN_S, BETWEEN_S = 300.0, 600.0
 
 def blocks() -> list[list[str]]:
     """Console lines of the section, a list for each fenced part."""
-    section = PAGE.read_text(encoding="utf-8").split("## From nothing to two ends")[1].split("\n## ")[0]
+    section = PAGE.read_text(encoding="utf-8").split("## Set it up")[1].split("\n## ")[0]
     return [part.strip().splitlines() for part in re.findall(r"^```\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)]
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The ratio to the feed (docs/methods/inferential.md) over the link: feed steps, a feed that is not measured for a while, manual and back, another loop
+"""The ratio to the feed (docs/methods/ratio.md) over the link: feed steps, a feed that is not measured for a while, manual and back, another loop
 taking over the reflux, in both builds. Every 30 s; F steps at 1 h from 88.2 to 97.02 m3/h, a tenth."""
 
 import sys

@@ -105,7 +105,7 @@ static inline bool quality_is(const char *measurement, const char *quality)
     return false;
 }
 
-/* ---- the table of docs/inside/faults.md ---- */
+/* ---- the table of tests/loop/fault-matrix.md ---- */
 
 /* The text of row f of the test's own table. */
 typedef void fault_row(unsigned f, char *line, size_t size);
@@ -114,7 +114,7 @@ static inline void document_has_rows(unsigned rows, fault_row *row)
 {
     static char page[60000];
     char line[240];
-    FILE *file = fopen("../docs/inside/faults.md", "r");
+    FILE *file = fopen("loop/fault-matrix.md", "r");
     TEST_ASSERT_NOT_NULL(file);
     page[fread(page, 1, sizeof page - 1, file)] = '\0';
     fclose(file);

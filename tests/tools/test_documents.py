@@ -102,6 +102,25 @@ class WorkedFamily(unittest.TestCase):
             self.assertIn(f"RUN_TEST({name});", texts)
 
 
+class MethodPages(unittest.TestCase):
+    """docs/methods: one form for all pages, and the equations behind what a user needs."""
+
+    HEADINGS = ("When not to use it", "Set it up", "Parameters", "Results", "Robustness", "Equations", "Source")
+    WORDS_MOST = 1500  # above the equations
+    OLD_FORM = {"adaptive-feedforward.md", "commissioning.md", "difference-models.md", "experiment.md", "feedforward.md", "identification.md", "pid.md",
+                "relay.md", "self-tuning-experiments.md", "self-tuning.md", "tuning.md"}  # not yet rewritten
+
+    def test_each_page_has_the_form_and_few_words_above_its_equations(self) -> None:
+        new = [path for path in every(ROOT / "docs" / "methods", "*.md") if path.name not in self.OLD_FORM]
+        self.assertGreaterEqual(len(new), 13)
+        for path in new:
+            with self.subTest(path.name):
+                text = path.read_text(encoding="utf-8")
+                self.assertEqual(tuple(re.findall(r"^## (.+)$", text, re.MULTILINE)), self.HEADINGS)
+                words = [word for word in text.split("\n## Equations\n")[0].split() if re.search(r"\w", word)]
+                self.assertLessEqual(len(words), self.WORDS_MOST)
+
+
 class Decisions(unittest.TestCase):
     """The pages of docs/decisions: an idea, the decision with its date, the measurement, and what would change it."""
 

@@ -1,4 +1,5 @@
-"""Each Python block of docs/use/python.md runs as printed, in a folder and a process of its own. A port on the page is the host build here."""
+"""Each Python block of docs/use/python.md and of the methods runs as printed, in a folder and a process of its own. A port on the page is the
+host build here."""
 
 import importlib.util
 import os
@@ -41,6 +42,13 @@ class Blocks(FolderTest):
                         self.run_block(block.replace(PORT, firmware.console))
                 else:
                     self.run_block(block)
+
+    def test_every_block_of_the_methods_runs_as_printed(self) -> None:
+        blocks = [block for page in every(ROOT / "docs" / "methods", "*.md") for block in BLOCK.findall(page.read_text(encoding="utf-8"))]
+        self.assertTrue(blocks)
+        for block in blocks:
+            with self.subTest(block.splitlines()[1]):
+                self.run_block(block)
 
     def test_the_first_block_leaves_its_picture(self) -> None:
         self.run_block(BLOCK.findall(PAGE.read_text(encoding="utf-8"))[0])

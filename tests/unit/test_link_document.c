@@ -1,4 +1,4 @@
-/* The worked frames of docs/inside/plant-link.md are what the codec really makes, and really takes. */
+/* The worked frames of tests/reference/link-frames.md are what the codec really makes, and really takes. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,8 @@
 #include "link/messages.h"
 #include "unity.h"
 
-#define DOCUMENT   "../docs/inside/plant-link.md" /* ctest runs in tests/ */
+#define DOCUMENT   "reference/link-frames.md" /* ctest runs in tests/ */
+#define PAGE       "../docs/inside/plant-link.md"
 #define FIELDS_MAX 64
 
 struct field {
@@ -255,7 +256,7 @@ static void every_message_has_a_worked_frame(void)
 
 static void the_intervals_on_the_page_are_those_of_the_code(void)
 {
-    FILE *file = fopen(DOCUMENT, "r");
+    FILE *file = fopen(PAGE, "r");
     TEST_ASSERT_NOT_NULL(file);
     char line[512];
     unsigned hello = 0;

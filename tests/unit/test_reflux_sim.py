@@ -108,7 +108,7 @@ class Options(Bench):
                 self.refused(self.BASE + more, because)
 
     def test_every_fault_of_a_thermometer_in_the_fault_matrix_can_be_played(self):
-        page = open(os.path.join(ROOT, "docs", "inside", "faults.md"), encoding="utf-8").read()
+        page = open(os.path.join(ROOT, "tests", "loop", "fault-matrix.md"), encoding="utf-8").read()
         faults = sorted(set(re.findall(r"`(T(?:1|5|10)\.\w+=[-0-9.]+)`", page)))
         self.assertGreater(len(faults), 15)
         for fault in faults:

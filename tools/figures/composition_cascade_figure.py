@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The figure of docs/methods/inferential.md, A slow analyser above it: docs/figures/composition-cascade.png.
+"""The figure of docs/use/analysers.md, Above a temperature loop: docs/figures/composition-cascade.png.
 
     cmake --preset host && cmake --build --preset host --target reflux-sim-memory
     tools/figures/composition_cascade_figure.py

@@ -9,7 +9,7 @@
  *
  * The present state is that of the model, corrected at the places of the inputs, measured or estimated. The error of the last prediction is
  * added to the next, a part of it in each step; that is the integral. Where an MV is limited only its own loop leaves its setpoint; the
- * others reach theirs. docs/methods/state-decoupling.md */
+ * others reach theirs. docs/methods/ahead.md */
 #ifndef REFLUX_AHEAD_COLUMN_AHEAD_H
 #define REFLUX_AHEAD_COLUMN_AHEAD_H
 

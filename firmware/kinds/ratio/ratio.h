@@ -1,4 +1,4 @@
-/* Kind `ratio`: MVs that follow a measured feed (docs/methods/inferential.md, Ratio to the feed). Ours; Frau (section 5.1 of her thesis)
+/* Kind `ratio`: MVs that follow a measured feed (docs/methods/ratio.md). Ours; Frau (section 5.1 of her thesis)
  * tries a reflux held in proportion to the feed. */
 #ifndef REFLUX_RATIO_RATIO_H
 #define REFLUX_RATIO_RATIO_H
