@@ -22,7 +22,7 @@
 #define SQUARE_MOST (LAG_MOST * LAG_MOST)
 #define DAMPING_LOW REAL_C(0.02)
 
-static real_t within(real_t x, real_t most)
+static real_t bounded_time(real_t x, real_t most)
 {
     return x > most ? most : x < -most ? -most : x;
 }
@@ -40,10 +40,10 @@ static real_t put_shape(struct interact_plant *plant, uint8_t j, uint8_t n, stru
     if (lag_s < damped_s)
         lag_s = damped_s;
     plant->element[j][n] = (struct fopdt){.gain = part * s.gain,
-                                          .dead_time_s = within(s.dead_time_s, LAG_MOST),
+                                          .dead_time_s = bounded_time(s.dead_time_s, LAG_MOST),
                                           .time_constant_s = lag_s};
     plant->shape[j][n] =
-        (struct interact_shape){.square_s2 = square_s2, .zero_s = within(s.zero_s, LAG_MOST)};
+        (struct interact_shape){.square_s2 = square_s2, .zero_s = bounded_time(s.zero_s, LAG_MOST)};
     return part;
 }
 
