@@ -107,7 +107,7 @@ class MethodPages(unittest.TestCase):
 
     HEADINGS = ("When not to use it", "Set it up", "Parameters", "Results", "Robustness", "Equations", "Source")
     WORDS_MOST = 1500  # above the equations
-    OLD_FORM = {"commissioning.md", "self-tuning.md"}  # not yet rewritten
+    OLD_FORM: set[str] = set()
 
     def test_each_page_has_the_form_and_few_words_above_its_equations(self) -> None:
         new = [path for path in every(ROOT / "docs" / "methods", "*.md") if path.name not in self.OLD_FORM]
