@@ -1,6 +1,6 @@
 /* The commands, a row each: name, arguments, help, and how many words may follow the name. command_NAME() in one of
- * console_*.c runs it. A new command also gets a row in docs/use/console.md: tools/figures/command_table.py. In the arguments capital words stand for names of a kind, the others for
- * themselves (completion.c). */
+ * console_*.c runs it. A new command also gets a note in docs/reference/notes/commands.toml, for tools/reference. In the arguments
+ * capital words stand for names of a kind, the others for themselves (completion.c). */
 #ifndef REFLUX_CONSOLE_COMMANDS_H
 #define REFLUX_CONSOLE_COMMANDS_H
 

@@ -1,0 +1,116 @@
+"""tools/reference: the pages of docs/reference are those that the code makes today, and a table without its notes is refused."""
+
+import re
+import unittest
+from unittest import mock
+
+from support import ROOT, FolderTest, call
+
+from dev import cmd_reference
+from dev.reference import firmware_pages, markdown, tables
+from reflux import build
+from reflux.errors import RunFailed
+
+REFERENCE = ROOT / "docs" / "reference"
+
+
+def made() -> dict[str, str]:
+    return cmd_reference.pages(build.find_program("host", cmd_reference.PROGRAMS[0]).parent)
+
+
+class Pages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.made = made()
+
+    def test_the_pages_are_those_that_the_code_makes_today(self) -> None:
+        for name, text in self.made.items():
+            with self.subTest(name):
+                self.assertEqual((REFERENCE / name).read_text(encoding="utf-8"), text, "run tools/reference")
+        self.assertEqual(sorted(path.name for path in REFERENCE.glob("*.md")), sorted(self.made))
+
+    def test_the_first_line_says_how_the_page_is_made_and_the_first_list_leads_to_its_families(self) -> None:
+        for name, text in self.made.items():
+            self.assertIn("tools/reference", text.splitlines()[0], name)
+            titles = re.findall(r"^## (.*)$", text, re.MULTILINE)
+            for title in titles:
+                if title != "Boards that lack some":
+                    self.assertIn(f"](#{markdown.anchor(title)})", text.split("\n## ")[0], name)
+
+    def test_every_row_of_parameters_and_events_has_a_unit(self) -> None:
+        rows = re.findall(r"^\| `[^|]*\| ([^|]*) \|.*0x[0-9a-f]+ \|$", self.made["parameters.md"], re.MULTILINE)
+        self.assertGreater(len(rows), 300)
+        self.assertNotIn("", [unit.strip() for unit in rows])
+        rows = re.findall(r"^\| \d+ \|(?:[^|]*\|){5} ([^|]*) \|[^|]*\|$", self.made["events.md"], re.MULTILINE)
+        self.assertEqual(len(rows), len(tables.notes("events")["event"]))
+        self.assertNotIn("", [unit.strip() for unit in rows])
+
+    def test_each_row_says_what_the_firmware_says(self) -> None:
+        self.assertIn("| `gain` | fraction/fraction | 1e-06 .. 100 | 1 | proportional gain, output span per measurement span | 0x4100 |", self.made["parameters.md"])
+        self.assertIn("| 2 | `LINK_DOWN` | alarm | plant silent, s | plant | silent for | s | `plant: plant silent 90 s (LINK_DOWN)` |", self.made["events.md"])
+        self.assertIn("`T1 usable again, 78.4 degC`", self.made["events.md"])
+        self.assertIn("- `reboot` (engineers): ", self.made["commands.md"])
+        self.assertIn("| `LOCKED` | needs the engineer level, which is locked; `unlock KEY` opens it |", self.made["errors.md"])
+
+
+class Rows(unittest.TestCase):
+    def test_parameters_that_differ_in_name_alone_share_a_row(self) -> None:
+        same = [["k", f"a{i}", "s", "0 .. 1", "0", "what", f"0x{i}", "1", "1"] for i in range(1, 4)]
+        self.assertEqual(firmware_pages.parameter_rows(same), [("`a1` to `a3`", "s", "0 .. 1", "0", "what", "0x1 to 0x3")])
+        other = [*same[:2], ["k", "b", "s", "0 .. 2", "0", "what", "0x9", "1", "1"]]
+        self.assertEqual([row[0] for row in firmware_pages.parameter_rows(other)], ["`a1`", "`a2`", "`b`"])
+
+    def test_a_table_of_a_kind_has_the_names_of_its_rows(self) -> None:
+        row = firmware_pages.parameter_rows([["k", "delay", "steps", "0 .. 8", "1", "what", "0x1", "2", "2"]])
+        self.assertEqual(row[0][0], "`delay.1` to `delay.2`")
+
+    def test_what_has_no_unit_says_what_stands_there(self) -> None:
+        for allowed, wanted in (("off|on", "word"), ("up to 15 letters, digits or _, - for none", "name"), ("names with commas between them", "names"), ("0 .. 1", "-")):
+            self.assertEqual(firmware_pages.unit_of("", allowed), wanted)
+
+    def test_a_bar_does_not_end_a_cell(self) -> None:
+        self.assertEqual(markdown.table(("a",), [("x|y",)])[-1], "| x\\|y |")
+
+
+class Notes(unittest.TestCase):
+    def test_an_item_without_note_one_too_many_and_one_noted_twice_are_refused(self) -> None:
+        tables.check_same("event", "events", ["A", "B"], ["A", "B"])
+        for noted, known, wrong in ((["A"], ["A", "B"], "B has no note"), (["A", "B"], ["A"], "B is not in the code"), (["A", "A"], ["A"], "A is noted twice")):
+            with self.assertRaisesRegex(RunFailed, wrong):
+                tables.check_same("event", "events", noted, known)
+
+    def test_a_word_of_a_command_that_no_form_has_is_refused(self) -> None:
+        rows = {"command": [["log", "on|off [TICKS]", "telemetry"]]}
+        noted = {"family": [{"title": "Look", "commands": ["log"]}], "command": {"log": {"forms": [["log on [TICKS]", "everybody", "rows"]]}}}
+        with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "no form of log has off"):
+            firmware_pages.commands(rows)
+        noted["command"]["log"]["forms"].append(["log off", "everybody", "no more rows"])
+        with mock.patch.object(firmware_pages, "notes", return_value=noted):
+            self.assertIn("- `log off`: no more rows.", firmware_pages.commands(rows))
+
+
+class Command(FolderTest):
+    def setUp(self) -> None:
+        super().setUp()
+        tree = build.find_program("host", cmd_reference.PROGRAMS[0]).parent
+        self.enterContext(mock.patch.object(build, "build", return_value=tree))
+
+    def test_it_writes_the_pages_and_check_names_those_that_differ(self) -> None:
+        self.assertEqual(call("reference", "--check", "--out", str(self.folder))[0], 1)
+        self.assertEqual(call("reference", "--out", str(self.folder))[0], 0)
+        self.assertEqual(call("reference", "--check", "--out", str(self.folder)), (0, "", ""))
+        page = self.folder / "events.md"
+        page.write_text(page.read_text(encoding="utf-8").replace("LINK_DOWN", "LINK_GONE"), encoding="utf-8")
+        status, said, _ = call("reference", "--check", "--out", str(self.folder))
+        self.assertEqual(status, 1)
+        self.assertIn("events.md differs from the code", said)
+        self.assertNotIn("commands.md", said)
+
+    def test_a_file_is_no_folder(self) -> None:
+        status, _, said = call("reference", "--out", str(self.file("x", "")))
+        self.assertEqual(status, 2)
+        self.assertIn("is a file", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
