@@ -7,8 +7,8 @@ from unittest import mock
 from support import ROOT, FolderTest, call
 
 from dev import cmd_reference
-from dev.reference import firmware_pages, markdown, tables
-from reflux import build
+from dev.reference import firmware_pages, markdown, scenario_page, tables
+from reflux import build, scenario_keys
 from reflux.errors import RunFailed
 
 REFERENCE = ROOT / "docs" / "reference"
@@ -51,6 +51,22 @@ class Pages(unittest.TestCase):
         self.assertIn("`T1 usable again, 78.4 degC`", self.made["events.md"])
         self.assertIn("- `reboot` (engineers): ", self.made["commands.md"])
         self.assertIn("| `LOCKED` | needs the engineer level, which is locked; `unlock KEY` opens it |", self.made["errors.md"])
+
+
+class ScenarioKeys(unittest.TestCase):
+    def test_the_page_has_every_key_that_the_reader_takes(self) -> None:
+        text = scenario_page.scenario_files()
+        for name, keys in scenario_keys.TABLES.items():
+            section = text.split("\n## Table " + name if name else "\n## Keys of the file")[1].split("\n## ")[0]
+            for key in keys:
+                self.assertRegex(section, rf"(?m)^\| `(\[\[)?{key}(\]\])?` \|")
+
+    def test_limits_defaults_and_choices_are_those_of_the_reader(self) -> None:
+        top, loop = scenario_keys.TOP, scenario_keys.LOOP
+        self.assertEqual((scenario_page.allowed(top["duration_s"]), scenario_page.default(top["duration_s"])), ("above 0", "required"))
+        self.assertEqual((scenario_page.allowed(top["tick_s"]), scenario_page.default(top["tick_s"])), ("above 0, at most `duration_s`", "the plant's"))
+        self.assertEqual((scenario_page.allowed(loop["band"]), scenario_page.default(loop["band"])), ("0 or more", "`0.0`"))
+        self.assertIn("host|host-fixed|", scenario_page.allowed(top["firmware"]))
 
 
 class Rows(unittest.TestCase):

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from dev.reference import firmware_pages
+from dev.reference.scenario_page import scenario_files
 from dev.reference.tables import rows_of, said_by
 from reflux import build
 from reflux.errors import UserError
@@ -24,6 +25,7 @@ def pages(folder: Path) -> dict[str, str]:
         "parameters.md": firmware_pages.parameters(rows),
         "events.md": firmware_pages.events(rows, program),
         "errors.md": firmware_pages.errors(rows),
+        "scenario-files.md": scenario_files(),
     }
 
 
@@ -35,7 +37,7 @@ def differing(made: dict[str, str], folder: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/reference",
-        description="Writes the pages of docs/reference (commands, parameters, events, refusals) from the tables of the code and from the "
+        description="Writes the pages of docs/reference (commands, parameters, events, refusals, scenario files) from the tables of the code and from the "
         "notes in docs/reference/notes. Builds what prints the tables first.")
     p.add_argument("--check", action="store_true", help="write nothing; name the pages that differ, status 1 where there are any")
     p.add_argument("--out", type=named, metavar="FOLDER", default=FOLDER, help="where the pages are put (default docs/reference)")
