@@ -1,13 +1,15 @@
 """tools/reference: the pages of docs/reference are those that the code makes today, and a table without its notes is refused."""
 
+import json
 import re
+import subprocess
 import unittest
 from unittest import mock
 
 from support import ROOT, FolderTest, call
 
 from dev import cmd_reference
-from dev.reference import firmware_pages, markdown, scenario_page, tables
+from dev.reference import firmware_pages, markdown, plant_page, scenario_page, tables
 from reflux import build, scenario_keys
 from reflux.errors import RunFailed
 
@@ -51,6 +53,49 @@ class Pages(unittest.TestCase):
         self.assertIn("`T1 usable again, 78.4 degC`", self.made["events.md"])
         self.assertIn("- `reboot` (engineers): ", self.made["commands.md"])
         self.assertIn("| `LOCKED` | needs the engineer level, which is locked; `unlock KEY` opens it |", self.made["errors.md"])
+
+
+class PlantKeys(FolderTest):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.tree = build.find_program("host", cmd_reference.PROGRAMS[0]).parent
+        cls.rows = tables.rows_of(tables.said_by(cls.tree / "plant_tables"))
+
+    def asked(self, plant: dict) -> str:
+        path = self.file("mine.json", json.dumps(plant))
+        return subprocess.run([str(self.tree / "reflux-sim"), "--steady", "--plant", str(path)], capture_output=True, text=True, check=False).stderr
+
+    def test_the_reader_takes_no_more_than_the_page_allows(self) -> None:
+        plant = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
+        keys = {name: allowed for of, name, _, _, allowed, *_ in self.rows["key"] if of == "Output of a linear plant"}
+        self.assertEqual(keys["lag_s"], "0 .. 86400")
+        self.assertEqual(self.asked(plant), "")
+        plant["outputs"][0]["lag_s"] = 86401
+        self.assertIn("$.outputs[0].lag_s: 86401 must be 0 to 86400", self.asked(plant))
+        del plant["outputs"][0]["lag_s"]
+        plant["outputs"][0]["lags"] = 1
+        self.assertIn(f"known are {', '.join(keys)}", self.asked(plant))
+
+    def test_a_key_of_another_model_is_refused_and_the_page_names_the_models(self) -> None:
+        plant = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
+        self.assertEqual(plant["model"], "transfer")
+        self.assertIn('the key "A" has no meaning in a model "transfer"', self.asked(plant | {"A": [[1]]}))
+        page = {row[0]: row for row in plant_page.object_rows(self.rows, "Linear plant")}
+        self.assertEqual(page["`A`"][-1].split(": ")[0], "model state_space, discrete, polynomial")
+        self.assertNotIn("model", page["`inputs`"][-1])
+
+    def test_a_quantity_of_the_page_drives_a_column_and_no_other_does(self) -> None:
+        column = json.loads((ROOT / "host_sim" / "plants" / "column-a.json").read_text(encoding="utf-8"))
+        column["inputs"][0]["is"] = "smell"
+        said = self.asked(column)
+        for name, *_ in self.rows["drive"]:
+            self.assertIn(name, said)
+
+    def test_a_unit_stands_with_its_size_in_si(self) -> None:
+        units = {measure: words for measure, _, words in plant_page.unit_rows(self.rows)}
+        self.assertIn("`bar` (100000 Pa)", units["pressure"])
+        self.assertIn("`K`, `degC` (x + 273.15 K)", units["temperature"])
+        self.assertIn("`%` (0.01)", units["mole fraction"])
 
 
 class ScenarioKeys(unittest.TestCase):

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from dev.reference import firmware_pages
+from dev.reference.plant_page import plant_files
 from dev.reference.scenario_page import scenario_files
 from dev.reference.tables import rows_of, said_by
 from reflux import build
@@ -13,18 +14,19 @@ from reflux.errors import UserError
 from reflux.paths import ROOT, named, shown
 
 FOLDER = ROOT / "docs" / "reference"
-PROGRAMS = ("reference_tables",)
+PROGRAMS = ("reference_tables", "plant_tables")
 
 
 def pages(folder: Path) -> dict[str, str]:
     """Text of each page by its name. folder: a build tree with the programs."""
-    program = folder / "reference_tables"
+    program = folder / PROGRAMS[0]
     rows = rows_of(said_by(program))
     return {
         "commands.md": firmware_pages.commands(rows),
         "parameters.md": firmware_pages.parameters(rows),
         "events.md": firmware_pages.events(rows, program),
         "errors.md": firmware_pages.errors(rows),
+        "plant-files.md": plant_files(rows_of(said_by(folder / PROGRAMS[1]))),
         "scenario-files.md": scenario_files(),
     }
 
@@ -37,7 +39,7 @@ def differing(made: dict[str, str], folder: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/reference",
-        description="Writes the pages of docs/reference (commands, parameters, events, refusals, scenario files) from the tables of the code and from the "
+        description="Writes the pages of docs/reference (commands, parameters, events, refusals, plant and scenario files) from the tables of the code and from the "
         "notes in docs/reference/notes. Builds what prints the tables first.")
     p.add_argument("--check", action="store_true", help="write nothing; name the pages that differ, status 1 where there are any")
     p.add_argument("--out", type=named, metavar="FOLDER", default=FOLDER, help="where the pages are put (default docs/reference)")

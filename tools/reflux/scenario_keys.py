@@ -10,7 +10,7 @@ FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, "memory", "serial")
 TOP = {key.name: key for key in (
     Key("name", "text", about="letters, digits, `-`, `_`, at most 40; names the output folder `out/NAME`"),
     Key("title", "text", None, default_words="the name", about="heading of the report"),
-    Key("plant", "text", about="a plant of `reflux-sim --list`, or the path of a plant file, `.json`, from the scenario's folder ([linear plants](../use/linear-plants.md), [columns](../use/columns.md))"),
+    Key("plant", "text", about="a plant of `reflux-sim --list`, or the path of a plant file, `.json`, from the scenario's folder ([plant-files.md](plant-files.md))"),
     Key("duration_s", "number", unit="s", above=0, about="plant time of the last sample"),
     Key("tick_s", "number", None, unit="s", above=0, high_words="`duration_s`", default_words="the plant's", about="interval of samples"),
     Key("measure", "texts", (), default_words="none", about="truths of the plant that become measurements, without lag and noise: an analyser, a thermometer on another tray"),
