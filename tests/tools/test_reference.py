@@ -140,7 +140,7 @@ class Notes(unittest.TestCase):
             with self.assertRaisesRegex(RunFailed, wrong):
                 tables.check_same("event", "events", noted, known)
 
-    def test_a_word_of_a_command_that_no_form_has_is_refused(self) -> None:
+    def test_a_word_of_a_command_that_no_form_has_is_refused_and_one_that_only_a_form_has(self) -> None:
         rows = {"command": [["log", "on|off [TICKS]", "telemetry"]]}
         noted = {"family": [{"title": "Look", "commands": ["log"]}], "command": {"log": {"forms": [["log on [TICKS]", "everybody", "rows"]]}}}
         with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "no form of log has off"):
@@ -148,6 +148,9 @@ class Notes(unittest.TestCase):
         noted["command"]["log"]["forms"].append(["log off", "everybody", "no more rows"])
         with mock.patch.object(firmware_pages, "notes", return_value=noted):
             self.assertIn("- `log off`: no more rows.", firmware_pages.commands(rows))
+        noted["command"]["log"]["forms"].append(["log twice", "everybody", "two rows"])
+        with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "the row of log .* lacks twice"):
+            firmware_pages.commands(rows)
 
 
 class Command(FolderTest):

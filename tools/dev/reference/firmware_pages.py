@@ -40,6 +40,9 @@ def _command(name: str, arguments: str, about: str, note: dict) -> list[list[str
     lacking = set(WORD.findall(arguments)) - set(WORD.findall(said))
     if lacking:
         raise RunFailed(f"docs/reference/notes/commands.toml: no form of {name} has {', '.join(sorted(lacking))}")
+    unknown = {word for form, _, _ in note["forms"] for word in WORD.findall(form) if word.islower()} - {name, *WORD.findall(arguments)}
+    if unknown:
+        raise RunFailed(f"docs/reference/notes/commands.toml: the row of {name} in firmware/console/commands.h lacks {', '.join(sorted(unknown))}")
     if any(form.split()[0] != name or who not in ("everybody", "engineers") for form, who, _ in note["forms"]):
         raise RunFailed(f"docs/reference/notes/commands.toml: a form of {name} is of another command, or for somebody else")
     lines = [f"- {code(form)}{' (engineers)' if who == 'engineers' else ''}: {what}." for form, who, what in note["forms"]]
