@@ -103,7 +103,7 @@ def parameters(rows: Rows) -> str:
         parts.append([f"## {title}"])
         for name in names:
             parts.append([f"### {name}"])
-            parts.append([f"`{name}1.` to `{name}{counts[name]}.`" if counts[name] else f"`{name}.`", noted["group"][name]["about"].strip()])
+            parts.append([f"Names begin with `{name}1.` to `{name}{counts[name]}.`." if counts[name] else f"Names begin with `{name}.`.", noted["group"][name]["about"].strip()])
             parts.append(table(HEADER, parameter_rows([fields for fields in rows["parameter"] if fields[0] == name])))
     parts += _kinds(rows, noted["kind"])
     return page(
@@ -162,14 +162,15 @@ def events(rows: Rows, program: Path) -> str:
         for name in names:
             number, level, text, _ = declared[name]
             note = noted["event"][name]
-            found.append((number, code(name), level, text, note["subject"], note["value"], note["unit"], code(said[name].split(maxsplit=2)[2].replace("`", "'"))))
-        parts.append(table(("no.", "CODE", "level", "text", "subject", "value", "unit", "as people read it"), found))
+            sentence = said[name].split(maxsplit=2)[2].replace("`", "'")
+            found.append((code(name), level, f"{text}<br>{code(sentence)}", note["subject"], note["value"], note["unit"], number))
+        parts.append(table(("CODE", "level", "text, and as people read it", "subject", "value", "unit", "no."), found))
     boards = [f"- On {where} only: {', '.join(code(name) for name in names)}."
               for where, names in _by_boards(declared).items() if where != "every board"]
     return page(
         ["# Events"],
         ["Look up here what a line that begins with `!`, or a line of `events`, means, and what to do with its value. [console.md](../use/console.md#events) says",
-         "how events are written, kept and counted. Scripts get CODE, subject, value and text; people a sentence. The last column is such a sentence, as the",
+         "how events are written, kept and counted. Scripts get CODE, subject, value and text; people a sentence. Below each text stands such a sentence, as the",
          "firmware makes it for a loop `top` that holds the temperature `T1` by the reflux `Lr`. Actions were asked for at the console; `events` shows them.",
          "EU is the unit of the channel, or of the loop's measurement. Where subject or value are empty, the event has none. Numbers are those of this version:",
          "scripts go by the CODE."],

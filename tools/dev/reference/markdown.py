@@ -28,7 +28,7 @@ def anchor(title: str) -> str:
 
 def contents(families: list[tuple[str, list[str]]]) -> list[str]:
     """A line for each family, with links to its items. Items are headings of their own; a family without is a heading itself."""
-    out = []
+    out = ["On this page:", ""]
     for title, items in families:
         links = " · ".join(f"[{item}](#{anchor(item)})" for item in items)
         out.append(f"- [{title}](#{anchor(title)})" + (f": {links}" if links else ""))

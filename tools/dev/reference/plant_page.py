@@ -5,7 +5,7 @@ from __future__ import annotations
 from dev.reference.markdown import code, contents, page, table
 from dev.reference.tables import Rows
 
-HEADER = ("key", "type", "unit", "allowed", "default", "what")
+HEADER = ("key", "what", "unit", "allowed", "default", "type")
 
 
 def object_rows(rows: Rows, title: str) -> list[tuple[str, ...]]:
@@ -14,7 +14,7 @@ def object_rows(rows: Rows, title: str) -> list[tuple[str, ...]]:
     for of, name, kind, unit, allowed, default, about, models in rows["key"]:
         if of == title:
             models = f"model {', '.join(models.split())}: " if models else ""
-            out.append((code(name), kind, unit, allowed, default, models + about))
+            out.append((code(name), models + about, unit, allowed, default, kind))
     return out
 
 
@@ -47,7 +47,7 @@ def plant_files(rows: Rows) -> str:
         ["Look up here a key of a plant's JSON file: its type, unit, limits and default. [linear-plants.md](../use/linear-plants.md) and",
          "[columns.md](../use/columns.md) say how to write one, with an example of each, and what is computed from it. A key that is not here is refused, and so is",
          "one given twice. What is not JSON is refused with `FILE:LINE:COLUMN`, what has the wrong type, size or value with the key's path:",
-         "`$.elements[1][0].lags: 0 must be 1e-09 to 1e+06`. `of the channel` and `time_unit` stand for the unit that the file gives."],
+         "`$.elements[1][0].lags: 0 must be 1e-09 to 1e+06`. A unit `of the channel`, or `time_unit`, is the one that the file gives."],
         contents([("Linear plants", titles["linear"]), ("Columns", titles["column"]), ("Quantities that drive a column", []),
                   ("Quantities that are seen", []), ("Units of columns", [])]),
         *parts,

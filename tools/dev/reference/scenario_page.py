@@ -9,7 +9,7 @@ from dev.reference.markdown import code, contents, page, table
 from reflux import scenario_keys
 from reflux.schema import REQUIRED, Key
 
-HEADER = ("key", "type", "unit", "allowed", "default", "what")
+HEADER = ("key", "what", "unit", "allowed", "default", "type")
 SECTIONS = (
     ("", "Keys of the file", "These stand at the head of the file."),
     ("line", "Table line", "`[[line]]`: one console line. Lines of one time are sent in the order of the file."),
@@ -46,7 +46,7 @@ def default(key: Key) -> str:
 def scenario_files() -> str:
     parts = []
     for name, title, about in SECTIONS:
-        rows = [(code(f"[[{key.name}]]" if key.kind == "tables" else key.name), key.kind, key.unit, allowed(key), default(key), key.about)
+        rows = [(code(f"[[{key.name}]]" if key.kind == "tables" else key.name), key.about, key.unit, allowed(key), default(key), key.kind)
                 for key in scenario_keys.TABLES[name].values()]
         parts += [[f"## {title}"], [about], table(HEADER, rows)]
     return page(
