@@ -1,17 +1,21 @@
 """tools/reference: the pages of docs/reference are those that the code makes today, and a table without its notes is refused."""
 
+import contextlib
+import itertools
 import json
 import re
 import subprocess
 import unittest
 from unittest import mock
 
-from support import ROOT, FolderTest, call
+from support import ROOT, FolderTest, board, call
 
 from dev import cmd_reference
 from dev.reference import firmware_pages, markdown, plant_page, scenario_page, tables
 from reflux import build, scenario_keys
 from reflux.errors import RunFailed
+from reflux.ports import Port
+from reflux.session import Refused, Session
 
 REFERENCE = ROOT / "docs" / "reference"
 
@@ -151,6 +155,42 @@ class Notes(unittest.TestCase):
         noted["command"]["log"]["forms"].append(["log twice", "everybody", "two rows"])
         with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "the row of log .* lacks twice"):
             firmware_pages.commands(rows)
+
+
+class Levels(unittest.TestCase):
+    """A board whose engineer level is locked refuses the forms that the page marks, and no other."""
+
+    WORDS = {"PARAMETER": "tick.miss_limit", "VALUE": "6", "NEW": "other", "LOOP": "y1", "MV": "u1", "COMMAND": "help", "PREFIX": "loop", "TICKS": "1",
+             "ALARM": "alarm1", "SECONDS": "10", "HOURS": "1", "BLOCK": "1", "VERB": "tune", "NUMBER": "1", "RULE": "simc", "GAIN": "1", "DEAD": "1",
+             "LAG": "10", "LAMBDA": "1"}
+    CHANGE_THE_SESSION = ("mode ", "unlock ", "log on")
+
+    def lines(self, form: str) -> list[str]:
+        """Each way to type a form, with a word for each name and value."""
+        words = [[self.WORDS.get(word, word) for word in place.split("|")] for place in re.sub(r"[\[\]]", "", form).split()]
+        return [" ".join(line) for line in itertools.product(*words)]
+
+    def test_who_may_type_what(self) -> None:
+        found: dict[str, set[str]] = {"everybody": set(), "engineers": set()}
+        with board(str(build.find_program("host", "reflux-host")), key="pot_still") as console, contextlib.closing(Port(console)) as port:
+            session = Session(port)
+            session.machine_mode()
+            for note in tables.notes("commands")["command"].values():
+                for form, who, _ in note["forms"]:
+                    for line in self.lines(form):
+                        if not line.startswith(self.CHANGE_THE_SESSION):
+                            found[who].add(self.answer(session, line))
+        self.assertEqual(found["engineers"], {"LOCKED"})
+        self.assertNotIn("LOCKED", found["everybody"])
+        self.assertIn("ok", found["everybody"])
+
+    @staticmethod
+    def answer(session: Session, line: str) -> str:
+        try:
+            session.ask(line)
+        except Refused as refusal:
+            return str(refusal).split()[1]
+        return "ok"
 
 
 class Command(FolderTest):
