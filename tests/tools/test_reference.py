@@ -144,6 +144,15 @@ class Notes(unittest.TestCase):
             with self.assertRaisesRegex(RunFailed, wrong):
                 tables.check_same("event", "events", noted, known)
 
+    def test_a_note_stands_in_the_row_of_its_parameter_and_one_on_no_parameter_is_refused(self) -> None:
+        row = ["loop", "pv", "", "a name", "-", "measurement", "0x1", "1", "1"]
+        self.assertEqual(firmware_pages._with_notes(row, {"loop.pv": "in manual only"})[5], "measurement; in manual only")
+        self.assertEqual(firmware_pages._with_notes(row, {"loop.out": "in manual only"}), row)
+        noted = tables.notes("parameters")
+        noted["note"]["loop.colour"] = "red"
+        with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "no parameter loop.colour"):
+            firmware_pages.parameters(tables.rows_of(tables.said_by(build.find_program("host", cmd_reference.PROGRAMS[0]))))
+
     def test_a_word_of_a_command_that_no_form_has_is_refused_and_one_that_only_a_form_has(self) -> None:
         rows = {"command": [["log", "on|off [TICKS]", "telemetry"]]}
         noted = {"family": [{"title": "Look", "commands": ["log"]}], "command": {"log": {"forms": [["log on [TICKS]", "everybody", "rows"]]}}}

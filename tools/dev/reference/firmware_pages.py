@@ -68,6 +68,12 @@ def _spread(name: str, rows: int) -> str:
     return code(name) if rows <= 1 else f"`{name}.1` to `{name}.{rows}`"
 
 
+def _with_notes(fields: list[str], noted: dict[str, str]) -> list[str]:
+    """The fields with the note on this parameter behind what its table says."""
+    note = noted.get(f"{fields[0]}.{fields[1]}")
+    return [*fields[:5], f"{fields[5]}; {note}", *fields[6:]] if note else fields
+
+
 def _row(fields: list[str]) -> tuple[str, ...]:
     _, name, unit, allowed, default, about, identity, rows, _ = fields
     return _spread(name, int(rows)), unit_of(unit, allowed), allowed, default, about, identity
@@ -96,6 +102,9 @@ def parameters(rows: Rows) -> str:
     families = [(family["title"], list(family["groups"])) for family in noted["family"]]
     check_same("group", "parameters", [name for _, names in families for name in names], counts)
     check_same("group", "parameters", noted["group"], counts)
+    unknown = set(noted["note"]) - {f"{fields[0]}.{fields[1]}" for fields in rows["parameter"]}
+    if unknown:
+        raise RunFailed(f"docs/reference/notes/parameters.toml: there is no parameter {', '.join(sorted(unknown))}")
     kinds = [fields[0] for fields in rows["kind"]]
     check_same("kind", "parameters", noted["kind"], kinds)
     parts = []
@@ -104,7 +113,7 @@ def parameters(rows: Rows) -> str:
         for name in names:
             parts.append([f"### {name}"])
             parts.append([f"Names begin with `{name}1.` to `{name}{counts[name]}.`." if counts[name] else f"Names begin with `{name}.`.", noted["group"][name]["about"].strip()])
-            parts.append(table(HEADER, parameter_rows([fields for fields in rows["parameter"] if fields[0] == name])))
+            parts.append(table(HEADER, parameter_rows([_with_notes(fields, noted["note"]) for fields in rows["parameter"] if fields[0] == name])))
     parts += _kinds(rows, noted["kind"])
     return page(
         ["# Parameters"],
@@ -113,6 +122,7 @@ def parameters(rows: Rows) -> str:
          "channel, `bottom.gain` ([names](../use/console.md#parameters))."],
         ["- `set` outside a transaction puts one parameter into force at the next tick. What only makes sense together (names that refer to each other, spans,",
          "  limits, dead times that fit the memory) goes between `begin` and `apply`, which checks all of it and takes it at the next tick. None needs a restart.",
+         "- Some change in manual only, or while no loop acts on the channel; their rows say so. `mode LOOP manual` comes first.",
          "- `save` keeps them over a restart.",
          "- A channel, loop or element exists when its first field, a name, is not empty (`-`).",
          "- EU is the engineering unit of the channel, a fraction is one of its span, ticks are base ticks. Dimensionless numbers, and texts without a unit, have",
