@@ -146,8 +146,8 @@ class Notes(unittest.TestCase):
 
     def test_a_note_stands_in_the_row_of_its_parameter_and_one_on_no_parameter_is_refused(self) -> None:
         row = ["loop", "pv", "", "a name", "-", "measurement", "0x1", "1", "1"]
-        self.assertEqual(firmware_pages._with_notes(row, {"loop.pv": "in manual only"})[5], "measurement; in manual only")
-        self.assertEqual(firmware_pages._with_notes(row, {"loop.out": "in manual only"}), row)
+        self.assertEqual(firmware_pages.with_notes(row, {"loop.pv": "in manual only"})[5], "measurement; in manual only")
+        self.assertEqual(firmware_pages.with_notes(row, {"loop.out": "in manual only"}), row)
         noted = tables.notes("parameters")
         noted["note"]["loop.colour"] = "red"
         with mock.patch.object(firmware_pages, "notes", return_value=noted), self.assertRaisesRegex(RunFailed, "no parameter loop.colour"):

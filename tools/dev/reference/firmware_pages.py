@@ -68,7 +68,7 @@ def _spread(name: str, rows: int) -> str:
     return code(name) if rows <= 1 else f"`{name}.1` to `{name}.{rows}`"
 
 
-def _with_notes(fields: list[str], noted: dict[str, str]) -> list[str]:
+def with_notes(fields: list[str], noted: dict[str, str]) -> list[str]:
     """The fields with the note on this parameter behind what its table says."""
     note = noted.get(f"{fields[0]}.{fields[1]}")
     return [*fields[:5], f"{fields[5]}; {note}", *fields[6:]] if note else fields
@@ -113,7 +113,7 @@ def parameters(rows: Rows) -> str:
         for name in names:
             parts.append([f"### {name}"])
             parts.append([f"Names begin with `{name}1.` to `{name}{counts[name]}.`." if counts[name] else f"Names begin with `{name}.`.", noted["group"][name]["about"].strip()])
-            parts.append(table(HEADER, parameter_rows([_with_notes(fields, noted["note"]) for fields in rows["parameter"] if fields[0] == name])))
+            parts.append(table(HEADER, parameter_rows([with_notes(fields, noted["note"]) for fields in rows["parameter"] if fields[0] == name])))
     parts += _kinds(rows, noted["kind"])
     return page(
         ["# Parameters"],
@@ -136,9 +136,10 @@ def _kinds(rows: Rows, noted: dict) -> list[list[str]]:
              ["`set block1.kind gmv` gives a block the parameters of the kind, `block 1 VERB` runs one of its verbs, and its events come as BLOCK_EVENT or",
               "BLOCK_ALARM with the block and the code as subject, `block1.frozen`."]]
     for name, stage, loops, inputs, points in rows["kind"]:
-        most = [f"{count} {what}" for count, what in ((loops, "loops"), (inputs, "inputs"), (points, "points")) if count != "0"]
+        most = [f"{count} {what}{'' if count == '1' else 's'}" for count, what in ((loops, "loop"), (inputs, "input"), (points, "point")) if count != "0"]
         parts.append([f"### kind {name}"])
-        parts.append([f"{noted[name]['about']} It is a{'n' if stage[0] in 'aeiou' else ''} {stage} with at most {', '.join(most) or 'nothing to name'}."])
+        stage = f" As a{'n' if stage[0] in 'aeiou' else ''} {stage} it has at most {' and '.join(most)}." if most else ""
+        parts.append([noted[name]["about"] + stage])
         parts.append(table(HEADER, parameter_rows([fields for fields in rows["own"] if fields[0] == name])))
         verbs = [fields[1:] for fields in rows["verb"] if fields[0] == name]
         if verbs:
