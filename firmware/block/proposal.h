@@ -47,7 +47,7 @@ static inline uint8_t switch_off_term(uint8_t block, uint8_t term)
     return (uint8_t)(SWITCH_OFF_TERMS * (block + 1u) + term);
 }
 
-/* Ids of settings, as in docs/use/console.md. Other ids may be written in the same way. Only settings of loops,
+/* Ids of settings, as in docs/reference/parameters.md. Other ids may be written in the same way. Only settings of loops,
  * decoupler, feedforward elements and blocks can be proposed. */
 enum proposed {
     PROPOSED_LOOP_GAIN = 0x4100,

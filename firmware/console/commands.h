@@ -1,6 +1,6 @@
 /* The commands, a row each: name, arguments, help, and how many words may follow the name. command_NAME() in one of
- * console_*.c runs it. A new command also gets a row in docs/use/console.md: tools/figures/command_table.py. In the arguments capital words stand for names of a kind, the others for
- * themselves (completion.c). */
+ * console_*.c runs it. A new command also gets a note in docs/reference/notes/commands.toml, for tools/reference. In the arguments
+ * capital words stand for names of a kind, the others for themselves (completion.c). */
 #ifndef REFLUX_CONSOLE_COMMANDS_H
 #define REFLUX_CONSOLE_COMMANDS_H
 
@@ -21,10 +21,12 @@
     ROW(exit, "", "close the engineer level; how to leave the terminal", 0, 0)
 #define DIFF_WORDS "[defaults|saved]"
 #define DIFF_HELP "changes of the transaction, or from defaults or saved settings"
+#define START_UP_MORE "|advice|watch|watched] [LOOP|HOURS]"
 #else
 #define EXIT_COMMAND(ROW)
 #define DIFF_WORDS "[defaults]"
 #define DIFF_HELP "changes of the transaction, or from the defaults"
+#define START_UP_MORE "] [LOOP]"
 #endif
 
 #define CONSOLE_COMMANDS(ROW) \
@@ -52,7 +54,7 @@
         "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6) \
     ROW(log, "on|off [TICKS]", "telemetry rows on this console", 1, 2) \
     ROW(commission, "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|" \
-        "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]", \
+        "plant|plan|model|gains|pairing|structure|proposal|trial" START_UP_MORE, \
         "automatic start-up: progress, results and requests", 0, 2) \
     ROW(alarm, "[ack|shelve] [ALARM|all] [SECONDS]", "active alarms; acknowledge, or shelve for a time", 0, 3) \
     ROW(seq, "[start|stop|hold|go|confirm|skip|abort|list]", \

@@ -11,23 +11,43 @@
 
 /* In the order of enum column_drive. The feed's temperature is in the file's temperature_range as well. */
 static const struct column_quantity drives[DRIVE_COUNT] = {
-    [DRIVE_REFLUX] = {"reflux", MEASURE_FLOW, 0.0, 1e12},
-    [DRIVE_HEAT] = {"heat", MEASURE_POWER, 0.0, 1e12},
-    [DRIVE_BOILUP] = {"boilup", MEASURE_MOLAR_FLOW, 0.0, 1e12},
-    [DRIVE_FEED] = {"feed", MEASURE_FLOW, 0.0, 1e12},
-    [DRIVE_FEED_FRACTION] = {"feed_fraction", FRACTION_MEASURES, 0.0, 1.0},
-    [DRIVE_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 50.0, 1000.0},
-    [DRIVE_FEED_QUALITY] = {"feed_quality", MEASURE_NUMBER, 0.0, 2.0},
-    [DRIVE_REFLUX_SUBCOOLING] = {"reflux_subcooling", MEASURE_DIFFERENCE, 0.0, 100.0},
-    [DRIVE_HEAT_LOSS] = {"heat_loss", MEASURE_POWER, 0.0, 1e12},
-    [DRIVE_PRESSURE] = {"pressure", MEASURE_PRESSURE, 100.0, 1e7},
-    [DRIVE_DISTILLATE] = {"distillate", MEASURE_FLOW, 0.0, 1e12},
-    [DRIVE_BOTTOMS] = {"bottoms", MEASURE_FLOW, 0.0, 1e12},
+    [DRIVE_REFLUX] = {"reflux", MEASURE_FLOW, 0, 0.0, 1e12, "flow of the reflux", "always needed"},
+    [DRIVE_HEAT] = {"heat", MEASURE_POWER, 0, 0.0, 1e12, "duty of the reboiler; 1 cal = 4.184 J",
+                    "this or boilup"},
+    [DRIVE_BOILUP] = {"boilup", MEASURE_MOLAR_FLOW, 0, 0.0, 1e12, "vapour from the reboiler",
+                      "this or heat"},
+    [DRIVE_FEED] = {"feed", MEASURE_FLOW, 0, 0.0, 1e12, "flow of the feed", "always needed"},
+    [DRIVE_FEED_FRACTION] = {"feed_fraction", FRACTION_MEASURES, 0, 0.0, 1.0,
+                             "fraction of the component in the feed",
+                             "of every component, or of every one but one, which has the rest"},
+    [DRIVE_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 0, 50.0, 1000.0,
+                                "temperature of the feed, in `temperature_range`",
+                                "this or feed_quality"},
+    [DRIVE_FEED_QUALITY] = {"feed_quality", MEASURE_NUMBER, 0, 0.0, 2.0,
+                            "heat to make vapour of a mole of feed over its heat of vaporisation; "
+                            "1 a boiling liquid, 0 a dry vapour, above 1 a cold liquid",
+                            "1"},
+    [DRIVE_REFLUX_SUBCOOLING] = {"reflux_subcooling", MEASURE_DIFFERENCE, 0, 0.0, 100.0,
+                                 "below the drum's bubble point", "0"},
+    [DRIVE_HEAT_LOSS] = {"heat_loss", MEASURE_POWER, 0, 0.0, 1e12,
+                         "taken off `heat`, which does not fall below 0 by it; only with `heat`",
+                         "0"},
+    [DRIVE_PRESSURE] = {"pressure", MEASURE_PRESSURE, 0, 100.0, 1e7, "in the condenser",
+                        "always needed"},
+    [DRIVE_DISTILLATE] = {"distillate", MEASURE_FLOW, 0, 0.0, 1e12, "flow of the distillate",
+                          "needed with `levels`, where no level moves it"},
+    [DRIVE_BOTTOMS] = {"bottoms", MEASURE_FLOW, 0, 0.0, 1e12, "flow of the bottoms",
+                       "needed with `levels`, where no level moves it"},
 };
 
 const char *column_drive_name(enum column_drive is)
 {
     return drives[is].name;
+}
+
+const struct column_quantity *column_drive_row(size_t k)
+{
+    return k < DRIVE_COUNT ? &drives[k] : NULL;
 }
 
 const struct column_unit *column_read_unit(struct column_reader *r, const json_t *object,
@@ -51,8 +71,8 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
 void column_read_span(struct column_reader *r, const json_t *object, struct plant_channel *c)
 {
     struct json_walk *w = r->walk;
-    c->lo = walk_number(w, object, "lo", -COLUMN_BIG, COLUMN_BIG, NAN);
-    c->hi = walk_number(w, object, "hi", -COLUMN_BIG, COLUMN_BIG, NAN);
+    c->lo = walk_field(w, object, column_input_keys, "lo"); /* as of every channel */
+    c->hi = walk_field(w, object, column_input_keys, "hi");
     if (!(c->lo < c->hi)) {
         (void)walk_fail(w, "lo, %g, must be below hi, %g", c->lo, c->hi);
     }
@@ -161,15 +181,12 @@ static void read_nominal(struct column_reader *r, const json_t *object, struct p
 
 static void read_channel(struct column_reader *r, const json_t *object, enum plant_kind kind)
 {
-    static const char *const mv[] = {"name",    "is",   "of",   "unit", "lo", "hi",
-                                     "nominal", "safe", "slew", "help", NULL};
-    static const char *const disturbance[] = {"name", "is",      "of",   "unit", "lo",
-                                              "hi",   "nominal", "help", NULL};
+    const struct file_key *keys = kind == PLANT_MV ? column_input_keys : column_disturbance_keys;
     struct json_walk *w = r->walk;
     struct plant_channel *c = &r->channels[r->n_channels];
     c->kind = kind;
     c->name = "";
-    if (!walk_object(w, object, kind == PLANT_MV ? mv : disturbance)) {
+    if (!walk_object(w, object, keys)) {
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
@@ -193,24 +210,24 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
         if (json_object_get(object, "safe") != NULL) {
             c->safe = walk_number(w, object, "safe", c->lo, c->hi, NAN);
         }
-        c->slew = walk_number(w, object, "slew", 0.0, COLUMN_BIG, 0.0);
+        c->slew = walk_field(w, object, keys, "slew");
     }
     (void)add(r, d);
     r->n_channels++;
 }
 
-void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind, bool required,
-                      size_t most,
+void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind,
                       void (*read)(struct column_reader *r, const json_t *object,
                                    enum plant_kind kind))
 {
     struct json_walk *w = r->walk;
+    bool required = file_key_find(column_keys, key)->lo > 0.0;
     const json_t *list = walk_get(w, r->root, key, required);
     if (list == NULL) {
         return;
     }
     size_t mark = walk_key(w, key);
-    size_t n = walk_array(w, list, required ? 1 : 0, most, "channels");
+    size_t n = walk_list(w, list, column_keys, key, "channels");
     for (size_t i = 0; i < n && !w->failed; i++) {
         size_t inner = walk_index(w, i);
         read(r, json_array_get(list, i), kind);
@@ -221,10 +238,9 @@ void column_read_list(struct column_reader *r, const char *key, enum plant_kind 
 
 static void read_constant(struct column_reader *r, const json_t *object, enum column_drive is)
 {
-    static const char *const plain[] = {"value", "unit", NULL};
-    static const char *const fraction[] = {"of", "value", "unit", NULL};
     struct json_walk *w = r->walk;
-    if (!walk_object(w, object, is == DRIVE_FEED_FRACTION ? fraction : plain)) {
+    if (!walk_object(w, object,
+                     is == DRIVE_FEED_FRACTION ? constant_fraction_keys : constant_keys)) {
         return;
     }
     struct column_driven d = {.drive = is};
@@ -255,18 +271,18 @@ static void read_constants(struct column_reader *r)
 {
     struct json_walk *w = r->walk;
     const json_t *object = walk_get(w, r->root, "constants", false);
-    const char *known[DRIVE_COUNT + 1] = {NULL};
+    struct file_key known[DRIVE_COUNT + 1] = {{.name = NULL}};
     if (object == NULL) {
         return;
     }
     for (size_t k = 0; k < DRIVE_COUNT; k++) {
-        known[k] = drives[k].name;
+        known[k].name = drives[k].name;
     }
     size_t mark = walk_key(w, "constants");
     if (walk_object(w, object, known)) {
         for (size_t k = 0; k < DRIVE_COUNT && !w->failed; k++) { /* in an order of their own */
-            const json_t *value = json_object_get(object, known[k]);
-            size_t inner = walk_key(w, known[k]);
+            const json_t *value = json_object_get(object, drives[k].name);
+            size_t inner = walk_key(w, drives[k].name);
             if (value != NULL && k == DRIVE_FEED_FRACTION) {
                 read_constant_fractions(r, value);
             } else if (value != NULL) {
@@ -280,8 +296,8 @@ static void read_constants(struct column_reader *r)
 
 void column_read_inputs(struct column_reader *r)
 {
-    column_read_list(r, "inputs", PLANT_MV, true, PLANT_CHANNELS_MAX, read_channel);
-    column_read_list(r, "disturbances", PLANT_DISTURBANCE, false, PLANT_CHANNELS_MAX, read_channel);
+    column_read_list(r, "inputs", PLANT_MV, read_channel);
+    column_read_list(r, "disturbances", PLANT_DISTURBANCE, read_channel);
     r->file->terms.n_inputs = r->n_channels;
     if (!r->walk->failed) {
         read_constants(r);

@@ -6,9 +6,6 @@
 #include "bench/text.h"
 #include "columns/column_reader.h"
 
-#define HOLDUP_LEAST   1e-9
-#define HOLDUP_LARGEST 1e9
-
 /* The text under a key as one of a list (NULL at its end); its place there. */
 static size_t read_choice(struct json_walk *w, const json_t *object, const char *key,
                           const char *const *choices)
@@ -85,7 +82,6 @@ static void read_temperature_range(struct column_reader *r)
 
 static void read_hydraulics(struct column_reader *r, const json_t *holdup)
 {
-    static const char *const known[] = {"time", "vapour", NULL};
     struct json_walk *w = r->walk;
     const json_t *object = walk_get(w, holdup, "hydraulics", false);
     if (object == NULL) {
@@ -94,9 +90,9 @@ static void read_hydraulics(struct column_reader *r, const json_t *holdup)
     size_t mark = walk_key(w, "hydraulics");
     if (r->file->config.holdup != COLUMN_HOLDUP_MOLAR) {
         (void)walk_fail(w, "holdups that move must have the form molar");
-    } else if (walk_object(w, object, known)) {
-        r->file->config.hydraulic_time = walk_number(w, object, "time", 0.001, 1e6, NAN);
-        r->file->config.hydraulic_vapour = walk_number(w, object, "vapour", -5.0, 5.0, 0.0);
+    } else if (walk_object(w, object, hydraulics_keys)) {
+        r->file->config.hydraulic_time = walk_field(w, object, hydraulics_keys, "time");
+        r->file->config.hydraulic_vapour = walk_field(w, object, hydraulics_keys, "vapour");
     }
     walk_up(w, mark);
 }
@@ -123,8 +119,6 @@ static void read_holdup_temperatures(struct column_reader *r, const json_t *obje
 
 static void read_holdup(struct column_reader *r)
 {
-    static const char *const known[] = {"form",         "reboiler",   "tray", "condenser",
-                                        "temperatures", "hydraulics", NULL};
     static const char *const forms[] = {"molar", "volumetric", "conservative", NULL};
     struct json_walk *w = r->walk;
     struct column_config *c = &r->file->config;
@@ -133,12 +127,11 @@ static void read_holdup(struct column_reader *r)
         return;
     }
     size_t mark = walk_key(w, "holdup");
-    if (walk_object(w, object, known)) {
+    if (walk_object(w, object, holdup_keys)) {
         c->holdup = (enum column_holdup)read_choice(w, object, "form", forms);
-        c->holdup_reboiler = walk_number(w, object, "reboiler", HOLDUP_LEAST, HOLDUP_LARGEST, NAN);
-        c->holdup_tray = walk_number(w, object, "tray", HOLDUP_LEAST, HOLDUP_LARGEST, NAN);
-        c->holdup_condenser =
-            walk_number(w, object, "condenser", HOLDUP_LEAST, HOLDUP_LARGEST, NAN);
+        c->holdup_reboiler = walk_field(w, object, holdup_keys, "reboiler");
+        c->holdup_tray = walk_field(w, object, holdup_keys, "tray");
+        c->holdup_condenser = walk_field(w, object, holdup_keys, "condenser");
         read_holdup_temperatures(r, object);
         read_hydraulics(r, object);
     }
@@ -149,17 +142,16 @@ static void read_holdup(struct column_reader *r)
 static void read_level(struct column_reader *r, const json_t *levels, const char *key,
                        const char *const *by, struct column_level *level)
 {
-    static const char *const known[] = {"by", "gain", NULL};
     struct json_walk *w = r->walk;
     const json_t *object = walk_get(w, levels, key, true);
     if (object == NULL) {
         return;
     }
     size_t mark = walk_key(w, key);
-    if (walk_object(w, object, known)) {
+    if (walk_object(w, object, level_keys)) {
         level->by = (enum column_level_by)read_choice(w, object, "by", by);
         if (level->by != COLUMN_LEVEL_FREE) {
-            level->gain = walk_number(w, object, "gain", 1e-9, 1000.0, NAN);
+            level->gain = walk_field(w, object, level_keys, "gain");
         } else if (json_object_get(object, "gain") != NULL) {
             (void)walk_fail(w, "has a gain, but no flow that it could move");
         }
@@ -169,7 +161,6 @@ static void read_level(struct column_reader *r, const json_t *levels, const char
 
 static void read_levels(struct column_reader *r)
 {
-    static const char *const known[] = {"capacity", "condenser", "reboiler", NULL};
     static const char *const drum[] = {"none", "distillate", "reflux", NULL};
     static const char *const bottom[] = {"none", "bottoms", "boilup", NULL};
     struct json_walk *w = r->walk;
@@ -181,9 +172,9 @@ static void read_levels(struct column_reader *r)
     size_t mark = walk_key(w, "levels");
     if (c->holdup != COLUMN_HOLDUP_MOLAR) {
         (void)walk_fail(w, "levels that rise and fall need a holdup of the form molar");
-    } else if (walk_object(w, object, known)) {
+    } else if (walk_object(w, object, levels_keys)) {
         c->levels = COLUMN_LEVELS_HOLDUPS;
-        c->level_capacity = walk_number(w, object, "capacity", 1.0, 10.0, 2.0);
+        c->level_capacity = walk_field(w, object, levels_keys, "capacity");
         if (c->level_capacity == 1.0) {
             (void)walk_fail(w, "capacity, 1, must be more than 1");
         }
@@ -203,11 +194,12 @@ static void read_structure(struct column_reader *r)
         (void)walk_fail(w, "%g is not a known version of this format; must be 1", version);
         walk_up(w, mark);
     }
-    c->stages = read_count(w, r->root, "stages", 4, COLUMN_STAGES_MAX);
+    const struct file_key *stages = file_key_find(column_keys, "stages");
+    c->stages = read_count(w, r->root, "stages", (size_t)stages->lo, (size_t)stages->hi);
     c->feed_stage = read_count(w, r->root, "feed_stage", 2, c->stages - 2);
-    c->efficiency = walk_number(w, r->root, "efficiency", 0.01, 1.0, 1.0);
-    c->pressure_drop = walk_number(w, r->root, "pressure_drop", 0.0, 1e7, 0.0);
-    c->limit_softness = walk_number(w, r->root, "limit_softness", 0.001, 0.5, 0.02);
+    c->efficiency = walk_field(w, r->root, column_keys, "efficiency");
+    c->pressure_drop = walk_field(w, r->root, column_keys, "pressure_drop");
+    c->limit_softness = walk_field(w, r->root, column_keys, "limit_softness");
     read_temperature_range(r);
     if (!w->failed) {
         column_read_components(r);
@@ -267,25 +259,15 @@ static void fill_class(struct column_reader *r)
 
 void column_json_read(struct json_walk *w, const json_t *root, struct plant_class *class)
 {
-    static const char *const known[] = {PLANT_HEAD_KEYS,  "column",
-                                        "components",     "reference_vapour_pressure",
-                                        "activity",       "stages",
-                                        "feed_stage",     "efficiency",
-                                        "pressure_drop",  "temperature_range",
-                                        "limit_softness", "holdup",
-                                        "levels",         "constants",
-                                        "inputs",         "disturbances",
-                                        "outputs",        "truths",
-                                        "steady_state",   NULL};
     struct column_reader r = {.walk = w, .root = root, .class = class};
     size_t most = 3 * PLANT_CHANNELS_MAX + COLUMN_TRUTHS_MAX;
     r.file = walk_memory(w, 1, sizeof(*r.file));
     r.channels = walk_memory(w, most, sizeof(*r.channels));
     r.seen = walk_memory(w, most, sizeof(*r.seen));
-    if (w->failed || !walk_object(w, root, known)) {
+    if (w->failed || !walk_object(w, root, column_keys)) {
         return;
     }
-    plant_read_head(w, root, class);
+    plant_read_head(w, root, column_keys, class);
     read_structure(&r);
     validate(&r);
     if (!w->failed) {

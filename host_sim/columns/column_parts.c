@@ -85,10 +85,10 @@ static void read_heats(struct column_reader *r, const json_t *object, struct com
 {
     struct json_walk *w = r->walk;
     double hottest = r->file->config.temperature_max;
-    c->vaporisation_heat = walk_number(w, object, "vaporisation_heat", 1.0, 1e6, 0.0);
-    c->boiling_point = walk_number(w, object, "boiling_point", 1.0, 2000.0, 0.0);
-    c->critical_temperature = walk_number(w, object, "critical_temperature", 1.0, 1e4, 0.0);
-    c->heat_capacity = walk_number(w, object, "heat_capacity", 1.0, 1e5, 0.0);
+    c->vaporisation_heat = walk_field(w, object, component_keys, "vaporisation_heat");
+    c->boiling_point = walk_field(w, object, component_keys, "boiling_point");
+    c->critical_temperature = walk_field(w, object, component_keys, "critical_temperature");
+    c->heat_capacity = walk_field(w, object, component_keys, "heat_capacity");
     if (c->critical_temperature != 0.0 &&
         !(c->critical_temperature > c->boiling_point && c->critical_temperature > hottest)) {
         size_t mark = walk_key(w, "critical_temperature");
@@ -104,20 +104,10 @@ static void read_heats(struct column_reader *r, const json_t *object, struct com
 static void read_component(struct column_reader *r, const json_t *object, size_t j,
                            const double *reference)
 {
-    static const char *const known[] = {"name",
-                                        "vapour_pressure",
-                                        "relative_volatility",
-                                        "molar_mass",
-                                        "density",
-                                        "vaporisation_heat",
-                                        "boiling_point",
-                                        "critical_temperature",
-                                        "heat_capacity",
-                                        NULL};
     struct json_walk *w = r->walk;
     struct component *c = &r->file->component[j];
     c->name = "";
-    if (!walk_object(w, object, known)) {
+    if (!walk_object(w, object, component_keys)) {
         return;
     }
     read_name(r, object, j);
@@ -131,11 +121,11 @@ static void read_component(struct column_reader *r, const json_t *object, size_t
                            "reference_vapour_pressure every component has one");
     } else if (relative) {
         memcpy(c->antoine, reference, sizeof c->antoine);
-        c->antoine[0] += log(walk_number(w, object, "relative_volatility", 1e-6, 1e6, NAN));
+        c->antoine[0] += log(walk_field(w, object, component_keys, "relative_volatility"));
     } else {
         read_vapour_pressure(r, object, "vapour_pressure", c->antoine);
     }
-    c->molar_mass = walk_number(w, object, "molar_mass", 1e-4, 10.0, 0.0);
+    c->molar_mass = walk_field(w, object, component_keys, "molar_mass");
     read_density(r, object, c->density);
     read_heats(r, object, c);
 }
@@ -153,7 +143,7 @@ void column_read_components(struct column_reader *r)
         return;
     }
     size_t mark = walk_key(w, "components");
-    size_t n = walk_array(w, list, 2, COLUMN_COMPONENTS_MAX, "components");
+    size_t n = walk_list(w, list, column_keys, "components", "components");
     for (size_t j = 0; j < n; j++) {
         size_t inner = walk_index(w, j);
         read_component(r, json_array_get(list, j), j, relative ? reference : NULL);
@@ -254,8 +244,6 @@ static void check_activity(struct column_reader *r, const struct activity *table
 
 void column_read_activity(struct column_reader *r)
 {
-    static const char *const wilson[] = {"model", "a", "b", NULL};
-    static const char *const nrtl[] = {"model", "a", "b", "alpha", NULL};
     struct json_walk *w = r->walk;
     struct activity *table = &r->file->activity;
     size_t n = r->file->config.components;
@@ -266,7 +254,7 @@ void column_read_activity(struct column_reader *r)
     size_t mark = walk_key(w, "activity");
     const char *model = json_string_value(json_object_get(object, "model"));
     bool is_wilson = model != NULL && strcmp(model, "wilson") == 0;
-    if (walk_object(w, object, is_wilson ? wilson : nrtl)) {
+    if (walk_object(w, object, is_wilson ? wilson_keys : nrtl_keys)) {
         model = walk_text(w, object, "model", 20, NULL);
         if (!w->failed && !is_wilson && strcmp(model, "nrtl") != 0) {
             size_t inner = walk_key(w, "model");

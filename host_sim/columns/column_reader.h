@@ -38,9 +38,22 @@ struct column_reader {
 /* Kinds of entries in a file, by its `is` or its key in `constants`. */
 struct column_quantity {
     const char *name;
-    unsigned measures;
-    double lo, hi; /* what the model takes, SI */
+    unsigned measures, keys; /* keys: enum view_keys, of what is seen */
+    double lo, hi;           /* what the model takes, SI; of what is seen: both 0 */
+    const char *about;
+    const char *otherwise; /* what holds where nothing gives it, or when it is needed */
 };
+
+/* Keys of an entry that is seen, besides its unit. */
+enum view_keys {
+    KEY_STAGE = 1, /* one stage */
+    KEY_STAGES = 2,
+    KEY_OF = 4
+};
+
+/* The k-th quantity that drives a column, and the k-th that is seen of one; NULL past the end. */
+const struct column_quantity *column_drive_row(size_t k);
+const struct column_quantity *column_sight_row(size_t k);
 
 /* --- column_parts.c --- */
 
@@ -69,9 +82,8 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
                                            unsigned measures, const char *what);
 /* lo and hi of a channel; both within what the quantity may be. */
 void column_read_span(struct column_reader *r, const json_t *object, struct plant_channel *c);
-/* A list of channels under a key, each handed to read: at most so many, and one at least where it is required. */
-void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind, bool required,
-                      size_t most,
+/* A list of channels under a key, each handed to read: as many as its row in column_keys has. */
+void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind,
                       void (*read)(struct column_reader *r, const json_t *object,
                                    enum plant_kind kind));
 

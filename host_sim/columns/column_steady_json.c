@@ -60,10 +60,9 @@ static size_t find_driven(struct column_reader *r, const char *name)
 
 static void read_trim(struct column_reader *r, const json_t *object)
 {
-    static const char *const known[] = {"channel", "value", "trim", NULL};
     struct json_walk *w = r->walk;
     const struct column_terms *t = &r->file->terms;
-    if (!walk_object(w, object, known)) {
+    if (!walk_object(w, object, trim_keys)) {
         return;
     }
     struct column_trim trim = {.seen = find_seen(r, walk_text(w, object, "channel", 40, NULL)),

@@ -1,6 +1,6 @@
 /* Channels of a column in the column's own terms (model/column.h): a table that binds every input, and what
  * stands for an input that is none, to a quantity and a unit, and every other channel to a value of the column.
- * Which quantities there are, with their units: docs/use/columns.md.
+ * Which quantities there are, with their units: docs/reference/plant-files.md.
  *
  * Pure functions on real_t. The table holds doubles and no real_t, so that builds of the model in several
  * precisions read the same one. */

@@ -89,6 +89,11 @@ const struct column_unit *column_unit_find(const char *name, unsigned measures)
     return NULL;
 }
 
+const struct column_unit *column_unit_at(size_t k)
+{
+    return k < UNITS ? &units[k] : NULL;
+}
+
 void column_unit_names(unsigned measures, char *text, size_t size)
 {
     text[0] = '\0';

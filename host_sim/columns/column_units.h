@@ -1,4 +1,4 @@
-/* The units in which a column's file may give and show quantities, and what they are in SI: docs/use/columns.md. */
+/* The units in which a column's file may give and show quantities, and what they are in SI: docs/reference/plant-files.md. */
 #ifndef REFLUX_HOST_SIM_COLUMN_UNITS_H
 #define REFLUX_HOST_SIM_COLUMN_UNITS_H
 
@@ -32,6 +32,9 @@ struct column_unit {
 
 /* The unit of that name for one of the measures; NULL when there is none. */
 const struct column_unit *column_unit_find(const char *name, unsigned measures);
+
+/* The k-th unit; NULL past the end. */
+const struct column_unit *column_unit_at(size_t k);
 
 /* Names of all units for the measures, "K, degC". */
 void column_unit_names(unsigned measures, char *text, size_t size);

@@ -5,35 +5,48 @@
 #include "bench/text.h"
 #include "columns/column_reader.h"
 
-/* Keys of an entry besides its unit. */
-enum view_keys {
-    KEY_STAGE = 1, /* one stage */
-    KEY_STAGES = 2,
-    KEY_OF = 4
+/* In the order of enum column_sight. */
+static const struct column_quantity sights[SIGHT_COUNT] = {
+    [SIGHT_TEMPERATURE] = {"temperature", MEASURE_TEMPERATURE, KEY_STAGE | KEY_STAGES, 0.0, 0.0,
+                           "of the liquid; with stages their mean", NULL},
+    [SIGHT_TEMPERATURE_DIFFERENCE] = {"temperature_difference", MEASURE_DIFFERENCE, KEY_STAGES, 0.0,
+                                      0.0, "the first stage less the second", NULL},
+    [SIGHT_FRACTION] = {"fraction", MEASURE_MOLE_FRACTION | MEASURE_MASS_FRACTION,
+                        KEY_STAGE | KEY_STAGES | KEY_OF, 0.0, 0.0,
+                        "in the liquid; with stages their mean", NULL},
+    [SIGHT_LOG_FRACTION] = {"log_fraction", MEASURE_NUMBER, KEY_STAGE | KEY_STAGES | KEY_OF, 0.0,
+                            0.0,
+                            "ln(x / (1 - x)) of that fraction, x held between 1e-12 and 1 - 1e-12",
+                            NULL},
+    [SIGHT_VAPOUR_FRACTION] = {"vapour_fraction", MEASURE_MOLE_FRACTION, KEY_STAGE | KEY_OF, 0.0,
+                               0.0, "in the vapour leaving the stage, 1 to N-1", NULL},
+    [SIGHT_LEVEL] = {"level", MEASURE_CAPACITY | MEASURE_AMOUNT, KEY_STAGE, 0.0, 0.0,
+                     "% of the capacity (of the ends, with `levels`), or the holdup", NULL},
+    [SIGHT_DISTILLATE] = {"distillate", MEASURE_FLOW, 0, 0.0, 0.0, "the stream as it flows", NULL},
+    [SIGHT_BOTTOMS] = {"bottoms", MEASURE_FLOW, 0, 0.0, 0.0, "the stream as it flows", NULL},
+    [SIGHT_REFLUX] = {"reflux", MEASURE_FLOW, 0, 0.0, 0.0, "the stream as it flows", NULL},
+    [SIGHT_BOILUP] = {"boilup", MEASURE_MOLAR_FLOW, 0, 0.0, 0.0, "vapour leaving the reboiler",
+                      NULL},
+    [SIGHT_LIQUID_FLOW] = {"liquid_flow", MEASURE_MOLAR_FLOW, KEY_STAGE, 0.0, 0.0,
+                           "what leaves the stage downwards", NULL},
+    [SIGHT_VAPOUR_FLOW] = {"vapour_flow", MEASURE_MOLAR_FLOW, KEY_STAGE, 0.0, 0.0,
+                           "what leaves the stage upwards", NULL},
+    [SIGHT_HEAT] = {"heat", MEASURE_POWER, 0, 0.0, 0.0,
+                    "what boils the liquid, the loss taken off: V_S h(c_1, T_1)", NULL},
+    [SIGHT_FEED] = {"feed", MEASURE_FLOW, 0, 0.0, 0.0,
+                    "as it is driven: a meter in its line; a unit of the feed's own kind (moles, "
+                    "mass or volume)",
+                    NULL},
+    [SIGHT_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 0, 0.0, 0.0,
+                                "as it is driven: a thermometer in its line", NULL},
+    [SIGHT_PRESSURE] = {"pressure", MEASURE_PRESSURE, 0, 0.0, 0.0,
+                        "in the condenser, as it is driven: a pressure transmitter", NULL},
 };
 
-static const struct {
-    const char *name;
-    unsigned measures, keys;
-} sights[SIGHT_COUNT] = {
-    [SIGHT_TEMPERATURE] = {"temperature", MEASURE_TEMPERATURE, KEY_STAGE | KEY_STAGES},
-    [SIGHT_TEMPERATURE_DIFFERENCE] = {"temperature_difference", MEASURE_DIFFERENCE, KEY_STAGES},
-    [SIGHT_FRACTION] = {"fraction", MEASURE_MOLE_FRACTION | MEASURE_MASS_FRACTION,
-                        KEY_STAGE | KEY_STAGES | KEY_OF},
-    [SIGHT_LOG_FRACTION] = {"log_fraction", MEASURE_NUMBER, KEY_STAGE | KEY_STAGES | KEY_OF},
-    [SIGHT_VAPOUR_FRACTION] = {"vapour_fraction", MEASURE_MOLE_FRACTION, KEY_STAGE | KEY_OF},
-    [SIGHT_LEVEL] = {"level", MEASURE_CAPACITY | MEASURE_AMOUNT, KEY_STAGE},
-    [SIGHT_DISTILLATE] = {"distillate", MEASURE_FLOW, 0},
-    [SIGHT_BOTTOMS] = {"bottoms", MEASURE_FLOW, 0},
-    [SIGHT_REFLUX] = {"reflux", MEASURE_FLOW, 0},
-    [SIGHT_BOILUP] = {"boilup", MEASURE_MOLAR_FLOW, 0},
-    [SIGHT_LIQUID_FLOW] = {"liquid_flow", MEASURE_MOLAR_FLOW, KEY_STAGE},
-    [SIGHT_VAPOUR_FLOW] = {"vapour_flow", MEASURE_MOLAR_FLOW, KEY_STAGE},
-    [SIGHT_HEAT] = {"heat", MEASURE_POWER, 0},
-    [SIGHT_FEED] = {"feed", MEASURE_FLOW, 0},
-    [SIGHT_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 0},
-    [SIGHT_PRESSURE] = {"pressure", MEASURE_PRESSURE, 0},
-};
+const struct column_quantity *column_sight_row(size_t k)
+{
+    return k < SIGHT_COUNT ? &sights[k] : NULL;
+}
 
 static const char *sight_name(size_t k)
 {
@@ -188,26 +201,21 @@ static void check_feed(struct column_reader *r, const struct column_seen *seen)
 static void read_sensor(struct column_reader *r, const json_t *object, struct plant_channel *c)
 {
     struct json_walk *w = r->walk;
-    c->lag_s = walk_number(w, object, "lag_s", 0.0, 86400.0, 0.0);
-    c->noise = walk_number(w, object, "noise", 0.0, COLUMN_BIG, 0.0);
-    c->resolution = walk_number(w, object, "resolution", 0.0, COLUMN_BIG, 0.0);
-    c->every_s = walk_number(w, object, "every_s", 0.001, 86400.0, 0.0);
-    c->delay_s = walk_number(w, object, "delay_s", 0.0, 86400.0, 0.0);
+    c->lag_s = walk_field(w, object, column_output_keys, "lag_s");
+    c->noise = walk_field(w, object, column_output_keys, "noise");
+    c->resolution = walk_field(w, object, column_output_keys, "resolution");
+    c->every_s = walk_field(w, object, column_output_keys, "every_s");
+    c->delay_s = walk_field(w, object, column_output_keys, "delay_s");
 }
 
 static void read_view(struct column_reader *r, const json_t *object, enum plant_kind kind)
 {
-    static const char *const output[] = {"name",  "is",         "of",      "stage",   "stages",
-                                         "unit",  "lo",         "hi",      "help",    "lag_s",
-                                         "noise", "resolution", "every_s", "delay_s", NULL};
-    static const char *const truth[] = {"name", "is", "of", "stage", "stages",
-                                        "unit", "lo", "hi", "help",  NULL};
     struct json_walk *w = r->walk;
     struct plant_channel *c = &r->channels[r->n_channels];
     struct column_seen *seen = &r->seen[r->file->terms.n_seen];
     c->kind = kind;
     c->name = "";
-    if (!walk_object(w, object, kind == PLANT_MEASUREMENT ? output : truth)) {
+    if (!walk_object(w, object, kind == PLANT_MEASUREMENT ? column_output_keys : truth_keys)) {
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
@@ -239,6 +247,6 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
 void column_read_views(struct column_reader *r)
 {
     r->file->terms.seen = r->seen;
-    column_read_list(r, "outputs", PLANT_MEASUREMENT, true, PLANT_CHANNELS_MAX, read_view);
-    column_read_list(r, "truths", PLANT_INTERNAL, false, COLUMN_TRUTHS_MAX, read_view);
+    column_read_list(r, "outputs", PLANT_MEASUREMENT, read_view);
+    column_read_list(r, "truths", PLANT_INTERNAL, read_view);
 }

@@ -96,7 +96,17 @@ static const char *type_of(const json_t *value)
     }
 }
 
-bool walk_object(struct json_walk *w, const json_t *value, const char *const *known)
+const struct file_key *file_key_find(const struct file_key *keys, const char *name)
+{
+    for (; keys->name != NULL; keys++) {
+        if (strcmp(keys->name, name) == 0) {
+            return keys;
+        }
+    }
+    return NULL;
+}
+
+bool walk_object(struct json_walk *w, const json_t *value, const struct file_key *known)
 {
     if (w->failed) {
         return false;
@@ -108,14 +118,10 @@ bool walk_object(struct json_walk *w, const json_t *value, const char *const *kn
     json_t *unused;
     json_object_foreach((json_t *)value, key, unused)
     {
-        size_t k = 0;
-        while (known[k] != NULL && strcmp(known[k], key) != 0) {
-            k++;
-        }
-        if (known[k] == NULL) {
+        if (file_key_find(known, key) == NULL) {
             char list[256] = "";
-            for (k = 0; known[k] != NULL; k++) {
-                sim_append(list, sizeof(list), "%s%s", k > 0 ? ", " : "", known[k]);
+            for (size_t k = 0; known[k].name != NULL; k++) {
+                sim_append(list, sizeof(list), "%s%s", k > 0 ? ", " : "", known[k].name);
             }
             return walk_fail(w, "no key \"%.40s\" is known here; known are %s", key, list);
         }
@@ -191,6 +197,20 @@ double walk_number(struct json_walk *w, const json_t *object, const char *key, d
     double x = walk_value(w, value, lo, hi);
     walk_up(w, mark);
     return x;
+}
+
+double walk_field(struct json_walk *w, const json_t *object, const struct file_key *keys,
+                  const char *key)
+{
+    const struct file_key *row = file_key_find(keys, key);
+    return walk_number(w, object, key, row->lo, row->hi, row->fallback);
+}
+
+size_t walk_list(struct json_walk *w, const json_t *list, const struct file_key *keys,
+                 const char *key, const char *what)
+{
+    const struct file_key *row = file_key_find(keys, key);
+    return walk_array(w, list, (size_t)row->lo, (size_t)row->hi, what);
 }
 
 const char *walk_text(struct json_walk *w, const json_t *object, const char *key, size_t longest,

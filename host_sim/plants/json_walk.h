@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "plants/file_keys.h"
+
 struct json_walk {
     const char *file;
     char path[256]; /* $.elements[1][0].lags */
@@ -31,8 +33,8 @@ size_t walk_key(struct json_walk *w, const char *key);
 size_t walk_index(struct json_walk *w, size_t i);
 void walk_up(struct json_walk *w, size_t mark);
 
-/* The value at the path is an object and all its keys are in the list (NULL at its end). */
-bool walk_object(struct json_walk *w, const json_t *value, const char *const *known);
+/* The value at the path is an object and has none but the known keys. */
+bool walk_object(struct json_walk *w, const json_t *value, const struct file_key *known);
 /* The value at the path is an array of min to max elements; returns how many. */
 size_t walk_array(struct json_walk *w, const json_t *value, size_t min, size_t max,
                   const char *what);
@@ -42,6 +44,12 @@ const json_t *walk_get(struct json_walk *w, const json_t *object, const char *ke
 /* A number from lo to hi; fallback when the key is missing (NaN: it must be there). */
 double walk_number(struct json_walk *w, const json_t *object, const char *key, double lo, double hi,
                    double fallback);
+/* The same with the limits and the default that the row of the key has. */
+double walk_field(struct json_walk *w, const json_t *object, const struct file_key *keys,
+                  const char *key);
+/* How many elements the list of a key holds, within the limits of its row. The path is that of the list. */
+size_t walk_list(struct json_walk *w, const json_t *list, const struct file_key *keys,
+                 const char *key, const char *what);
 /* The value at the path as a number from lo to hi. */
 double walk_value(struct json_walk *w, const json_t *value, double lo, double hi);
 /* A text of at most `longest` characters, not empty; fallback as above (NULL: it must be there). */

@@ -121,14 +121,12 @@ static double dead_time(struct json_walk *w, const json_t *object, double unit_s
 static void read_element(struct json_walk *w, const json_t *element, double unit_s, size_t *order,
                          struct linear_variant *v)
 {
-    static const char *const known[] = {"gain",       "zero",      "lags", "quadratic",
-                                        "integrator", "dead_time", NULL};
     struct chain k = {0};
-    if (!walk_object(w, element, known)) {
+    if (!walk_object(w, element, element_keys)) {
         return;
     }
-    double gain = walk_number(w, element, "gain", -1e15, 1e15, NAN);
-    double zero = unit_s * walk_number(w, element, "zero", -TIME_MAX, TIME_MAX, 0.0);
+    double gain = walk_field(w, element, element_keys, "gain");
+    double zero = unit_s * walk_field(w, element, element_keys, "zero");
     v->dead_ns = (int64_t)dead_time(w, element, unit_s);
     read_lags(w, element, unit_s, &k);
     read_quadratic(w, element, unit_s, &k);
@@ -169,8 +167,7 @@ static size_t parameter_named(struct json_walk *w, const struct linear_model *m,
 static void read_cases(struct json_walk *w, const json_t *value, double unit_s,
                        const struct linear_model *m, struct linear_block *b)
 {
-    static const char *const known[] = {"parameter", "cases", NULL};
-    if (!walk_object(w, value, known)) {
+    if (!walk_object(w, value, case_keys)) {
         return;
     }
     b->parameter = parameter_named(w, m, walk_text(w, value, "parameter", 15, NULL));
@@ -353,18 +350,25 @@ static void read_polynomials(struct json_walk *w, const json_t *root, struct lin
     }
 }
 
-/* Keys of another kind of model would be ignored without a word; they are refused. */
-static void refuse_foreign_keys(struct json_walk *w, const json_t *root, const char *model,
-                                const char *const *own)
+/* Returns whether a word stands among others with blanks between them. */
+static bool has_word(const char *words, const char *word)
 {
-    static const char *const all[] = {BLOCK_KEYS, NULL};
-    for (size_t k = 1; all[k] != NULL; k++) {
-        bool allowed = false;
-        for (size_t i = 0; own[i] != NULL; i++) {
-            allowed = allowed || strcmp(own[i], all[k]) == 0;
+    size_t n = strlen(word);
+    for (const char *at = strstr(words, word); at != NULL; at = strstr(at + 1, word)) {
+        if ((at == words || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0')) {
+            return true;
         }
-        if (!allowed && json_object_get(root, all[k]) != NULL) {
-            (void)walk_fail(w, "the key \"%s\" has no meaning in a model \"%s\"", all[k], model);
+    }
+    return false;
+}
+
+/* Keys of another kind of model would be ignored without a word; they are refused. */
+static void refuse_foreign_keys(struct json_walk *w, const json_t *root, const char *model)
+{
+    for (const struct file_key *key = linear_keys; key->name != NULL; key++) {
+        bool foreign = key->models != NULL && !has_word(key->models, model);
+        if (foreign && json_object_get(root, key->name) != NULL) {
+            (void)walk_fail(w, "the key \"%s\" has no meaning in a model \"%s\"", key->name, model);
         }
     }
 }
@@ -372,10 +376,6 @@ static void refuse_foreign_keys(struct json_walk *w, const json_t *root, const c
 bool plant_blocks_read(struct json_walk *w, const json_t *root, double unit_s,
                        struct linear_model *model)
 {
-    static const char *const transfer[] = {"elements", NULL};
-    static const char *const continuous[] = {"A", "B", "C", "D", "E", "F", NULL};
-    static const char *const discrete[] = {"period", "A", "B", "C", "D", "E", "F", NULL};
-    static const char *const polynomial[] = {"period", "A", "B", NULL};
     const char *kind = walk_text(w, root, "model", 20, NULL);
     bool sampled = strcmp(kind, "discrete") == 0 || strcmp(kind, "polynomial") == 0;
     if (sampled) {
@@ -387,16 +387,16 @@ bool plant_blocks_read(struct json_walk *w, const json_t *root, double unit_s,
         }
     }
     if (strcmp(kind, "transfer") == 0) {
-        refuse_foreign_keys(w, root, kind, transfer);
+        refuse_foreign_keys(w, root, kind);
         read_transfer(w, root, unit_s, model);
     } else if (strcmp(kind, "state_space") == 0) {
-        refuse_foreign_keys(w, root, kind, continuous);
+        refuse_foreign_keys(w, root, kind);
         read_state_space(w, root, 1.0 / unit_s, model);
     } else if (strcmp(kind, "discrete") == 0) {
-        refuse_foreign_keys(w, root, kind, discrete);
+        refuse_foreign_keys(w, root, kind);
         read_state_space(w, root, 1.0, model);
     } else if (strcmp(kind, "polynomial") == 0) {
-        refuse_foreign_keys(w, root, kind, polynomial);
+        refuse_foreign_keys(w, root, kind);
         read_polynomials(w, root, model);
     } else {
         size_t mark = walk_key(w, "model");

@@ -5,9 +5,6 @@
 #include "linear/linear_plant.h"
 #include "plants/json_walk.h"
 
-/* Keys of the file that belong to each kind of model, for the list of known ones. */
-#define BLOCK_KEYS "model", "elements", "period", "A", "B", "C", "D", "E", "F"
-
 /* model->channels and the counts are set. unit_s: seconds of the file's time unit. Fills period and blocks. */
 bool plant_blocks_read(struct json_walk *w, const json_t *root, double unit_s,
                        struct linear_model *model);

@@ -12,8 +12,6 @@
 #include <string.h>
 
 #define CHANNELS_MAX PLANT_CHANNELS_MAX
-#define CASES_MAX    100
-#define BIG          1e15
 
 struct plant_file {
     struct plant_class class; /* first: the class is the file */
@@ -22,23 +20,25 @@ struct plant_file {
     struct walk_memory *memory;
 };
 
-static void read_span(struct json_walk *w, const json_t *object, struct plant_channel *c)
+static void read_span(struct json_walk *w, const json_t *object, const struct file_key *keys,
+                      struct plant_channel *c)
 {
     c->unit = plant_read_unit(w, object);
-    c->lo = walk_number(w, object, "lo", -BIG, BIG, NAN);
-    c->hi = walk_number(w, object, "hi", -BIG, BIG, NAN);
+    c->lo = walk_field(w, object, keys, "lo");
+    c->hi = walk_field(w, object, keys, "hi");
     if (!(c->lo < c->hi)) {
         (void)walk_fail(w, "lo, %g, must be below hi, %g", c->lo, c->hi);
     }
     c->nominal = walk_number(w, object, "nominal", c->lo, c->hi, NAN);
 }
 
-static void read_input(struct json_walk *w, const json_t *object, struct plant_channel *c)
+static void read_input(struct json_walk *w, const json_t *object, const struct file_key *keys,
+                       struct plant_channel *c)
 {
-    read_span(w, object, c);
+    read_span(w, object, keys, c);
     if (c->kind == PLANT_MV) {
         c->safe = walk_number(w, object, "safe", c->lo, c->hi, c->nominal);
-        c->slew = walk_number(w, object, "slew", 0.0, BIG, 0.0);
+        c->slew = walk_field(w, object, keys, "slew");
     }
 }
 
@@ -46,7 +46,7 @@ static void read_parameter(struct json_walk *w, const json_t *object, struct pla
 {
     c->unit = "-";
     c->lo = 1.0;
-    c->hi = walk_number(w, object, "values", 2.0, CASES_MAX, NAN);
+    c->hi = walk_field(w, object, linear_parameter_keys, "values");
     c->nominal = walk_number(w, object, "nominal", 1.0, c->hi, 1.0);
     if (c->hi != floor(c->hi) || c->nominal != floor(c->nominal)) {
         (void)walk_fail(w, "values and nominal must be whole numbers");
@@ -55,48 +55,38 @@ static void read_parameter(struct json_walk *w, const json_t *object, struct pla
 
 static void read_output(struct json_walk *w, const json_t *object, struct plant_channel *c)
 {
-    read_span(w, object, c);
-    c->lag_s = walk_number(w, object, "lag_s", 0.0, 86400.0, 0.0);
-    c->noise = walk_number(w, object, "noise", 0.0, BIG, 0.0);
-    c->resolution = walk_number(w, object, "resolution", 0.0, BIG, 0.0);
+    read_span(w, object, linear_output_keys, c);
+    c->lag_s = walk_field(w, object, linear_output_keys, "lag_s");
+    c->noise = walk_field(w, object, linear_output_keys, "noise");
+    c->resolution = walk_field(w, object, linear_output_keys, "resolution");
 }
 
-/* One list of channels, appended to those before it; returns how many. */
+/* One list of channels with these keys, appended to those before it; returns how many. */
 static size_t read_list(struct json_walk *w, const json_t *root, const char *key,
-                        enum plant_kind kind, bool required, struct plant_channel *channels,
-                        size_t n)
+                        enum plant_kind kind, const struct file_key *keys,
+                        struct plant_channel *channels, size_t n)
 {
-    static const char *const mv[] = {"name", "unit", "lo",   "hi", "nominal",
-                                     "safe", "slew", "help", NULL};
-    static const char *const disturbance[] = {"name", "unit", "lo", "hi", "nominal", "help", NULL};
-    static const char *const measurement[] = {"name",  "unit",  "lo",         "hi",   "nominal",
-                                              "lag_s", "noise", "resolution", "help", NULL};
-    static const char *const parameter[] = {"name", "values", "nominal", "help", NULL};
-    bool is_parameter = strcmp(key, "parameters") == 0;
+    bool required = file_key_find(linear_keys, key)->lo > 0.0;
     const json_t *list = walk_get(w, root, key, required);
     if (list == NULL) {
         return 0;
     }
     size_t mark = walk_key(w, key);
-    size_t count = walk_array(w, list, required ? 1 : 0, CHANNELS_MAX, "channels");
+    size_t count = walk_list(w, list, linear_keys, key, "channels");
     for (size_t i = 0; i < count; i++) {
         const json_t *object = json_array_get(list, i);
         size_t inner = walk_index(w, i);
         struct plant_channel *c = &channels[n + i];
         c->kind = kind;
         c->name = "";
-        if (walk_object(w, object,
-                        is_parameter                ? parameter
-                        : kind == PLANT_MV          ? mv
-                        : kind == PLANT_DISTURBANCE ? disturbance
-                                                    : measurement)) {
+        if (walk_object(w, object, keys)) {
             plant_read_name(w, object, channels, n + i);
-            if (is_parameter) {
+            if (keys == linear_parameter_keys) {
                 read_parameter(w, object, c);
             } else if (kind == PLANT_MEASUREMENT) {
                 read_output(w, object, c);
             } else {
-                read_input(w, object, c);
+                read_input(w, object, keys, c);
             }
         }
         walk_up(w, inner);
@@ -125,24 +115,25 @@ static double time_unit(struct json_walk *w, const json_t *root, const char **na
 
 static void read_plant(struct json_walk *w, struct plant_file *file)
 {
-    static const char *const known[] = {PLANT_HEAD_KEYS, "time_unit", "inputs",   "disturbances",
-                                        "parameters",    "outputs",   BLOCK_KEYS, NULL};
     const json_t *root = file->root;
     struct plant_class *c = &file->class;
     struct linear_model *m = &file->model;
     struct plant_channel *channels = walk_memory(w, 4 * CHANNELS_MAX, sizeof(*channels));
-    if (channels == NULL || !walk_object(w, root, known)) {
+    if (channels == NULL || !walk_object(w, root, linear_keys)) {
         return;
     }
-    plant_read_head(w, root, c);
+    plant_read_head(w, root, linear_keys, c);
     double unit_s = time_unit(w, root, &c->time_unit);
-    size_t n = read_list(w, root, "inputs", PLANT_MV, true, channels, 0);
+    size_t n = read_list(w, root, "inputs", PLANT_MV, linear_input_keys, channels, 0);
     m->n_mvs = n;
-    n += read_list(w, root, "disturbances", PLANT_DISTURBANCE, false, channels, n);
+    n +=
+        read_list(w, root, "disturbances", PLANT_DISTURBANCE, linear_disturbance_keys, channels, n);
     m->n_inputs = n;
-    m->n_parameters = read_list(w, root, "parameters", PLANT_DISTURBANCE, false, channels, n);
+    m->n_parameters =
+        read_list(w, root, "parameters", PLANT_DISTURBANCE, linear_parameter_keys, channels, n);
     n += m->n_parameters;
-    m->n_outputs = read_list(w, root, "outputs", PLANT_MEASUREMENT, true, channels, n);
+    m->n_outputs =
+        read_list(w, root, "outputs", PLANT_MEASUREMENT, linear_output_keys, channels, n);
     m->name = c->name;
     m->channels = channels;
     if (w->failed || !plant_blocks_read(w, root, unit_s, m)) {

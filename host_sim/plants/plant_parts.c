@@ -29,7 +29,8 @@ void plant_read_name(struct json_walk *w, const json_t *object, struct plant_cha
     walk_up(w, mark);
 }
 
-void plant_read_head(struct json_walk *w, const json_t *root, struct plant_class *c)
+void plant_read_head(struct json_walk *w, const json_t *root, const struct file_key *keys,
+                     struct plant_class *c)
 {
     c->name = walk_text(w, root, "name", 40, NULL);
     size_t mark = walk_key(w, "name");
@@ -40,7 +41,7 @@ void plant_read_head(struct json_walk *w, const json_t *root, struct plant_class
     c->title = walk_text(w, root, "title", 120, NULL);
     c->source = walk_text(w, root, "source", PLANT_TEXT_MAX, NULL);
     c->ours = walk_text(w, root, "ours", 2 * PLANT_TEXT_MAX, "nothing");
-    c->tick_s = walk_number(w, root, "tick_s", 0.001, 86400.0, NAN);
+    c->tick_s = walk_field(w, root, keys, "tick_s");
     if (fabs(c->tick_s * 1000.0 - round(c->tick_s * 1000.0)) > 1e-6) {
         mark = walk_key(w, "tick_s");
         (void)walk_fail(w, "%g must be a whole number of milliseconds", c->tick_s);

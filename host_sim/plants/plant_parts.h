@@ -8,13 +8,12 @@
 #define PLANT_CHANNELS_MAX ((size_t)16) /* of each kind: what the plant link carries */
 #define PLANT_TEXT_MAX     ((size_t)600)
 
-/* Keys of the head, for the list of known ones. */
-#define PLANT_HEAD_KEYS "name", "title", "source", "ours", "tick_s"
-
 /* Letters, digits and underscores only. */
 bool plant_name_allowed(const char *name);
 
-void plant_read_head(struct json_walk *w, const json_t *root, struct plant_class *c);
+/* keys: those of the file, which begin with FILE_HEAD_KEYS. */
+void plant_read_head(struct json_walk *w, const json_t *root, const struct file_key *keys,
+                     struct plant_class *c);
 
 /* Name and help of channel n; the name is that of no channel before it. */
 void plant_read_name(struct json_walk *w, const json_t *object, struct plant_channel *channels,

@@ -47,6 +47,11 @@ class Changed(unittest.TestCase):
         self.assertEqual(changed.reaching(some, "tools/reflux/cmd_gradients.py"),
                          {"tools.gradients", "tools.commands-README-quick"})
 
+    def test_a_note_of_the_reference_runs_the_test_of_its_pages(self) -> None:
+        some = [Test("tools.reference", ["x"], ["tools"]), *TESTS]
+        self.assertEqual(changed.reaching(some, "docs/reference/notes/events.toml"), {"tools.reference"})
+        self.assertIn("tools.reference", changed.reaching(some, "docs/reference/events.md"))
+
     def test_what_is_not_known_runs_everything(self) -> None:
         for path in ("CMakeLists.txt", "tests/reference/pid_cases.csv", "host_sim/scenarios/pilot.conf", "tools/launcher.sh"):
             self.assertEqual(reaching(path), {t.name for t in TESTS}, path)

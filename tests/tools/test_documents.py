@@ -14,15 +14,25 @@ from support import ROOT
 
 from reflux.paths import every
 
-PAGES = (  # page, header, struct, group of docs/use/console.md
-    ("methods/pid.md", "signal/pid.h", "pid_config", "loop<i>"),
-    ("methods/feedforward.md", "block/settings.h", "feedforward_settings", "ff<i>"),
-    ("methods/tuning.md", "design/tuning.h", "tuning", "loop<i>"),
+PAGES = (  # page, header, struct, group of docs/reference/parameters.md
+    ("methods/pid.md", "signal/pid.h", "pid_config", "loop"),
+    ("methods/feedforward.md", "block/settings.h", "feedforward_settings", "ff"),
+    ("methods/tuning.md", "design/tuning.h", "tuning", "loop"),
 )
 
 
 def page(name: str) -> str:
     return (ROOT / "docs" / name).read_text(encoding="utf-8")
+
+
+def words() -> dict[str, int]:
+    """Words of README and of each folder of docs/, without the pages that tools/reference writes."""
+    counts = {"README.md": len((ROOT / "README.md").read_text(encoding="utf-8").split())}
+    for path in every(ROOT / "docs", "**/*.md"):
+        folder = path.parent.relative_to(ROOT).as_posix()
+        if folder != "docs/reference":
+            counts[folder] = counts.get(folder, 0) + len(path.read_text(encoding="utf-8").split())
+    return counts
 
 
 def fields(header: str, struct: str) -> list[str]:
@@ -34,8 +44,8 @@ def fields(header: str, struct: str) -> list[str]:
 
 
 def parameters(group: str) -> list[str]:
-    section = page("use/console.md").split(f"**`{group}`**")[1].split("\n**`")[0]
-    return re.findall(r"^\| (\w+) \|.*0x[0-9a-f]+ \|$", section, re.MULTILINE)
+    section = page("reference/parameters.md").split(f"\n### {group}\n")[1].split("\n##")[0]
+    return re.findall(r"^\| `(\w+)` \|.*0x[0-9a-f]+ \|$", section, re.MULTILINE)
 
 
 def table(name: str) -> list[tuple[list[str], list[str]]]:
@@ -73,11 +83,11 @@ class Names(unittest.TestCase):
 
 
 class Kinds(unittest.TestCase):
-    def test_the_console_page_names_every_kind_that_a_block_can_be(self) -> None:
+    def test_the_page_of_parameters_names_every_kind_that_a_block_can_be(self) -> None:
         tables = [body for path in (ROOT / "firmware" / "kinds").glob("*/*.c")
                   for body in re.findall(r"^const struct block_kind \w+ = {\n(.*?)^};", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)]
         names = {re.findall(r'\.name = "(\w+)"', body)[0] for body in tables if ".parameter =" in body}
-        row = re.findall(r"^\| kind \|  \| (\S+) \|.*0x[0-9a-f]+ \|$", page("use/console.md"), re.MULTILINE)
+        row = re.findall(r"^\| `kind` \| word \| (\S+) \|.*0x[0-9a-f]+ \|$", page("reference/parameters.md"), re.MULTILINE)
         self.assertEqual(len(row), 1)
         self.assertEqual(set(row[0].split("\\|")), names | {"-"})
 
@@ -175,4 +185,5 @@ class Figures(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    print(f"words: {', '.join(f'{folder} {count}' for folder, count in words().items())}; {sum(words().values())} in all")
     unittest.main()

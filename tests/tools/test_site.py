@@ -21,7 +21,7 @@ class Nav(unittest.TestCase):
         listed = re.findall(r"^ *- (?:\w+: )?(\S+\.md)$", text, re.MULTILINE)
         docs = [path.relative_to(ROOT / "docs").as_posix() for path in every(ROOT / "docs", "**/*.md")]
         self.assertEqual(sorted(listed), sorted([*docs, *site_hooks.OF_THE_ROOT]))
-        self.assertEqual(re.findall(r"^  - (\w+):", text, re.MULTILINE), ["Reflux", "Start", "Use", "Methods", "Inside", "Decisions"])
+        self.assertEqual(re.findall(r"^  - (\w+):", text, re.MULTILINE), ["Reflux", "Start", "Use", "Methods", "Reference", "Inside", "Decisions"])
 
     def test_the_theme_fetches_no_fonts(self) -> None:
         self.assertIn("\n  font: false\n", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))

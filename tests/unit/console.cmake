@@ -8,10 +8,7 @@ reflux_test(flow LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_flow.c" LIBS
 target_include_directories(test_line_editor PRIVATE "${REFLUX_LAYERS}/console")
 target_include_directories(test_event_log PRIVATE "${REFLUX_LAYERS}/service")
 
-# The table of commands in docs/use/console.md, and whether it has all of them.
-add_executable(command_table "${PROJECT_SOURCE_DIR}/tests/support/command_table.c")
-target_link_libraries(command_table PRIVATE reflux_exchange reflux_options)
-target_include_directories(command_table PRIVATE "${REFLUX_LAYERS}/console")
-set_target_properties(command_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
-add_test(NAME command_document COMMAND command_table "${PROJECT_SOURCE_DIR}/docs/use/console.md")
-reflux_programs_of_test(command_document unit command_table)
+# Not a test: the firmware's own tables, for tools/reference.
+add_executable(reference_tables "${PROJECT_SOURCE_DIR}/tests/support/reference_tables.c")
+target_link_libraries(reference_tables PRIVATE reflux_app reflux_hal_memory reflux_options)
+set_target_properties(reference_tables PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")

@@ -46,3 +46,8 @@ endforeach()
 reflux_test(table_reading LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_table_reading.c
             LIBS reflux_bench reflux_plants reflux_table m)
 target_compile_definitions(test_table_reading PRIVATE TABLE_DATA="${CMAKE_CURRENT_LIST_DIR}/data")
+
+# Not a test: the simulator's own tables of plant files, for tools/reference.
+add_executable(plant_tables "${PROJECT_SOURCE_DIR}/tests/support/plant_tables.c")
+target_link_libraries(plant_tables PRIVATE reflux_bench reflux_plants reflux_options)
+set_target_properties(plant_tables PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")

@@ -25,13 +25,6 @@ endforeach()
 target_link_libraries(test_stand_in PRIVATE reflux_every_kind)
 target_link_libraries(test_lost_estimate PRIVATE reflux_every_kind)
 
-# The table of parameters in docs/use/console.md, and whether it is current.
-add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c")
-target_link_libraries(parameter_table PRIVATE reflux_settings reflux_options)
-set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
-add_test(NAME parameter_document COMMAND parameter_table "${PROJECT_SOURCE_DIR}/docs/use/console.md")
-reflux_programs_of_test(parameter_document unit parameter_table)
-
 # Not a test: the instructions of a tick, for tools/bench.
 add_executable(tick_cost "${PROJECT_SOURCE_DIR}/tests/bench/tick_cost.c")
 target_link_libraries(tick_cost PRIVATE reflux_settings reflux_options)

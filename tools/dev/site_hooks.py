@@ -15,11 +15,13 @@ LINK = re.compile(r"\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Adds the pages of the root folder."""
+    """Adds the pages of the root folder, and leaves out what tools/reference has made pages of."""
     from mkdocs.structure.files import File  # here, because the tests of this file do without MkDocs
 
     for name in OF_THE_ROOT:
         files.append(File(name, str(ROOT), config["site_dir"], config["use_directory_urls"]))
+    for file in [file for file in files if file.src_uri.startswith("reference/notes/")]:
+        files.remove(file)
     return files
 
 

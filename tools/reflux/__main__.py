@@ -37,6 +37,7 @@ COMMANDS = {
     "mutate": "dev.cmd_mutate",
     "image": "dev.cmd_image",
     "evidence": "dev.cmd_evidence",
+    "reference": "dev.cmd_reference",
     "site": "dev.cmd_site",
 }
 # One line of --help for each.
@@ -66,6 +67,7 @@ WORDS = {
     "mutate": "faults put into the code, and which of them the tests notice",
     "image": "proofs on the linked image, and where its memory goes",
     "evidence": "what counts things, run and written to docs/inside/evidence.md",
+    "reference": "the reference pages, from the tables of the code",
     "site": "the pages as a site with search",
 }
 PACKAGES = {

@@ -153,7 +153,7 @@ class Lab:
         self._say(f"out {name} {value:.9g}")
 
     def set(self, name: str, value: float | str) -> None:
-        """A parameter, as bottom.gain; docs/use/console.md has them all."""
+        """A parameter, as bottom.gain; docs/reference/parameters.md has them all."""
         self._say(f"set {name} {value:.9g}" if isinstance(value, float) else f"set {name} {value}")
 
     def get(self, name: str) -> str:

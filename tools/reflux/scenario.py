@@ -6,15 +6,14 @@ import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from reflux import boards, textfile
+from reflux import textfile
 from reflux.errors import UserError
 from reflux.paths import ROOT, SCENARIOS, shown
+from reflux.scenario_keys import EVENT, FIRMWARES, LIMIT, LINE, LOOP, METRICS, TOP
 from reflux.schema import Table, check_number, load_toml
 
-FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, "memory", "serial")
-METRICS = ("iae", "overshoot_percent", "settling_s", "tv", "max_error")
 CHANNEL = re.compile(r"[A-Za-z0-9_]{1,15}")
-EVENT = re.compile(r"[A-Za-z0-9_]{1,15}(\.[a-z]{1,15})?")
+EVENT_NAME = re.compile(r"[A-Za-z0-9_]{1,15}(\.[a-z]{1,15})?")
 LINE_MAX = 120  # bytes of one console line that the firmware is sure to take
 
 
@@ -101,28 +100,28 @@ def find(name: str | Path) -> Path:
 def load(path: Path, plants: list[str] | None = None) -> Scenario:
     """Reads and checks a scenario file; plants, where known, are the names the simulator offers."""
     top = Table(load_toml(path), path)
-    name = top.text("name")
+    name = top.read(TOP["name"])
     if not re.fullmatch(r"[A-Za-z0-9_-]{1,40}", name):
         raise UserError(f'{top.path("name")} is "{name}"; letters, digits, - and _ only (it names a folder)')
-    duration = top.number("duration_s", above=0)
+    duration = top.read(TOP["duration_s"])
     scenario = Scenario(
         file=path,
         name=name,
-        title=top.text("title", name),
-        plant=top.text("plant", choices=plants),
+        title=top.read(TOP["title"], name),
+        plant=top.read(TOP["plant"], choices=plants),
         duration_s=duration,
-        tick_s=top.number("tick_s", None, above=0, high=duration),
-        seed=top.integer("seed", 1),
-        noise=top.number("noise", 1.0, low=0),
+        tick_s=top.read(TOP["tick_s"], high=duration),
+        seed=top.read(TOP["seed"]),
+        noise=top.read(TOP["noise"]),
         speed=_speed(top),
-        firmware=top.text("firmware", "host", choices=FIRMWARES),
-        timeout_s=top.number("timeout_s", 30.0, above=0),
+        firmware=top.read(TOP["firmware"]),
+        timeout_s=top.read(TOP["timeout_s"]),
         console=_console_files(top, path),
         loops=_loops(top),
         lines=_lines(top, path, duration),
         events=_events(top, duration),
         start=_start(top),
-        measure=tuple(check_channel(name, top.path("measure")) for name in top.texts("measure", [])),
+        measure=tuple(check_channel(name, top.path("measure")) for name in top.read(TOP["measure"])),
     )
     scenario = replace(scenario, limits=_limits(top, scenario))
     top.done()
@@ -130,7 +129,7 @@ def load(path: Path, plants: list[str] | None = None) -> Scenario:
 
 
 def _speed(top: Table) -> str:
-    speed = top.text("speed", "max")
+    speed = top.read(TOP["speed"])
     check_speed(speed, top.path("speed"))
     return speed
 
@@ -148,7 +147,7 @@ def check_speed(speed: str, where: str) -> str:
 
 def _console_files(top: Table, path: Path) -> tuple[Path, ...]:
     files = []
-    for name in top.texts("console", []):
+    for name in top.read(TOP["console"]):
         file = path.parent / name
         if not file.is_file():
             raise UserError(f'{top.path("console")}: there is no file {shown(file)}')
@@ -181,8 +180,8 @@ def _lines(top: Table, path: Path, duration: float) -> tuple[Line, ...]:
     lines = []
     for table in top.tables("line"):
         where = table.path("send")
-        line = Line(table.number("at_s", low=0, high=duration), check_line(table.text("send"), where),
-                    table.boolean("allow_err", False), where)
+        line = Line(table.read(LINE["at_s"], high=duration), check_line(table.read(LINE["send"]), where),
+                    table.read(LINE["allow_err"]), where)
         table.done()
         lines.append(line)
     return tuple(sorted(lines, key=lambda line: line.at_s))
@@ -199,12 +198,12 @@ def _start(top: Table) -> tuple[tuple[str, float], ...]:
 def _events(top: Table, duration: float) -> tuple[Event, ...]:
     events = []
     for table in top.tables("event"):
-        at_s = table.number("at_s", low=0, high=duration)
-        settings = table.table("set")
+        at_s = table.read(EVENT["at_s"], high=duration)
+        settings = table.table(EVENT["set"].name)
         if not settings.data:
             raise UserError(f"{table.path('set')} is empty; expected {{ NAME = number }}")
         for name, value in _flat_numbers(settings).items():
-            if not EVENT.fullmatch(name):
+            if not EVENT_NAME.fullmatch(name):
                 raise UserError(f"{settings.path(name)}: expected a channel, as F, or an option of one, as Qrb.hi")
             events.append(Event(at_s, name, value))
         table.done()
@@ -231,10 +230,10 @@ def check_channel(name: str, where: str) -> str:
 def _loops(top: Table) -> tuple[Loop, ...]:
     loops: list[Loop] = []
     for table in top.tables("loop"):
-        loop = Loop(check_channel(table.text("name"), table.path("name")),
-                    check_channel(table.text("pv"), table.path("pv")),
-                    check_channel(table.text("mv"), table.path("mv")),
-                    table.number("band", 0.0, low=0))
+        loop = Loop(check_channel(table.read(LOOP["name"]), table.path("name")),
+                    check_channel(table.read(LOOP["pv"]), table.path("pv")),
+                    check_channel(table.read(LOOP["mv"]), table.path("mv")),
+                    table.read(LOOP["band"]))
         table.done()
         if loop.name in (known.name for known in loops):
             raise UserError(f"{table.path('name')}: there is a loop {loop.name} already")
@@ -246,14 +245,14 @@ def _limits(top: Table, scenario: Scenario) -> tuple[Limit, ...]:
     starts = window_starts(scenario)
     limits = []
     for table in top.tables("limit"):
-        name = table.text("loop", choices=[loop.name for loop in scenario.loops] or ["(no [[loop]] given)"])
-        at_s = table.number("at_s", None)
+        name = table.read(LIMIT["loop"], choices=[loop.name for loop in scenario.loops] or ["(no [[loop]] given)"])
+        at_s = table.read(LIMIT["at_s"])
         if at_s is not None and at_s not in starts:
             raise UserError(f"{table.path('at_s')} is {at_s:g}, and nothing happens then; windows begin at "
                             f"{', '.join(f'{t:g}' for t in starts)}")
         most = {}
         for metric in METRICS:
-            value = table.number(metric, None, low=0)
+            value = table.read(METRICS[metric])
             if value is not None:
                 most[metric] = value
         table.done()

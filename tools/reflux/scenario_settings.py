@@ -68,7 +68,7 @@ def number(text: str | None, otherwise: float = math.nan) -> float:
 
 
 def loops(values: dict[str, str]) -> list[LoopSettings]:
-    """Loops whose measurement and output are channels with a span. Defaults are those of docs/use/console.md."""
+    """Loops whose measurement and output are channels with a span. Defaults are those of docs/reference/parameters.md."""
     channels = {values[f"{k}.name"]: k for group in ("meas", "mv") for k in numbered(values, group) if f"{k}.name" in values}
     out = []
     for k in numbered(values, "loop"):

@@ -5,12 +5,33 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Iterable
 
 from reflux import textfile
 from reflux.errors import UserError
 from reflux.paths import shown
+
+
+REQUIRED = object()
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a table: what its reader takes, and what its page says. low, high and above are limits of numbers."""
+
+    name: str
+    kind: str  # text, number, whole number, true or false, texts, table, tables
+    default: Any = REQUIRED
+    unit: str = "-"
+    low: float = -math.inf
+    high: float = math.inf
+    above: float | None = None
+    choices: tuple[str, ...] | None = None
+    about: str = ""
+    high_words: str = ""  # for the page, where the reader takes the highest value from elsewhere
+    default_words: str = ""  # likewise
 
 
 def load_toml(path: Path) -> dict[str, Any]:
@@ -100,6 +121,23 @@ class Table:
         """A table in this one, left where it is."""
         return Table(self.data[key], self.file, f"{self.where}.{key}")
 
+    def read(self, key: Key, default: Any = ..., high: float | None = None, choices: Iterable[str] | None = None) -> Any:
+        """The value of a key of a text, a number or a list; default, high and choices where they depend on other keys."""
+        default = key.default if default is ... else default
+        default = ... if default is REQUIRED else default
+        match key.kind:
+            case "text":
+                return self.text(key.name, default, choices if choices is not None else key.choices)
+            case "number":
+                return self.number(key.name, default, key.low, key.high if high is None else high, key.above)
+            case "whole number":
+                return self.integer(key.name, default, int(key.low))
+            case "true or false":
+                return self.boolean(key.name, default)
+            case "texts":
+                return self.texts(key.name, default if default is ... else list(default))
+        raise ValueError(f"{key.name} is a {key.kind}")
+
     def tables(self, key: str) -> list["Table"]:
         """An array of tables, [[key]]; absent means none. The first is number 1 in messages."""
         value = self._take(key, [])
@@ -118,9 +156,6 @@ class Table:
         for key in self.data:
             raise UserError(f"{self.path(key)} is not a known key; known are: "
                             f"{', '.join(sorted(set(self.known)))}")
-
-
-REQUIRED = object()
 
 
 def check_number(where: str, value: Any, low: float = -math.inf, high: float = math.inf,

@@ -24,7 +24,7 @@ FIXED = "REFLUX_FIXED_POINT"
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import\s+(\(.*?\)|[^\n]+)|import\s+([\w., ]+))", re.MULTILINE | re.DOTALL)
 # Tests that read pages, and those that read every C source as text.
-OF_PAGES = ("tools.documents", "tools.links", "tools.architecture", "tools.evidence", "parameter_document", "link_document", "fault_matrix")
+OF_PAGES = ("tools.documents", "tools.links", "tools.architecture", "tools.evidence", "tools.reference", "link_document", "fault_matrix")
 OF_SOURCES = ("style.", "tools.architecture")
 
 
@@ -85,6 +85,8 @@ def reaching(tests: list[Test], path: str) -> set[str]:
     if path.endswith(".md"):
         page = f"tools.commands-{Path(path).stem}"
         return {t.name for t in tests if t.name.startswith(page) or t.name.split(".", 1)[1] in OF_PAGES or t.name in OF_PAGES}
+    if path.startswith("docs/reference/notes/"):
+        return {test.name for test in tests if test.name == "tools.reference"}
     if path.startswith("tests/campaign/results/") or path.startswith("docs/figures/"):
         return set()
     return _everything(tests)

@@ -111,6 +111,8 @@ def script_tests(label: str) -> list[Test]:
         text = path.read_text(encoding="utf-8")
         named = [kind for kind in ("host-fixed", *boards.BUILT_BY_DEFAULT) if re.search(rf'"{re.escape(kind)}"', text)]
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
+        if path.stem == "test_reference":
+            wanted |= needs("host", "reference_tables", "plant_tables")
         if path.stem == "test_run_once":
             wanted = needs("asan") | needs("asan-fixed")
         out.append(script(f"{label}.{path.stem.removeprefix('test_')}", path, label, wanted))

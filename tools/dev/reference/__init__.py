@@ -1,0 +1,1 @@
+"""Pages of docs/reference, made of the tables of the code."""

@@ -1,0 +1,56 @@
+"""The page on scenario files, from the table that their reader takes."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from dev.reference.markdown import code, contents, page, table
+from reflux import scenario_keys
+from reflux.schema import REQUIRED, Key
+
+HEADER = ("key", "what", "unit", "allowed", "default", "type")
+SECTIONS = (
+    ("", "Keys of the file", "These stand at the head of the file."),
+    ("line", "Table line", "`[[line]]`: one console line. Lines of one time are sent in the order of the file."),
+    ("event", "Table event", "`[[event]]`: one change of the plant."),
+    ("loop", "Table loop", "`[[loop]]`: one loop that the report judges."),
+    ("limit", "Table limit", "`[[limit]]`: limits of one loop; give one at least. A run that misses one ends with status 1."),
+)
+
+
+def allowed(key: Key) -> str:
+    """Limits of a number, or the words to choose from."""
+    if key.choices:
+        return "|".join(key.choices)
+    if key.kind not in ("number", "whole number"):
+        return "-"
+    words = []
+    if key.above is not None:
+        words.append(f"above {key.above:g}")
+    if key.low > -math.inf:
+        words.append(f"{key.low:g} or more")
+    if key.high < math.inf or key.high_words:
+        words.append(f"at most {key.high_words or f'{key.high:g}'}")
+    return ", ".join(words) or "any"
+
+
+def default(key: Key) -> str:
+    if key.kind == "tables":
+        return "none"
+    if key.default is REQUIRED:
+        return "required"
+    return key.default_words or ("none" if key.default is None else code(json.dumps(key.default)))
+
+
+def scenario_files() -> str:
+    parts = []
+    for name, title, about in SECTIONS:
+        rows = [(code(f"[[{key.name}]]" if key.kind == "tables" else key.name), key.about, key.unit, allowed(key), default(key), key.kind)
+                for key in scenario_keys.TABLES[name].values()]
+        parts += [[f"## {title}"], [about], table(HEADER, rows)]
+    return page(
+        ["# Scenario files"],
+        ["Look up here a key of a scenario: a TOML file that `tools/run` runs. [scenarios.md](../use/scenarios.md) says how to write one, and what its report",
+         "measures. A key that is not here is refused with the keys that are known, and so are wrong types, NaN, and times outside the run."],
+        contents([(title, []) for _, title, _ in SECTIONS]), *parts)
