@@ -3,7 +3,7 @@
  *
  * Stages count upwards: 0 the reboiler, 1 .. N-2 trays, N-1 the reflux drum. SI units: mol, s, K, Pa, W, J, m3, m.
  *
- * Equations (all ours; docs/use/pilot-cold.md explains them)
+ * Equations, all ours
  *   stage       dn_j/dt = what comes in - what goes out, dU/dt = likewise with enthalpies - UA (T - T_ambient)
  *   energy      U = C_metal (T - T_ref) + sum n_j cp_j (T - Tb_j); solved for T, no iteration
  *   enthalpies  liquid cp_j (T - Tb_j), vapour lambda + cp_j (T - Tb_j): one molar heat of vaporisation for both
@@ -16,7 +16,21 @@
  *   liquid      overflow c (n - n_weir)^1.5, and weeping (n - n_film) / tau where vapour is too slow to carry it
  *   condenser   UA (T_top - T_water) / lambda moles per second can condense; the rest leaves by the vent
  *   film        n_film moles per stage neither boil nor drain: a composition is defined everywhere
- * Everything is continuous with continuous slopes, so that an integrator of variable order passes over all of it. */
+ *   valves      fed by pump: opening times full flow; by gravity: times sqrt(level / nominal level); under 2.5 % shut
+ *   heater      C dT/dt = Q - UA(covered) (T - T_B); its thermostat takes Q away between 280 and 300 degC
+ *   level read  level + swell tanh(V / 2 mmol/s)
+ * Everything is continuous with continuous slopes, so that an integrator of variable order passes over all of it.
+ *
+ * Boiling. A stage follows its bubble point without the differential-algebraic equation that a strict equality would be, because k is
+ * large. On a cold tray z is below 0, so vapour that touches its liquid condenses and heats metal and liquid. When the tray boils the
+ * front has reached the next one.
+ * Efficiency. Pilot and Frau take v = v- + E (y* - v-). Here 1 - E passes untouched and E mixes, which is the same where the vapour flow
+ * does not change along the column, and still means something where it does.
+ * One lambda. With the true heats of vaporisation molar flows would grow by a tenth from bottom to top, and the bottom temperature moves
+ * by 0.8 K for each percent of boil-up: another column than the frozen pilot. lambda is that of its reboiler, 34.2 kJ/mol.
+ * Film. 0.5 ml on a tray, 50 ml in the reboiler; holdups cannot become negative.
+ * Solver (stiff_solver.h: BDF, Newton, relative tolerance 1e-6). Its Jacobian must be full: cut off three trays below, it makes Newton
+ * diverge, because what passes untouched meets a very stiff stage. */
 #ifndef REFLUX_HOST_SIM_COLD_COLUMN_H
 #define REFLUX_HOST_SIM_COLD_COLUMN_H
 

@@ -2,7 +2,7 @@
  *
  * One run goes through all steps. In each, soon after it began, the process forks for every fault: the child makes the
  * fault, goes on, and says in which state the sequence is then. To add a fault: a row of faults[]. The table stands in
- * docs/use/sequences.md; `test_sequence_matrix table` prints it, with the ends of this run.
+ * tests/loop/sequence-matrix.md; `test_sequence_matrix table` prints it, with the ends of this run.
  */
 #include <math.h>
 #include <sys/wait.h>
@@ -353,7 +353,7 @@ static void the_table_in_the_document_is_this_one(void)
 {
     static char page[60000];
     char line[200];
-    FILE *file = fopen("../docs/use/sequences.md", "r");
+    FILE *file = fopen("loop/sequence-matrix.md", "r");
     TEST_ASSERT_NOT_NULL(file);
     page[fread(page, 1, sizeof page - 1, file)] = '\0';
     fclose(file);
