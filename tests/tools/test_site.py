@@ -4,6 +4,7 @@ import importlib.util
 import os
 import re
 import unittest
+from pathlib import Path
 from unittest import mock
 
 from support import ROOT, FolderTest, call
@@ -15,11 +16,17 @@ from reflux.paths import every
 METHODS = ROOT / "docs" / "methods"
 
 
+def on_site(path: Path) -> str:
+    """The name that a page of docs/ has on the site."""
+    name = path.relative_to(ROOT / "docs").as_posix()
+    return site_hooks.LIST_ON_SITE if name == site_hooks.LIST else name
+
+
 class Nav(unittest.TestCase):
     def test_the_nav_has_every_page_once_and_the_folders_in_their_order(self) -> None:
         text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")[1]
         listed = re.findall(r"^ *- (?:\w+: )?(\S+\.md)$", text, re.MULTILINE)
-        docs = [path.relative_to(ROOT / "docs").as_posix() for path in every(ROOT / "docs", "**/*.md")]
+        docs = [on_site(path) for path in every(ROOT / "docs", "**/*.md")]
         self.assertEqual(sorted(listed), sorted([*docs, *site_hooks.OF_THE_ROOT]))
         self.assertEqual(re.findall(r"^  - (\w+):", text, re.MULTILINE), ["Reflux", "Start", "Use", "Methods", "Inside", "Decisions"])
 
@@ -43,6 +50,8 @@ class Hooks(unittest.TestCase):
         self.becomes("[x](docs/use/loops.md#a)", "[x](use/loops.md#a)", ROOT)
         self.becomes("[x](CHANGELOG.md)", "[x](CHANGELOG.md)", ROOT)
         self.becomes("[x](../../README.md)", "[x](../README.md)")
+        self.becomes("[x](docs/README.md#use)", "[x](pages.md#use)", ROOT)
+        self.becomes("[x](../README.md)", "[x](../pages.md)")
         self.becomes("[LICENSE](LICENSE)", "`LICENSE`", ROOT)
 
     def test_bars_in_the_code_of_a_table_lose_their_backslash(self) -> None:
@@ -100,7 +109,7 @@ class Tool(FolderTest):
         self.assertIn(" pages, 0 faults: ", out)
         self.assertTrue((self.folder / "search" / "search_index.json").is_file())
         for page in every(ROOT / "docs", "**/*.md"):
-            name = page.relative_to(ROOT / "docs").with_suffix(".html").as_posix().replace("README", "index")
+            name = on_site(page).replace(".md", ".html").replace("README", "index")
             self.assertTrue((self.folder / name).is_file(), name)
 
 
