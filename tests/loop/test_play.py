@@ -85,7 +85,7 @@ class Play(unittest.TestCase):
         person = Terminal(self, "pilot", "--watch")
         person.until(rb"(?s)plant time .*, run.*loop +mode +PV / SP +output.*top +auto +T1 [\d.]+ / [\d.]+ degC")
         person.type(b"sp bottom 108\r")
-        person.until(rb"(?s)SETPOINT bottom 108.*T10 [\d.]+ / 108 degC")
+        person.until(rb"(?s)bottom setpoint 108 degC.*T10 [\d.]+ / 108 degC")
         person.type(b"\x03")
         self.assertEqual(person.ended(), 0)
 
