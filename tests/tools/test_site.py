@@ -9,8 +9,9 @@ from unittest import mock
 
 from support import ROOT, FolderTest, call
 
-from dev import site_hooks
+from dev import cmd_site, site_hooks
 from dev.cmd_site import faults
+from reflux.errors import UserError
 from reflux.paths import every
 
 METHODS = ROOT / "docs" / "methods"
@@ -101,6 +102,20 @@ class Tool(FolderTest):
         self.assertEqual(status, 2)
         self.assertIn("is not empty and no site: name another folder", err)
         self.assertEqual([path.name for path in self.folder.iterdir()], ["letter.txt"])
+
+    def test_the_packages_of_debian_are_asked_for_where_a_module_is_missing(self) -> None:
+        for missing in cmd_site.MODULES:
+            with self.subTest(missing), mock.patch.object(cmd_site.importlib.util, "find_spec", lambda name, gone=missing: name != gone), \
+                 mock.patch.object(cmd_site.packages, "need", side_effect=UserError("asked")) as need:
+                self.assertIn("asked", call("site", "--out", str(self.folder))[2])
+                need.assert_called_once_with("site")
+
+    def test_those_of_pypi_do_as_well(self) -> None:
+        with mock.patch.object(cmd_site.importlib.util, "find_spec", lambda name: True), mock.patch.object(cmd_site.packages, "need") as need, \
+             mock.patch.object(cmd_site.subprocess, "run", return_value=mock.Mock(returncode=1)) as run:
+            self.assertIn("mkdocs built no site", call("site", "--out", str(self.folder))[2])
+            need.assert_not_called()
+            run.assert_called_once()
 
     @unittest.skipUnless(importlib.util.find_spec("mkdocs") and importlib.util.find_spec("pymdownx"), "MkDocs is not installed; tools/bootstrap site does")
     def test_it_builds_every_page_without_a_fault(self) -> None:
