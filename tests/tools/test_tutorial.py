@@ -184,8 +184,13 @@ class Tutorial(test_commands.Commands):
     def results(self) -> None:
         """What the page says comes of its commands."""
         out = self.folder / "out"
-        for report in ("commission-mine", "spirit", "broken"):
-            self.assertTrue("<figure" in (out / report / "report.html").read_text(encoding="utf-8"), report)
+        reports = {name: (out / name / "report.html").read_text(encoding="utf-8") for name in ("commission-mine", "spirit", "broken")}
+        for name, text in reports.items():
+            self.assertTrue("<figure" in text, name)
+        table = TUTORIAL.read_text(encoding="utf-8").split("| part | what to look for |\n|---|---|\n")[1].split("\n\n")[0]
+        for row in table.splitlines():
+            self.assertTrue(f"<h2>{row.split(' | ')[0].removeprefix('| ')}</h2>" in reports["commission-mine"], row)
+        self.assertTrue("<h2>What happened</h2>" in reports["broken"])
         said = (out / "broken" / "transcript.txt").read_text(encoding="utf-8")
         codes = [found for found in re.findall(r"^[\d.]+ < ! [\d.]+ \w+ (\w+) ", said, re.M)]
         story = ["MEASUREMENT_BAD", "INTERLOCK_ON", "INTERLOCK_OFF", "NOT_FOLLOWING", "FOLLOWING", "NOT_FOLLOWING", "FOLLOWING"]
