@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The first steps of the README, `pilot.conf`, `mode bottom auto` and `sp bottom 112.5`, raise neither alarm nor warning."""
+"""The first steps of docs/start/hardware.md, `pilot.conf`, `mode bottom auto` and `sp bottom 112.5`, raise neither alarm nor warning."""
 
 import sys
 import tempfile
@@ -18,9 +18,9 @@ STEPS = ("mode bottom auto", "sp bottom 112.5")
 
 class FirstSetpointTest(unittest.TestCase):
     def test_it_is_reached_without_an_alarm(self) -> None:
-        readme = (ROOT / "README.md").read_text()
+        page = (ROOT / "docs" / "start" / "hardware.md").read_text(encoding="utf-8")
         for step in STEPS:
-            self.assertIn(f"`{step}`", readme)
+            self.assertIn(f"`{step}`", page)
         loaded = scenario.load(PILOT)
         lines = tuple(scenario.Line(120.0 + 60.0 * k, step) for k, step in enumerate(STEPS))
         wanted = replace(loaded, firmware="memory", duration_s=7200.0, lines=lines, events=(), limits=())

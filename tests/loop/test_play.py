@@ -76,6 +76,8 @@ class Play(unittest.TestCase):
         self.assertRegex(person.until(rb"Ctrl-C ends it"), rb"Try: status; loop; sp bottom \d+")
         person.type(b"loop\r")
         person.until(rb"(?s)top auto .*bottom auto .*ok")
+        person.type(b"loop\r")
+        person.until(rb"(?s)top auto .* sp 87\.13 degC.*bottom auto .* sp 106\.3 degC.*ok")  # of the operating point
         person.type(b"sp bottom 108\r")
         person.until(rb"bottom setpoint 108 degC")
         person.type(b"\x03")
@@ -85,7 +87,7 @@ class Play(unittest.TestCase):
         person = Terminal(self, "pilot", "--watch")
         person.until(rb"(?s)plant time .*, run.*loop +mode +PV / SP +output.*top +auto +T1 [\d.]+ / [\d.]+ degC")
         person.type(b"sp bottom 108\r")
-        person.until(rb"(?s)SETPOINT bottom 108.*T10 [\d.]+ / 108 degC")
+        person.until(rb"(?s)bottom setpoint 108 degC.*T10 [\d.]+ / 108 degC")
         person.type(b"\x03")
         self.assertEqual(person.ended(), 0)
 

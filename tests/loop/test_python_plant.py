@@ -1,13 +1,17 @@
 #!/usr/bin/python3
 """A plant in another language, written from docs/inside/plant-link.md alone, is controlled by the firmware."""
 
+import os
+import pty
 import subprocess
 import sys
+import termios
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
+import python_plant  # noqa: E402
 
 CONFIGURATION = """begin
 set meas1.name T1
@@ -32,6 +36,16 @@ apply"""
 
 
 class PythonPlantTest(unittest.TestCase):
+    def test_a_serial_line_has_the_speed_of_the_plant_link(self) -> None:
+        ours, theirs = pty.openpty()
+        try:
+            link = python_plant.Link(os.ttyname(theirs))
+            self.assertEqual(termios.tcgetattr(theirs)[4:6], [termios.B115200, termios.B115200])
+            os.close(link.fd)
+        finally:
+            os.close(ours)
+            os.close(theirs)
+
     def test_a_plant_in_python_is_brought_to_its_setpoints(self) -> None:
         with board.start("host") as firmware, board.console(firmware) as console:
             for line in CONFIGURATION.splitlines():

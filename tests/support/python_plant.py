@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """A plant written from docs/inside/plant-link.md alone: two first-order tanks with cross flow, lockstep.
 
-usage: python_plant.py WHERE [SAMPLES]     WHERE: a unix socket to connect to, or a pseudo-terminal
+usage: python_plant.py WHERE [SAMPLES]     WHERE: a unix socket to connect to, a serial device (115200 8N1), or a pseudo-terminal
 Prints one CSV row a sample; exit status 0 when all samples were answered.
 """
-import math, os, select, socket, stat, struct, sys, time, tty, zlib
+import math, os, select, socket, stat, struct, sys, termios, time, tty, zlib
 
 HELLO, PAGE_REQUEST, PAGE, READY, SAMPLE, COMMAND, KEEP_ALIVE = range(1, 8)
 TICK_MS = 10000
@@ -39,6 +39,9 @@ class Link:
         else:
             self.fd = os.open(where, os.O_RDWR | os.O_NOCTTY)
             tty.setraw(self.fd)
+            line = termios.tcgetattr(self.fd)
+            line[4] = line[5] = termios.B115200
+            termios.tcsetattr(self.fd, termios.TCSANOW, line)
         self.sequence, self.piece, self.frames = 0, b"", []
         self.sent = self.heard = time.monotonic()
 

@@ -20,7 +20,7 @@ import time
 import unittest
 from pathlib import Path
 
-from pages import CONSOLE, Command, Page, pages, rows
+from pages import CONSOLE, IN_ORDER, Command, Page, pages, rows
 from support import ROOT, FolderTest
 
 from reflux import build
@@ -34,7 +34,8 @@ FOLDER = re.compile(rf"(?<![\w./-])({'|'.join(map(re.escape, MOVED))})")
 TREES = re.compile(r"--preset[ =]([\w-]+)|--build build/([\w-]+)")
 PAGES = {page.name: page for page in pages()}
 EXEMPT, SLOW = rows()
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+HOST_BOARD = "docs/start/hardware.md"  # the page that starts the host build as a board
+FIRST_STEPS = (ROOT / HOST_BOARD).read_text(encoding="utf-8")
 
 
 class Rows(unittest.TestCase):
@@ -43,7 +44,7 @@ class Rows(unittest.TestCase):
     def test_each_row_is_about_a_page_that_has_commands(self) -> None:
         for row in [*EXEMPT, *SLOW]:
             with self.subTest(row.page, line=row.line):
-                self.assertIn(row.page, PAGES)
+                self.assertIn(row.page, [*PAGES, *IN_ORDER])
 
 
 class Commands(FolderTest):
@@ -128,9 +129,9 @@ class Commands(FolderTest):
                     self.assertEqual(self.as_printed(answer.stdout), [x for x in command.printed if x])
 
     def test_the_console_answers_what_the_page_says(self) -> None:
-        """The host build and the pilot column as the README starts them, with the configuration it pastes."""
+        """The host build and the pilot column as hardware.md starts them, with the configuration it pastes."""
         lines = [c for c in self.page.commands if c.console and c.line not in self.exempt]
-        if not lines and self.page.name != "README.md":
+        if not lines and self.page.name != HOST_BOARD:
             return
         with self.board() as session:
             for command in lines:
@@ -145,10 +146,10 @@ class Commands(FolderTest):
 
     @contextlib.contextmanager
     def board(self):
-        """A board that does what the README says, until its state is `run`."""
+        """A board that does what hardware.md says, until its state is `run`."""
         processes: list[subprocess.Popen] = []
         try:
-            for command in (c for c in PAGES["README.md"].commands if c.background):
+            for command in (c for c in PAGES[HOST_BOARD].commands if c.background):
                 processes.append(self.background(command))
                 self.wait_for(self.folder / "reflux-link", processes[0])
             with contextlib.closing(Port(str(self.folder / "reflux-console"))) as port:
@@ -157,13 +158,13 @@ class Commands(FolderTest):
                 for line in [x for x in text.splitlines() if x and not x.startswith("#")]:
                     self.assertEqual(self.ask(session, line)[-1], "ok", line)
                 for line in ("mode bottom auto", "sp bottom 112.5", "log on", "log off", "save"):
-                    self.assertIn(line.replace("off", "on"), README)
+                    self.assertIn(line.replace("off", "on"), FIRST_STEPS)
                     self.until_ok(session, line)
                 while "state run" not in self.ask(session, "status")[0]:  # what was asked for meets the next sample
                     time.sleep(0.1)
                 yield session
             for process in processes:
-                self.assertIsNone(process.poll(), "the README's processes go on")
+                self.assertIsNone(process.poll(), "the page's processes go on")
         finally:
             for process in processes:
                 process.send_signal(signal.SIGTERM)

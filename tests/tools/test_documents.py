@@ -147,6 +147,20 @@ class Decisions(unittest.TestCase):
                 self.assertIn(f"{dates[0]} |", next(line for line in index.splitlines() if path.name in line))
 
 
+class Readme(unittest.TestCase):
+    """README.md: short, and honest before the first picture."""
+
+    def test_it_has_at_most_900_words(self) -> None:
+        self.assertLessEqual(len((ROOT / "README.md").read_text(encoding="utf-8").split()), 900)
+
+    def test_it_says_what_there_is_and_what_not_before_the_picture(self) -> None:
+        first = (ROOT / "README.md").read_text(encoding="utf-8").split("![")[0]
+        for said in ("simulate", "my plant", "my hardware", "serial link", "STM32F405", "STM32F100", "Not Blue Pill, ESP32 or Arduino", "emulator", "No batch stills"):
+            self.assertIn(said, first)
+        on_silicon = page("inside/boards.md")
+        self.assertEqual("Nothing has run on silicon yet" in first, "have not been run on a chip" in on_silicon and "Not run on a chip yet either" in on_silicon)
+
+
 class Glossary(unittest.TestCase):
     """docs/start/glossary.md: a line for each term, in the order of the alphabet."""
 

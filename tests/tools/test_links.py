@@ -114,8 +114,13 @@ class Moved(unittest.TestCase):
         self.assertEqual(rows, sorted(rows))
         self.assertEqual(len({old for old, _, _ in rows}), len(rows))
 
-    def test_the_top_folder_keeps_no_page_but_this_one(self) -> None:
-        self.assertEqual([path.name for path in every(ROOT / "docs", "*.md")], ["moved.md"])
+    def test_the_top_folder_keeps_no_page_but_the_list_and_this_one(self) -> None:
+        self.assertEqual([path.name for path in every(ROOT / "docs", "*.md")], ["README.md", "moved.md"])
+
+    def test_the_list_of_pages_has_every_page(self) -> None:
+        listed = {(ROOT / "docs" / target.partition("#")[0]).resolve() for target in LINK.findall(text_of(ROOT / "docs" / "README.md"))}
+        folders = [path for path in every(ROOT / "docs", "*/*.md") if path.parent.name != "decisions"]
+        self.assertEqual([path.relative_to(ROOT).as_posix() for path in folders if path not in listed], [])
 
 
 if __name__ == "__main__":

@@ -4,22 +4,30 @@ import importlib.util
 import os
 import re
 import unittest
+from pathlib import Path
 from unittest import mock
 
 from support import ROOT, FolderTest, call
 
-from dev import site_hooks
+from dev import cmd_site, site_hooks
 from dev.cmd_site import faults
+from reflux.errors import UserError
 from reflux.paths import every
 
 METHODS = ROOT / "docs" / "methods"
+
+
+def on_site(path: Path) -> str:
+    """The name that a page of docs/ has on the site."""
+    name = path.relative_to(ROOT / "docs").as_posix()
+    return site_hooks.LIST_ON_SITE if name == site_hooks.LIST else name
 
 
 class Nav(unittest.TestCase):
     def test_the_nav_has_every_page_once_and_the_folders_in_their_order(self) -> None:
         text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")[1]
         listed = re.findall(r"^ *- (?:\w+: )?(\S+\.md)$", text, re.MULTILINE)
-        docs = [path.relative_to(ROOT / "docs").as_posix() for path in every(ROOT / "docs", "**/*.md")]
+        docs = [on_site(path) for path in every(ROOT / "docs", "**/*.md")]
         self.assertEqual(sorted(listed), sorted([*docs, *site_hooks.OF_THE_ROOT]))
         self.assertEqual(re.findall(r"^  - (\w+):", text, re.MULTILINE), ["Reflux", "Start", "Use", "Methods", "Reference", "Inside", "Decisions"])
 
@@ -43,6 +51,8 @@ class Hooks(unittest.TestCase):
         self.becomes("[x](docs/use/loops.md#a)", "[x](use/loops.md#a)", ROOT)
         self.becomes("[x](CHANGELOG.md)", "[x](CHANGELOG.md)", ROOT)
         self.becomes("[x](../../README.md)", "[x](../README.md)")
+        self.becomes("[x](docs/README.md#use)", "[x](pages.md#use)", ROOT)
+        self.becomes("[x](../README.md)", "[x](../pages.md)")
         self.becomes("[LICENSE](LICENSE)", "`LICENSE`", ROOT)
 
     def test_bars_in_the_code_of_a_table_lose_their_backslash(self) -> None:
@@ -93,6 +103,20 @@ class Tool(FolderTest):
         self.assertIn("is not empty and no site: name another folder", err)
         self.assertEqual([path.name for path in self.folder.iterdir()], ["letter.txt"])
 
+    def test_the_packages_of_debian_are_asked_for_where_a_module_is_missing(self) -> None:
+        for missing in cmd_site.MODULES:
+            with self.subTest(missing), mock.patch.object(cmd_site.importlib.util, "find_spec", lambda name, gone=missing: name != gone), \
+                 mock.patch.object(cmd_site.packages, "need", side_effect=UserError("asked")) as need:
+                self.assertIn("asked", call("site", "--out", str(self.folder))[2])
+                need.assert_called_once_with("site")
+
+    def test_those_of_pypi_do_as_well(self) -> None:
+        with mock.patch.object(cmd_site.importlib.util, "find_spec", lambda name: True), mock.patch.object(cmd_site.packages, "need") as need, \
+             mock.patch.object(cmd_site.subprocess, "run", return_value=mock.Mock(returncode=1)) as run:
+            self.assertIn("mkdocs built no site", call("site", "--out", str(self.folder))[2])
+            need.assert_not_called()
+            run.assert_called_once()
+
     @unittest.skipUnless(importlib.util.find_spec("mkdocs") and importlib.util.find_spec("pymdownx"), "MkDocs is not installed; tools/bootstrap site does")
     def test_it_builds_every_page_without_a_fault(self) -> None:
         status, out, err = call("site", "--out", str(self.folder))
@@ -100,7 +124,7 @@ class Tool(FolderTest):
         self.assertIn(" pages, 0 faults: ", out)
         self.assertTrue((self.folder / "search" / "search_index.json").is_file())
         for page in every(ROOT / "docs", "**/*.md"):
-            name = page.relative_to(ROOT / "docs").with_suffix(".html").as_posix().replace("README", "index")
+            name = on_site(page).replace(".md", ".html").replace("README", "index")
             self.assertTrue((self.folder / name).is_file(), name)
 
 

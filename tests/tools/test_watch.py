@@ -78,6 +78,28 @@ class Replies(unittest.TestCase):
         self.assertEqual(self.said.lines, ["> get tick.base", "tick.base = 30 s", "ok"])
         self.assertEqual(self.watch.state.loops, [("top", "T1", "Lr")])
 
+    def test_prompts_echoes_and_cleared_lines_of_human_mode_are_left_out(self) -> None:
+        self.watch.ask("list")
+        self.watch.typed("status")
+        for line in ("> list", *LIST, "ok", "> sta\r\x1b[K! 480.000 info bottom setpoint 108 degC", "> status", f"\r\x1b[K{HEADER}", f"\x1b[K{ROW}", "state run", "ok"):
+            self.watch.line(line)
+        self.assertEqual(self.said.lines, ["> status", "480 s  info  bottom setpoint 108 degC", "state run", "ok"])
+        self.assertEqual(self.watch.state.loops, [("top", "T1", "Lr")])
+        self.assertIn("T1 87.12", self.watch.state.lines(80)[2])
+
+    def test_an_echo_without_a_prompt_is_left_out(self) -> None:
+        self.watch.typed("save")
+        self.watch.typed("status")
+        for line in ("> save", "status", "ok", "state run", "ok"):
+            self.watch.line(line)
+        self.assertEqual(self.said.lines, ["> save", "> status", "ok", "state run", "ok"])
+
+    def test_a_new_configuration_is_read_in_either_mode(self) -> None:
+        for line in ("! 0.000 info CONFIG_APPLIED - 10 configuration applied; base tick, s", "! 0.000 info configuration applied, base tick 10 s"):
+            watch = Watch(talk := Talk(), Said())  # type: ignore[arg-type]
+            watch.line(line)
+            self.assertIn("list", talk.sent)
+
     def test_an_event_is_shown_and_the_alarms_are_asked_for_once(self) -> None:
         for _ in range(2):
             self.watch.line("! 10.000 alarm INTERLOCK_ON Qrb 121.5 interlock holds its output")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -15,6 +16,7 @@ from reflux.paths import ROOT, build_root, named, shown
 
 LOADED = {"script": "src", "img": "src", "iframe": "src", "source": "src", "link": "href"}  # what a browser fetches unasked
 NOT_FETCHED = {"canonical", "prev", "next", "alternate"}  # relations of a <link>
+MODULES = ("mkdocs", "material", "pymdownx")  # of Debian's packages, or of PyPI's mkdocs-material
 
 
 class Page(HTMLParser):
@@ -71,7 +73,8 @@ def main(arguments: list[str]) -> int:
     folder = (options.out or build_root() / "site").resolve()
     if folder.is_dir() and any(folder.iterdir()) and not (folder / "sitemap.xml").is_file():
         raise UserError(f"--out {shown(folder)} is not empty and no site: name another folder")
-    packages.need("site")
+    if not all(importlib.util.find_spec(module) for module in MODULES):
+        packages.need("site")
     answer = subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)], cwd=ROOT, check=False)
     if answer.returncode:
         raise RunFailed("mkdocs built no site, see above")

@@ -11,6 +11,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 OF_THE_ROOT = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")  # pages of the site that stand beside docs/
+LIST, LIST_ON_SITE = "README.md", "pages.md"  # docs/README.md: on the site, the README of the root has that name
 LINK = re.compile(r"\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 
 
@@ -18,6 +19,11 @@ def on_files(files: Any, config: Any) -> Any:
     """Adds the pages of the root folder, and leaves out what tools/reference has made pages of."""
     from mkdocs.structure.files import File  # here, because the tests of this file do without MkDocs
 
+    if pages := files.get_file_from_path(LIST):
+        files.remove(pages)
+        renamed = File(LIST_ON_SITE, str(DOCS), config["site_dir"], config["use_directory_urls"])
+        renamed.abs_src_path = str(DOCS / LIST)
+        files.append(renamed)
     for name in OF_THE_ROOT:
         files.append(File(name, str(ROOT), config["site_dir"], config["use_directory_urls"]))
     for file in [file for file in files if file.src_uri.startswith("reference/notes/")]:
@@ -52,6 +58,6 @@ def _link(text: str, target: str, folder: Path) -> str:
     name = to.relative_to(ROOT).as_posix()
     if not to.is_relative_to(DOCS) and name not in OF_THE_ROOT:
         return f"`{name}`" if text.split("/")[-1] == to.name else f"{text} (`{name}`)"
-    place = DOCS / name if name in OF_THE_ROOT else to  # on the site, the pages of the root stand in docs/
+    place = DOCS / name if name in OF_THE_ROOT else DOCS / LIST_ON_SITE if to == DOCS / LIST else to  # on the site, the pages of the root stand in docs/
     start = DOCS if folder == ROOT else folder
     return f"[{text}]({Path(os.path.relpath(place, start)).as_posix()}{mark}{anchor})"

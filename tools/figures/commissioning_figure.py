@@ -31,7 +31,7 @@ def tests(r: record.Record, column: list) -> None:
             ax.plot((t - begin) / 3600, y, color=BLUE, lw=0.8, label="measured" if e is r.experiments[0] else None)
             ax.plot((t - begin) / 3600, model, color=ORANGE, lw=1.2, label="model" if e is r.experiments[0] else None)
         ax.set_ylabel(f"{name} [{r.channels[name].unit}]")
-    column[0].legend(loc="upper left", fontsize=8, ncols=2)
+    column[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=2, borderpad=0.1)
     column[0].set_title("tests")
     inputs(r, column[2], slice(r.experiments[0].first, r.experiments[-1].last), begin)
 
@@ -43,7 +43,7 @@ def trial(r: record.Record, column: list) -> None:
     for ax, name in zip(column, r.model.measurements()):
         ax.plot(hours, np.array(r.column(name))[rows], color=BLUE, lw=0.8)
         ax.step(hours, np.array(r.column(f"{name}.sp"))[rows], where="post", color=GREY, lw=1.1, label="setpoint")
-    column[0].legend(loc="lower right", fontsize=8)
+    column[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, borderpad=0.1)
     column[0].set_title("trial of the proposal")
     inputs(r, column[2], rows, begin)
 
@@ -51,9 +51,9 @@ def trial(r: record.Record, column: list) -> None:
 def inputs(r: record.Record, ax, rows: slice, begin: float) -> None:
     for name, colour in zip(r.model.tested(), (GREEN, "#8e2d2d")):
         ax.step((np.array(r.time)[rows] - begin) / 3600, np.array(r.column(f"{name}.cmd"))[rows], where="post",
-                color=colour, lw=1.1, label=name)
-    ax.set_ylabel(f"[{r.channels[r.model.tested()[0]].unit}]")
-    ax.legend(loc="upper right", fontsize=8, ncols=2)
+                color=colour, lw=1.1, label=f"{name} [{r.channels[name].unit}]")
+    ax.set_ylabel("inputs")
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=2, borderpad=0.1)
     ax.set_xlabel("plant time [h]")
 
 

@@ -140,7 +140,8 @@ def await_plant(talk: Session, firmware: launch.Firmware) -> None:
 
 
 def operate(talk: Session, bench: Bench) -> list[str]:
-    """Outputs to the plant's operating point, then the loops to automatic from the inside out. Returns lines to try.
+    """Outputs to the plant's operating point, then the loops to automatic from the inside out, with the setpoints of that point: the plant has left it
+    while the board had no configuration. Returns lines to try.
 
     A plant that a sequence starts is left to the sequence."""
     values = scenario_settings.values_of(bench.lines)
@@ -151,8 +152,10 @@ def operate(talk: Session, bench: Bench) -> list[str]:
         name = values.get(f"{k}.name", UNUSED)
         if name in at_rest:
             tell(talk, f"out {name} {at_rest[name]:.7g}")
-    loops = {values[f"{k}.name"]: values.get(f"{k}.out", UNUSED) for k in scenario_settings.numbered(values, "loop")
-             if values.get(f"{k}.name", UNUSED) != UNUSED}
+    numbers = {values[f"{k}.name"]: k for k in scenario_settings.numbered(values, "loop") if values.get(f"{k}.name", UNUSED) != UNUSED}
+    loops = {name: values.get(f"{k}.out", UNUSED) for name, k in numbers.items()}
+    setpoints = {name: at_rest[pv] for name, k in numbers.items()
+                 if (pv := values.get(f"{k}.pv", UNUSED)) in at_rest and name not in loops.values()}
     hints = []
     for name in sorted(loops, key=lambda name: loops[name] in loops):  # inner loops first
         inner = loops[name] in loops
@@ -161,7 +164,12 @@ def operate(talk: Session, bench: Bench) -> list[str]:
     end = time.monotonic() + READY_S  # modes are taken at the plant's next tick
     while time.monotonic() < end and not all(any(re.match(rf"{re.escape(name)} (auto|cascade)\b", line) for line in talk.ask("loop")) for name in hints):
         time.sleep(0.05)
-    return ["status", "loop"] + [f"sp {name} {setpoint}" for name in hints[-1:] if (setpoint := near(talk, name))]
+    asked = [f"{name} {setpoints[name]:.4g}" for name in hints if name in setpoints and tell(talk, f"sp {name} {setpoints[name]:.4g}")]
+    while time.monotonic() < end and not all(any(re.match(rf"{re.escape(name)} .*\bsp {re.escape(value)} ", line) for line in talk.ask("loop"))
+                                             for name, _, value in (words.partition(" ") for words in asked)):
+        time.sleep(0.05)
+    return ["status", "loop"] + [f"sp {name} {setpoint}" for name in hints[-1:]
+                                 if (setpoint := above(setpoints[name]) if name in setpoints else near(talk, name))]
 
 
 def tell(talk: Session, line: str) -> bool:
@@ -174,9 +182,13 @@ def tell(talk: Session, line: str) -> bool:
 
 
 def near(talk: Session, loop: str) -> str:
-    """A setpoint a little above the present one: a hundredth of the number."""
+    """A setpoint a little above the present one."""
     for line in talk.ask("loop"):
         if found := re.match(rf"{re.escape(loop)} .*\bsp ([-\d.e+]+)", line):
-            value = float(found[1])
-            return f"{value + 0.01 * abs(value):.4g}" if value else ""
+            return above(float(found[1]))
     return ""
+
+
+def above(value: float) -> str:
+    """A hundredth of the number higher; of 0 nothing."""
+    return f"{value + 0.01 * abs(value):.4g}" if value else ""

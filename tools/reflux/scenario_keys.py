@@ -15,8 +15,8 @@ TOP = {key.name: key for key in (
     Key("tick_s", "number", None, unit="s", above=0, high_words="`duration_s`", default_words="the plant's", about="interval of samples"),
     Key("measure", "texts", (), default_words="none", about="truths of the plant that become measurements, without lag and noise: an analyser, a thermometer on another tray"),
     Key("start", "table", None, unit="of the input", default_words="the nominal ones",
-        about="inputs of the plant at whose steady state the run begins: `start = { R = 32.28, Q = 2804.5 }`. The valves stand there; the firmware is told "
-              "by `out` lines at 0 s"),
+        about="inputs of the plant at whose steady state the run begins: `start = { R = 32.28, Q = 2804.5 }`. The valves stand there. Tell the "
+              "firmware by `[[line]]`s at 0 s, `send = \"out R 32.28\"`, or its safe values move them"),
     Key("seed", "whole number", 1, low=0, about="the sequence of the sensors' noise"),
     Key("noise", "number", 1.0, low=0, about="a factor on every sensor's own noise"),
     Key("speed", "text", "max", unit="times real time", about='`"max"`: as fast as it goes; or a number as text'),

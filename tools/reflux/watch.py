@@ -23,6 +23,7 @@ DRAWN_S = 0.2
 ALARMS_S = 5.0  # between two looks at the alarms, beside those after each event
 ROWS_LEFT = 4  # for replies and the typed line, at the least
 PROMPT = "> "
+CLEARED = "\x1b[K"
 
 
 def check_terminal() -> None:
@@ -71,7 +72,8 @@ class Screen:
 
 
 class Watch:
-    """Replies belong to commands in the order in which they were sent; those that the person has not typed are not shown."""
+    """Replies belong to commands in the order in which they were sent; those that the person has not typed are not shown. The board is in human mode, so
+    that events are sentences: it sends prompts, what it was sent, and the code that clears a line, which are left out here."""
 
     def __init__(self, talk: Session, screen: Screen):
         self.talk, self.screen = talk, screen
@@ -87,12 +89,15 @@ class Watch:
             self.talk.write(command)
 
     def line(self, text: str) -> None:
+        text = text.rsplit(CLEARED, 1)[-1]
+        if text.startswith(PROMPT) or any(text == masked(command.strip()) for command in self.waiting):
+            return
         if text.startswith(("H,", "T,")):
             self.state.telemetry(text)
         elif event := EVENT.match(text):
             self.screen.say(event_words(event[1], event[2], event[3]))
             self.ask("alarm")
-            if " CONFIG_APPLIED " in text:
+            if "CONFIG_APPLIED" in text or "configuration applied" in text:
                 self.ask("list")
         elif text == "ok" or text.startswith("err "):
             self.end_reply(text)
@@ -118,7 +123,7 @@ class Watch:
 
     def loop(self) -> None:
         drawn = 0.0
-        for command in ("log on", "list", "alarm"):
+        for command in ("mode human", "log on", "list", "alarm"):
             self.ask(command)
         while not self.editor.left:
             self.screen.arrange(len(self.state.lines(10)))
@@ -143,12 +148,12 @@ class Watch:
 
 
 def event_words(time_s: str, level: str, rest: str) -> str:
-    """CODE SUBJECT VALUE TEXT with four significant digits."""
+    """A sentence of the board, or CODE SUBJECT VALUE TEXT of a small one with four significant digits."""
     return f"{float(time_s):.0f} s  {level}  {table.rounded(rest)}"
 
 
 def run(talk: Session) -> int:
-    """On a board in machine mode, until the person leaves with ^C, ^D or ^]."""
+    """Until the person leaves with ^C, ^D or ^]. The board is left in human mode."""
     check_terminal()
     talk.aside = None
     with raw():
@@ -159,5 +164,4 @@ def run(talk: Session) -> int:
             screen.close()
             with contextlib.suppress(RunFailed):
                 talk.write("log off")
-                talk.write("mode human")
     return 0
