@@ -104,6 +104,28 @@ class Operating(LabTest):
         with self.assertRaisesRegex(UserError, "from 1"):
             self.lab.step(0)
 
+    def test_many_steps_without_a_log_take_no_more_memory_than_few(self) -> None:
+        assert self.lab._in_process is not None
+        held: list[int] = []
+        text = self.lab._in_process._text
+
+        def watched(which: int) -> str:
+            found = text(which)
+            held.append(len(found))
+            return found
+
+        with mock.patch.object(self.lab._in_process, "_text", watched):
+            for samples in (2500, 20000):
+                held.clear()
+                self.lab.step(samples)
+                self.lab.step()
+                log = self.lab.run(ticks=1)
+                self.assertEqual(len(log), 1)
+                self.assertLess(max(held), 3_000_000, f"bytes at once, of {samples} samples")
+        for _ in range(3000):
+            self.lab.step()
+        self.assertLessEqual(self.lab._in_process._loose, 2001)
+
     def test_nothing_is_measured_before_the_first_sample(self) -> None:
         self.assertTrue(math.isnan(self.lab.T1))
 

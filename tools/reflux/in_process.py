@@ -148,12 +148,15 @@ class InProcess:
 
     def step(self, samples: int, keep: bool = True) -> None:
         """keep: the samples are for take(). Those that are not kept are gone by then."""
-        if keep and self._loose or self._loose > LOOSE_MAX:
+        if keep and self._loose:
             self.take()
-        self._loose += 0 if keep else samples
         while samples > 0:
-            self._check(self._call("step", min(samples, CHUNK)))
-            samples -= CHUNK
+            part = min(samples, CHUNK)
+            self._check(self._call("step", part))
+            samples -= part
+            self._loose += 0 if keep else part
+            if self._loose > LOOSE_MAX:
+                self.take()
 
     def take(self) -> Taken:
         """Samples since the last call."""
