@@ -15,7 +15,7 @@ import re
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
-from reflux import cmd_play, lab_log, logs, runner, scenario_settings
+from reflux import cmd_play, given, lab_log, logs, runner, scenario_settings
 from reflux import scenario as scenarios
 from reflux.errors import RunFailed, UserError
 from reflux.in_process import MEASUREMENT, MV, Channel, InProcess
@@ -28,6 +28,7 @@ logger = logging.getLogger("reflux")
 
 HUMAN = re.compile(r"\s*mode\s+(human|terminal)\b", re.I)
 TIMES = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+SAMPLES_MAX = 2**32 - 1  # numbers of samples on the link
 
 
 class Lab:
@@ -146,15 +147,17 @@ class Lab:
         self._say(f"mode {loop} {mode}")
 
     def setpoint(self, loop: str, value: float) -> None:
-        self._say(f"sp {loop} {value:.9g}")
+        self._say(f"sp {loop} {given.number(value, f'the setpoint of {loop}'):.9g}")
 
     def output(self, name: str, value: float) -> None:
         """An output by hand; refused while its loop is not in manual."""
-        self._say(f"out {name} {value:.9g}")
+        self._say(f"out {name} {given.number(value, f'output {name}'):.9g}")
 
     def set(self, name: str, value: float | str) -> None:
         """A parameter, as bottom.gain; docs/use/console.md has them all."""
-        self._say(f"set {name} {value:.9g}" if isinstance(value, float) else f"set {name} {value}")
+        if not isinstance(value, str):
+            value = f"{given.number(value, name):.9g}"
+        self._say(f"set {name} {value}")
 
     def get(self, name: str) -> str:
         """A parameter's value as the console prints it, without its unit."""
@@ -163,30 +166,35 @@ class Lab:
 
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
         """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
-        self._engine().event(self._engine().time_s + after_s, name, value)
+        after_s = given.finite(after_s, "after_s", 0.0)
+        self._engine().event(self._engine().time_s + after_s, name, given.finite(value, name))
 
     # ---- time ----
 
     def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
-        span = hours * TIMES["hours"] + minutes * TIMES["minutes"] + seconds
-        if (ticks is None) == (span == 0.0) or span < 0 or (ticks is not None and ticks < 1):
+        span = sum(given.finite(value, name) * TIMES[name] for name, value in (("hours", hours), ("minutes", minutes), ("seconds", seconds)))
+        if (ticks is None) == (span == 0.0) or span < 0:
             raise UserError("how long? hours=, minutes= and seconds= together, or ticks=, a whole number from 1")
         if self._on_port is not None:
             if ticks is None:
                 self._on_port.listen(span)
             else:
-                self._listen(ticks)
+                self._listen(given.whole(ticks, "ticks", SAMPLES_MAX))
         else:
-            self._engine().step(ticks if ticks is not None else max(1, round(span / self.tick_s)))
+            engine = self._engine()
+            if ticks is None:
+                samples = span / engine.tick_s
+                if samples > SAMPLES_MAX:
+                    raise UserError(f"how long? {span:g} s are more than {SAMPLES_MAX} samples")
+                ticks = max(1, round(samples))
+            engine.step(given.whole(ticks, "ticks", SAMPLES_MAX))
         return self._log(csv)
 
     def step(self, ticks: int = 1) -> None:
         """As run(ticks=...), without a log: for a program that decides anew at each sample."""
-        if ticks < 1:
-            raise UserError("ticks is a whole number from 1")
-        self._engine().step(ticks, keep=False)
+        self._engine().step(given.whole(ticks, "ticks", SAMPLES_MAX), keep=False)
 
     def _listen(self, rows: int) -> None:
         assert self._on_port is not None

@@ -1,0 +1,42 @@
+"""What callers of reflux.Lab hand over: numbers and whole numbers. Anything else is refused in words."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from typing import Any
+
+import numpy as np
+
+from reflux.errors import UserError
+
+
+def number(value: Any, what: str) -> float:
+    """A number of Python or numpy, also one that is not finite: the board refuses that in its own words. True and False are none."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise UserError(f"{what} must be a number, not {shown(value)}")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def finite(value: Any, what: str, least: float = -math.inf) -> float:
+    x = number(value, what)
+    if not (math.isfinite(x) and x >= least):
+        raise UserError(f"{what} must be a number{'' if least == -math.inf else f' from {least:g}'}, not {shown(value)}")
+    return x
+
+
+def whole(value: Any, what: str, most: int) -> int:
+    """From 1. 2.0 is no whole number here, because 2.5 would be none either."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 1 <= value <= most:
+        raise UserError(f"{what} must be a whole number from 1 to {most}, not {shown(value)}")
+    return int(value)
+
+
+def shown(value: Any) -> str:
+    text = ascii(value)
+    return text if len(text) <= 60 else f"{text[:60]} ..."
