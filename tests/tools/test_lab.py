@@ -181,8 +181,31 @@ class Operating(LabTest):
         self.assertEqual(self.lab.get("bottom.gain"), "2.5")
 
     def test_a_command_of_two_lines_is_refused(self) -> None:
-        with self.assertRaisesRegex(UserError, "one line"):
-            self.lab.command("status\nmode bottom auto")
+        lab = self.lab
+        for smuggled in ("\nmode bottom auto", "\rmode bottom auto", "\r\nmode bottom auto\n"):
+            for call in (lambda text: lab.command("status" + text), lambda text: lab.mode("top", "auto" + text), lambda text: lab.mode("top auto" + text, ""),
+                         lambda text: lab.setpoint("top" + text, 88.0), lambda text: lab.output("Lr" + text, 4.0),
+                         lambda text: lab.set("top.gain", "2" + text), lambda text: lab.set("top.gain 2" + text, 2.0), lambda text: lab.get("top.gain" + text)):
+                with self.assertRaisesRegex(UserError, "one line"):
+                    call(smuggled)
+        self.assertEqual([loop["mode"] for loop in lab.loops.values()], ["manual", "manual"])
+
+    def test_what_the_console_cannot_take_is_named(self) -> None:
+        lab = self.lab
+        for wrong in ("\0", "\t", "\x03", "\x15", "\x1b", "\x7f", "\x85", "\u00e9", "\u20ac", "\u2028", "\ud800", "\U0001f600"):
+            for call in (lambda text: lab.command("status" + text), lambda text: lab.mode("bottom" + text, "auto"), lambda text: lab.mode("bottom", text),
+                         lambda text: lab.setpoint(text, 1.0), lambda text: lab.output(text, 1.0), lambda text: lab.set("bottom.name", text),
+                         lambda text: lab.set(text, 1.0), lab.get):
+                with self.subTest(ascii(wrong)), self.assertRaises(UserError) as refused:
+                    call(wrong)
+                self.assertIn("printable ASCII only, not " + ascii(wrong), str(refused.exception))
+            with self.subTest(ascii(wrong)), self.assertRaisesRegex(UserError, "plant pilot has no"):
+                lab.disturb("F" + wrong, 5.0)
+            self.assertTrue(math.isnan(lab.value("T10" + wrong)))
+        for wrong in (None, b"status", 5):
+            with self.assertRaisesRegex(UserError, "a command is a text, not"):
+                lab.command(wrong)
+        self.assertTrue(lab.command("status"))
 
     def test_a_line_that_has_no_reply_does_no_harm(self) -> None:
         for line in ("", "   "):

@@ -1,4 +1,4 @@
-"""What callers of reflux.Lab hand over: numbers and whole numbers. Anything else is refused in words."""
+"""What callers of reflux.Lab hand over: numbers, whole numbers, lines for the console. Anything else is refused in words."""
 
 from __future__ import annotations
 
@@ -35,6 +35,19 @@ def whole(value: Any, what: str, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 1 <= value <= most:
         raise UserError(f"{what} must be a whole number from 1 to {most}, not {shown(value)}")
     return int(value)
+
+
+def line(text: Any) -> str:
+    """One line that the console takes: printable ASCII. A newline or a control character would end or edit the line, and a second command
+    could follow it."""
+    if not isinstance(text, str):
+        raise UserError(f"a command is a text, not {shown(text)}")
+    if "\n" in text or "\r" in text:
+        raise UserError(f"a command is one line, not {shown(text)}")
+    wrong = next((c for c in text if not " " <= c <= "~"), None)
+    if wrong is not None:
+        raise UserError(f"the console takes printable ASCII only, not {wrong!a} in {text!a}")
+    return text
 
 
 def shown(value: Any) -> str:

@@ -144,7 +144,8 @@ class InProcess:
         return [line for line in said if line != "ok" and not line.startswith(ASYNCHRONOUS)]
 
     def event(self, at_s: float, name: str, value: float) -> None:
-        self._check(self._call("event", f"{at_s:.17g}:{name}={value:.17g}".encode()))
+        text = f"{at_s:.17g}:{name}={value:.17g}"
+        self._check(self._call("event", text.encode("utf-8", "replace").replace(b"\0", b"?")))
 
     def step(self, samples: int, keep: bool = True) -> None:
         """keep: the samples are for take(). Those that are not kept are gone by then."""
@@ -175,7 +176,8 @@ class InProcess:
         return Taken(list(self._comments), self._columns, rows, telemetry)
 
     def value(self, name: str) -> float:
-        return float(self._call("value", name.encode()))
+        """NaN: the plant has no such channel, or there was no sample yet."""
+        return float(self._call("value", name.encode())) if name in self.channels else math.nan
 
     @property
     def time_s(self) -> float:
