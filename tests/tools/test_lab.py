@@ -215,12 +215,22 @@ class Operating(LabTest):
         self.assertTrue(self.lab.command("status"))
 
     def test_a_closed_lab_says_so(self) -> None:
+        handle = self.lab.Qrb
         self.lab.close()
         self.lab.close()
-        with self.assertRaisesRegex(RunFailed, "closed"):
-            self.lab.command("status")
-        with self.assertRaises(UserError):
-            self.lab.run(ticks=1)
+        lab = self.lab
+        calls = {name: lambda name=name: getattr(lab, name)
+                 for name in ("time_s", "tick_s", "channels", "measurements", "outputs", "loops", "T1", "Qrb")}
+        calls |= {name: lambda name=name: getattr(lab, name)() for name in ("__enter__", "step", "play")}
+        calls |= {"handle": handle, "Qrb(0.7)": lambda: handle(0.7), "value": lambda: lab.value("T1"), "command": lambda: lab.command("status"),
+                  "empty": lambda: lab.command(""), "mode": lambda: lab.mode("bottom", "auto"), "setpoint": lambda: lab.setpoint("bottom", 1.0),
+                  "output": lambda: lab.output("Qrb", 1.0), "set": lambda: lab.set("bottom.gain", 1.0), "get": lambda: lab.get("bottom.gain"),
+                  "disturb": lambda: lab.disturb("F", 5.0), "run": lambda: lab.run(ticks=1), "run()": lambda: lab.run()}
+        public = {name for name in vars(Lab) if not name.startswith("_")}
+        self.assertLessEqual(public - {"close"}, set(calls))
+        for name, call in calls.items():
+            with self.subTest(name), self.assertRaisesRegex(RunFailed, "^the lab is closed$"):
+                call()
 
     def test_a_board_whose_log_is_off_gives_the_samples_alone(self) -> None:
         self.lab.command("log off")

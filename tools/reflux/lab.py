@@ -118,17 +118,22 @@ class Lab:
                 if name in self._engine().channels:
                     self._say(f"out {name} {self._engine().value(name):.7g}")
 
+    def _there(self) -> InProcess | OnPort:
+        engine = self._in_process or self._on_port
+        if engine is None:
+            raise RunFailed("the lab is closed")
+        return engine
+
     def _engine(self) -> InProcess:
-        if self._in_process is None:
+        engine = self._there()
+        if not isinstance(engine, InProcess):
             raise UserError("this goes with a plant in this process, not with a board on a port")
-        return self._in_process
+        return engine
 
     # ---- the console ----
 
     def _say(self, text: str) -> list[str]:
-        engine = self._in_process or self._on_port
-        if engine is None:
-            raise RunFailed("the lab is closed")
+        engine = self._there()
         logger.debug("> %s", text.split()[0] if text.split() else "")  # not its words: one may be a key
         return engine.say(text)
 
@@ -140,6 +145,7 @@ class Lab:
         """What a caller says, who could smuggle a second line into it; lines of our own files go through _say()."""
         if HUMAN.match(given.line(text)):
             raise UserError(f"{text.strip()}: a lab needs the console in machine mode")
+        self._there()
         return self._say(text) if text.strip() else []
 
     def mode(self, loop: str, mode: str) -> None:
@@ -166,14 +172,16 @@ class Lab:
 
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
         """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
+        engine = self._engine()
         after_s = given.finite(after_s, "after_s", 0.0)
-        self._engine().event(self._engine().time_s + after_s, name, given.finite(value, name))
+        engine.event(engine.time_s + after_s, name, given.finite(value, name))
 
     # ---- time ----
 
     def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
+        self._there()
         span = sum(given.finite(value, name) * TIMES[name] for name, value in (("hours", hours), ("minutes", minutes), ("seconds", seconds)))
         if (ticks is None) == (span == 0.0) or span < 0:
             raise UserError("how long? hours=, minutes= and seconds= together, or ticks=, a whole number from 1")
@@ -238,8 +246,7 @@ class Lab:
     @property
     def time_s(self) -> float:
         """Plant time of the sample to come; of a board on a port, of its last one."""
-        engine = self._in_process or self._on_port
-        return engine.time_s if engine else float("nan")
+        return self._there().time_s
 
     @property
     def tick_s(self) -> float:
@@ -255,10 +262,12 @@ class Lab:
     @property
     def measurements(self) -> dict[str, float]:
         """What the board last measured; NaN before the first sample."""
+        self._there()
         return {name: self.value(name) for name in self._measured}
 
     @property
     def outputs(self) -> dict[str, float]:
+        self._there()
         return {name: self.value(name) for name in self._outputs}
 
     @property
@@ -273,8 +282,7 @@ class Lab:
 
     def value(self, name: str) -> float:
         """A channel of the plant: a measurement as the board sees it, an output as it stands, anything else as it is."""
-        engine = self._in_process or self._on_port
-        return engine.value(name) if engine else float("nan")
+        return self._there().value(name)
 
     def __getattr__(self, name: str) -> float | Callable[..., float]:
         """lab.T1 is a measurement; lab.Q1() reads an output and lab.Q1(50) sets it."""
@@ -285,6 +293,7 @@ class Lab:
                 if found and names is measured:
                     return self.value(found)
                 if found:
+                    self._there()
                     return self._handle(found)
         raise AttributeError(f"{name}: this lab has the measurements {', '.join(self.__dict__.get('_measured', []))} "
                              f"and the outputs {', '.join(self.__dict__.get('_outputs', []))}")
@@ -311,6 +320,7 @@ class Lab:
             self.close()
 
     def __enter__(self) -> "Lab":
+        self._there()
         return self
 
     def __exit__(self, *_: object) -> None:
