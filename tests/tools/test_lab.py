@@ -2,12 +2,15 @@
 
 import contextlib
 import importlib.util
+import json
 import logging
 import math
 import subprocess
 import sys
+import tempfile
 import unittest
 import warnings
+from pathlib import Path
 from unittest import mock
 
 from support import ROOT, FolderTest
@@ -16,7 +19,7 @@ import numpy as np
 import reflux
 from reflux import Lab, Plant, Refused, Scenario, build, lab_log, launch, logs, runner
 from reflux.errors import RunFailed, UserError
-from reflux.in_process import Taken
+from reflux.in_process import LIBRARY, Taken
 
 
 def setUpModule() -> None:
@@ -278,10 +281,45 @@ class Started(unittest.TestCase):
             self.assertEqual((list(lab.measurements), lab.loops), (["xD", "xB"], {}))
 
     def test_a_plant_may_be_a_dictionary(self) -> None:
-        import json
         data = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
         with Lab(Plant({**data, "name": "my-own"})) as lab:
             self.assertEqual(list(lab.measurements), ["xD", "xB"])
+
+    def test_a_lab_that_is_refused_leaves_no_library_and_no_file(self) -> None:
+        def loaded() -> int:
+            return sum(LIBRARY in line for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines())
+
+        data = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
+        before = loaded()
+        attempts = [(UserError, what, {}) for what in ("nowhere", "nowhere.toml", "nowhere.conf", "", "\ud800", "a\0b", None, 3, ["pilot"])]
+        attempts += [(UserError, "pilot", {"seed": seed}) for seed in (-1, 1.5, "x", True, 2**80)]
+        attempts += [(UserError, "pilot", {"noise": noise}) for noise in (math.nan, -1.0, "x")]
+        attempts += [(UserError, "pilot", {"tick_s": tick}) for tick in (math.nan, 0.0, "x")]
+        kept: list[BaseException] = []  # with their tracebacks, which hold what was made
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(tempfile, "tempdir", folder):
+            for kind, what, options in attempts:
+                with self.subTest(what=ascii(what), **options):
+                    try:
+                        Lab(what, **options)
+                    except kind as error:
+                        kept.append(error)
+                    self.assertEqual(len(kept), 1, "not refused")
+                    self.assertEqual(loaded(), before)
+                    self.assertEqual(list(Path(folder).iterdir()), [])
+                kept.clear()
+            for wrong in ({**data, "inputs": []}, {**data, "gain": np.ones(2)}, {**data, "name": "../x"}):
+                with self.subTest(wrong):
+                    try:
+                        Plant(wrong)
+                    except UserError as error:
+                        kept.append(error)
+                    self.assertEqual(len(kept), 1, "not refused")
+                    self.assertEqual(list(Path(folder).iterdir()), [])
+                kept.clear()
+            with mock.patch.object(Lab, "_operate", side_effect=RunFailed("no")), self.assertRaises(RunFailed) as refused:
+                Lab("pilot")
+            kept.append(refused.exception)
+            self.assertEqual(loaded(), before)
 
     def test_only_a_scenario_can_be_played(self) -> None:
         with Lab("pilot") as lab, self.assertRaisesRegex(UserError, "no scenario to play"):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import shutil
 import tempfile
 from dataclasses import dataclass
@@ -100,9 +101,13 @@ class InProcess:
 
     def __init__(self, plant: str, options: Sequence[str] = ()):
         self._c: ctypes.CDLL | None = _copy(library())
-        words = [word.encode() for word in ("--plant", plant, *options)]
-        self._check(self._call("open", len(words), (ctypes.c_char_p * len(words))(*words)))
-        self.channels = self._channels()
+        try:
+            words = [os.fsencode(word) for word in ("--plant", plant, *options)]
+            self._check(self._call("open", len(words), (ctypes.c_char_p * len(words))(*words)))
+            self.channels = self._channels()
+        except BaseException:
+            self.close()
+            raise
         self._loose = 0  # samples that nobody wants
         self._header = ""
         self._columns: list[str] = []

@@ -48,14 +48,18 @@ class Lab:
         self._on_port: OnPort | None = None
         self._measured: list[str] = []
         self._outputs: list[str] = []
-        if port is not None:
-            self._on_port = OnPort(port)
-            settings = self.command("dump").splitlines()
-        else:
-            settings = self._start(what, seed, noise, tick_s)
-        self._find_channels(settings)
-        if self._in_process and at_operating_point:
-            self._operate()
+        try:
+            if port is not None:
+                self._on_port = OnPort(port)
+                settings = self.command("dump").splitlines()
+            else:
+                settings = self._start(what, seed, noise, tick_s)
+            self._find_channels(settings)
+            if self._in_process and at_operating_point:
+                self._operate()
+        except BaseException:
+            self.close()
+            raise
 
     # ---- how it begins ----
 
@@ -65,13 +69,9 @@ class Lab:
             if value is not None:
                 options = [*options, name, f"{value:.17g}" if isinstance(value, float) else str(value)]
         self._in_process = InProcess(plant, options)
-        try:
-            lines = self._channel_lines() if lines is None else lines
-            for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
-                self._say(line)
-        except BaseException:
-            self.close()
-            raise
+        lines = self._channel_lines() if lines is None else lines
+        for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
+            self._say(line)
         logger.info("%s in this process, a sample each %g s", plant, self.tick_s)
         return lines
 
@@ -80,6 +80,8 @@ class Lab:
         if isinstance(what, Plant):
             self._plant = what  # its file lives as long
             return what.argument, [], None
+        if not isinstance(what, (str, Path, Scenario)):
+            raise UserError(f"a lab takes the name of a configuration, a scenario or a plant, a Scenario or a Plant, not {given.shown(what)}")
         if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
             bench = cmd_play.bench_of(what, None)
             return bench.plant, list(bench.options), list(bench.lines)
