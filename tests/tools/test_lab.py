@@ -1,5 +1,6 @@
 """reflux.Lab: a board and a plant in this process, and a board on a port; the log it gives; the doors to the firmware's methods; a Gymnasium environment."""
 
+import concurrent.futures
 import contextlib
 import importlib.util
 import json
@@ -8,6 +9,7 @@ import math
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 import warnings
 from pathlib import Path
@@ -57,6 +59,66 @@ class SameLog(FolderTest):
             self.assertEqual(np.float32(one.T10), np.float32(expected[-1]))
             self.assertNotEqual(np.float32(other.T10), np.float32(expected[-1]))
         self.assertEqual(list(found), list(expected))
+
+
+class Threads(LabTest):
+    def run_together(self, works: list) -> list:
+        """What each of the functions returned; what one raised is raised."""
+        with concurrent.futures.ThreadPoolExecutor(len(works)) as pool:
+            return [one.result() for one in [pool.submit(work) for work in works]]
+
+    def test_threads_that_share_a_lab_take_turns(self) -> None:
+        lab, replies = self.lab, 60
+
+        def stepping() -> None:
+            for _ in range(replies):
+                lab.step(2)
+
+        def asking() -> None:
+            for k in range(replies):
+                lab.set("bottom.gain", 1.0 + k)
+                self.assertTrue(lab.command("status").startswith("state "))
+                self.assertEqual(list(lab.loops), ["top", "bottom"])
+                self.assertTrue(set(lab.measurements) == {"T1", "T10"})
+
+        def logging_on() -> int:
+            return sum(len(lab.run(ticks=3)) for _ in range(replies))
+
+        self.assertEqual(self.run_together([stepping, asking, logging_on, asking, logging_on])[2], 3 * replies)
+        self.assertEqual(lab.time_s, 30.0 * replies * (2 + 3 + 3))
+
+    def test_a_close_waits_for_its_turn(self) -> None:
+        started = threading.Event()
+
+        def stepping() -> str:
+            try:
+                for _ in range(100000):
+                    self.lab.step()
+                    started.set()
+            except RunFailed as error:
+                return str(error)
+            return "never closed"
+
+        def closing() -> None:
+            started.wait(20)
+            self.lab.close()
+
+        self.assertEqual(self.run_together([stepping, closing])[0], "the lab is closed")
+
+    def test_labs_in_threads_of_their_own_are_independent(self) -> None:
+        def alone(seed: int) -> list[float]:
+            with Lab("pilot", seed=seed) as lab:
+                lab.mode("bottom", "auto")
+                found: list[float] = []
+                for k in range(40):
+                    lab.setpoint("bottom", 108.0 + 0.1 * ((k + seed) % 7))
+                    found += list(lab.run(ticks=5)["T10"])
+                return found
+
+        seeds = [1, 2, 3, 4]
+        expected = [alone(seed) for seed in seeds]
+        self.assertEqual(self.run_together([lambda seed=seed: alone(seed) for seed in seeds]), expected)
+        self.assertNotEqual(expected[0], expected[1])
 
 
 class Operating(LabTest):

@@ -10,10 +10,12 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import re
+import threading
 from pathlib import Path
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Concatenate, ParamSpec, Sequence, TypeVar
 
 from reflux import cmd_play, given, lab_log, logs, runner, scenario_settings
 from reflux import scenario as scenarios
@@ -30,6 +32,18 @@ HUMAN = re.compile(r"\s*mode\s+(human|terminal)\b", re.I)
 TIMES = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 SAMPLES_MAX = 2**32 - 1  # numbers of samples on the link
 
+P, R = ParamSpec("P"), TypeVar("R")
+
+
+def _in_turn(method: "Callable[Concatenate[Lab, P], R]") -> "Callable[Concatenate[Lab, P], R]":
+    """A call of one thread at a time: the library behind a lab knows no threads."""
+    @functools.wraps(method)
+    def alone(self: "Lab", *arguments: P.args, **options: P.kwargs) -> R:
+        with self._turn:
+            return method(self, *arguments, **options)
+
+    return alone
+
 
 class Lab:
     """Firmware and plant in this process, or a board on a serial port.
@@ -38,11 +52,12 @@ class Lab:
     no loops. The plant stands at its operating point, the outputs too, the loops are in manual.
     port: the console of a board, such as /dev/ttyUSB0, instead; its time is real.
 
-    What the board refuses is raised as reflux.Refused with the console's words.
+    What the board refuses is raised as reflux.Refused with the console's words. Threads that share a lab take turns, call by call.
     """
 
     def __init__(self, what: str | Scenario | Plant = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
                  tick_s: float | None = None, at_operating_point: bool = True):
+        self._turn = threading.RLock()
         self.scenario: Scenario | None = None
         self._in_process: InProcess | None = None
         self._on_port: OnPort | None = None
@@ -139,6 +154,7 @@ class Lab:
         logger.debug("> %s", text.split()[0] if text.split() else "")  # not its words: one may be a key
         return engine.say(text)
 
+    @_in_turn
     def command(self, text: str) -> str:
         """Any line of the console; the reply without its ok."""
         return "\n".join(self._command(text))
@@ -150,28 +166,34 @@ class Lab:
         self._there()
         return self._say(text) if text.strip() else []
 
+    @_in_turn
     def mode(self, loop: str, mode: str) -> None:
         """manual, auto or cascade."""
         self._command(f"mode {loop} {mode}")
 
+    @_in_turn
     def setpoint(self, loop: str, value: float) -> None:
         self._command(f"sp {loop} {given.number(value, f'the setpoint of {loop}'):.9g}")
 
+    @_in_turn
     def output(self, name: str, value: float) -> None:
         """An output by hand; refused while its loop is not in manual."""
         self._command(f"out {name} {given.number(value, f'output {name}'):.9g}")
 
+    @_in_turn
     def set(self, name: str, value: float | str) -> None:
         """A parameter, as bottom.gain; docs/use/console.md has them all."""
         if not isinstance(value, str):
             value = f"{given.number(value, name):.9g}"
         self._command(f"set {name} {value}")
 
+    @_in_turn
     def get(self, name: str) -> str:
         """A parameter's value as the console prints it, without its unit."""
         words = self.command(f"get {name}").partition(" = ")[2].split()
         return words[0] if words else ""
 
+    @_in_turn
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
         """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
         engine = self._engine()
@@ -180,6 +202,7 @@ class Lab:
 
     # ---- time ----
 
+    @_in_turn
     def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
@@ -202,6 +225,7 @@ class Lab:
             engine.step(given.whole(ticks, "ticks", SAMPLES_MAX))
         return self._log(csv)
 
+    @_in_turn
     def step(self, ticks: int = 1) -> None:
         """As run(ticks=...), without a log: for a program that decides anew at each sample."""
         self._engine().step(given.whole(ticks, "ticks", SAMPLES_MAX), keep=False)
@@ -213,6 +237,7 @@ class Lab:
         except TimeoutError:
             raise RunFailed("the board has sent no telemetry for 600 s; is its plant link ready?") from None
 
+    @_in_turn
     def play(self, csv: str | Path | None = None) -> Any:
         """Carries out the lines and events of the scenario to its end, as tools/run does, and returns the log."""
         s, engine = self.scenario, self._engine()
@@ -246,33 +271,39 @@ class Lab:
         return lab_log.of(*lab_log.numbers(log))
 
     @property
+    @_in_turn
     def time_s(self) -> float:
         """Plant time of the sample to come; of a board on a port, of its last one."""
         return self._there().time_s
 
     @property
+    @_in_turn
     def tick_s(self) -> float:
         return self._engine().tick_s
 
     # ---- numbers ----
 
     @property
+    @_in_turn
     def channels(self) -> dict[str, Channel]:
         """Every channel of the plant, with unit, span and nominal value."""
         return dict(self._engine().channels)
 
     @property
+    @_in_turn
     def measurements(self) -> dict[str, float]:
         """What the board last measured; NaN before the first sample."""
         self._there()
         return {name: self.value(name) for name in self._measured}
 
     @property
+    @_in_turn
     def outputs(self) -> dict[str, float]:
         self._there()
         return {name: self.value(name) for name in self._outputs}
 
     @property
+    @_in_turn
     def loops(self) -> dict[str, dict[str, Any]]:
         """Of each loop, as the console's `loop` has it: mode, channels pv and out, setpoint sp."""
         out: dict[str, dict[str, Any]] = {}
@@ -282,6 +313,7 @@ class Lab:
             out[name] = {"mode": words[0] if words else "", **said, "sp": logs.number(said.get("sp", ""))}
         return out
 
+    @_in_turn
     def value(self, name: str) -> float:
         """A channel of the plant: a measurement as the board sees it, an output as it stands, anything else as it is."""
         return self._there().value(name)
@@ -302,14 +334,16 @@ class Lab:
 
     def _handle(self, name: str) -> Callable[..., float]:
         def handle(value: float | None = None) -> float:
-            if value is not None:
-                self.output(name, value)
-            return self.value(name)
+            with self._turn:
+                if value is not None:
+                    self.output(name, value)
+                return self.value(name)
 
         return handle
 
     # ---- the end ----
 
+    @_in_turn
     def close(self) -> None:
         """Ends the run in this process, or lets go of the port; a board goes on as it is."""
         for engine in (self._in_process, self._on_port):
