@@ -2,10 +2,13 @@
 
 import concurrent.futures
 import contextlib
+import copy
 import importlib.util
 import json
 import logging
 import math
+import os
+import pickle
 import subprocess
 import sys
 import tempfile
@@ -382,6 +385,44 @@ class Started(unittest.TestCase):
                 Lab("pilot")
             kept.append(refused.exception)
             self.assertEqual(loaded(), before)
+
+    def test_a_lab_is_not_copied(self) -> None:
+        with Lab("pilot") as lab:
+            for call in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.assertRaisesRegex(UserError, "^a lab cannot be copied or sent to another process"):
+                    call(lab)
+            self.assertTrue(lab.command("status"))
+
+    def test_a_copy_of_a_plant_outlives_it(self) -> None:
+        data = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
+        for copied in (copy.copy, copy.deepcopy, lambda plant: pickle.loads(pickle.dumps(plant))):
+            plant = Plant(data)
+            first, other = Path(plant.argument), copied(plant)
+            del plant
+            self.assertFalse(first.exists())
+            with Lab(other) as lab:
+                self.assertEqual(list(lab.measurements), ["xD", "xB"])
+        self.assertEqual(copy.copy(Plant("wood-berry")).argument, "wood-berry")
+
+    def test_a_value_of_a_steady_state_is_a_number(self) -> None:
+        with self.assertRaisesRegex(UserError, "^R must be a number, not 'x'"):
+            Plant("wood-berry").at_rest(R="x")
+
+    def test_a_child_of_fork_has_a_lab_of_its_own(self) -> None:
+        with Lab("pilot", seed=3) as lab:
+            lab.step(5)
+            before = lab.outputs
+            child = os.fork()
+            if child == 0:
+                try:
+                    lab.output("Qrb", 0.4)
+                    lab.step(100)
+                    lab.close()
+                finally:
+                    os._exit(0 if lab._in_process is None else 1)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+            self.assertEqual((lab.time_s, lab.outputs), (150.0, before))
+            self.assertEqual(len(lab.run(ticks=2)), 2)
 
     def test_only_a_scenario_can_be_played(self) -> None:
         with Lab("pilot") as lab, self.assertRaisesRegex(UserError, "no scenario to play"):

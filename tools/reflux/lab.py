@@ -351,6 +351,10 @@ class Lab:
                 engine.close()
         self._in_process = self._on_port = None
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """For copy and pickle; a copy would share the board, and close it when it goes."""
+        raise UserError("a lab cannot be copied or sent to another process, because its board is in this one; start another Lab there")
+
     def __del__(self) -> None:
         with contextlib.suppress(Exception):
             self.close()

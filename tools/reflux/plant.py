@@ -10,7 +10,7 @@ import weakref
 from pathlib import Path
 from typing import Any, Mapping
 
-from reflux import simulator
+from reflux import given, simulator
 from reflux.errors import UserError
 
 
@@ -36,9 +36,11 @@ class Plant:
             path = Path(folder) / f"{name}.json"
             path.write_text(text, encoding="utf-8")
             self.argument = str(path)
+            what = json.loads(text)
         else:
             removed = None
             self.argument = str(what)
+        self._what = what
         try:
             simulator.check_plant(self.argument)
         except ValueError:  # a zero, or half of a letter
@@ -50,7 +52,11 @@ class Plant:
 
     def at_rest(self, **inputs: float) -> dict[str, float]:
         """Every channel at the steady state, of these values of inputs where some are given."""
-        return simulator.at_rest(self.argument, [f"{name}={value:.17g}" for name, value in inputs.items()])
+        return simulator.at_rest(self.argument, [f"{name}={given.number(value, name):.17g}" for name, value in inputs.items()])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy of a dictionary, also in another process, has a file of its own."""
+        return Plant, (self._what,)
 
     def __repr__(self) -> str:
         return f"Plant({self.argument!r})"
