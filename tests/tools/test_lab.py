@@ -269,7 +269,8 @@ class Operating(LabTest):
                 self.assertIn("printable ASCII only, not " + ascii(wrong), str(refused.exception))
             with self.subTest(ascii(wrong)), self.assertRaisesRegex(UserError, "plant pilot has no"):
                 lab.disturb("F" + wrong, 5.0)
-            self.assertTrue(math.isnan(lab.value("T10" + wrong)))
+            with self.subTest(ascii(wrong)), self.assertRaisesRegex(UserError, "there is no channel"):
+                lab.value("T10" + wrong)
         for wrong in (None, b"status", 5):
             with self.assertRaisesRegex(UserError, "a command is a text, not"):
                 lab.command(wrong)
@@ -315,6 +316,24 @@ class Operating(LabTest):
     def test_a_file_that_cannot_be_written_is_named(self) -> None:
         with self.assertRaisesRegex(UserError, "nowhere/x.csv cannot be written"):
             self.lab.run(ticks=1, csv=self.folder / "nowhere" / "x.csv")
+        with self.assertRaisesRegex(UserError, "cannot be written: it is a folder"):
+            self.lab.run(ticks=1, csv="")
+        for wrong in (5, b"x.csv", "a\0b"):
+            with self.assertRaisesRegex(UserError, "^csv must be the name of a file, not "):
+                self.lab.run(ticks=1, csv=wrong)
+        self.assertEqual(self.lab.time_s, 0.0)
+
+    def test_a_channel_is_not_assigned(self) -> None:
+        for name in ("Qrb", "Q1", "T10"):
+            with self.assertRaisesRegex(AttributeError, f"{name} is a channel: lab.{name}.50. moves an output"):
+                setattr(self.lab, name, 50)
+        self.assertAlmostEqual(self.lab.Qrb(), 0.8, 6)
+
+    def test_a_channel_that_is_unknown_is_refused_with_what_there_is(self) -> None:
+        for wrong in ("T99", None, 5, []):
+            with self.assertRaisesRegex(UserError, r"there is no channel .*; there are T1, T10, Lr, Qrb, F, xF, .*\bT2\b"):
+                self.lab.value(wrong)
+        self.assertEqual(self.lab.value("F"), 5.0)
 
     def test_columns_that_change_on_the_way_stand_side_by_side(self) -> None:
         self.lab.run(ticks=2)
@@ -428,6 +447,17 @@ class Started(unittest.TestCase):
         with Lab("pilot") as lab, self.assertRaisesRegex(UserError, "no scenario to play"):
             lab.play()
 
+    def test_a_scenario_is_played_once(self) -> None:
+        with Lab("demo") as lab:
+            lab.play()
+            with self.assertRaisesRegex(UserError, "the scenario goes once, from the start to .* s; start another Lab"):
+                lab.play()
+
+    def test_a_file_may_be_named_by_its_path(self) -> None:
+        for path in ("scenarios/pilot.conf", "scenarios/demo.toml", "plants/wood-berry.json"):
+            with Lab(ROOT / "host_sim" / path) as lab:
+                self.assertTrue(lab.measurements)
+
     def test_every_name_of_the_package_is_there(self) -> None:
         for name in reflux.__all__:
             self.assertIsNotNone(getattr(reflux, name))
@@ -520,6 +550,14 @@ class OnAPort(FolderTest):
         for call in (lambda: self.lab.disturb("F", 5.5), lambda: self.lab.step(), lambda: self.lab.play()):
             with self.assertRaisesRegex(UserError, "not with a board on a port"):
                 call()
+
+    def test_what_is_no_port_or_not_for_one_is_refused(self) -> None:
+        for wrong in (5, b"/dev/null", "a\0b"):
+            with self.assertRaisesRegex(UserError, "^a port is a name such as /dev/ttyUSB0, not "):
+                Lab(port=wrong)
+        for options in ({"seed": 1}, {"noise": 0.0}, {"tick_s": 1.0}):
+            with self.assertRaisesRegex(UserError, "not for a board on a port"):
+                Lab(port=self.firmware.console, **options)
 
     def test_a_board_that_is_away_is_refused(self) -> None:
         with self.assertRaises((UserError, RunFailed)):

@@ -185,6 +185,10 @@ class InProcess:
         return float(self._call("value", name.encode())) if name in self.channels else math.nan
 
     @property
+    def names(self) -> list[str]:
+        return list(self.channels)
+
+    @property
     def time_s(self) -> float:
         return float(self._call("time_s"))
 

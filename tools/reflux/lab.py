@@ -63,8 +63,13 @@ class Lab:
         self._on_port: OnPort | None = None
         self._measured: list[str] = []
         self._outputs: list[str] = []
+        self._played = False
         try:
             if port is not None:
+                if (seed, noise, tick_s) != (None, None, None):
+                    raise UserError("seed, noise and tick_s are for a plant in this process, not for a board on a port")
+                if not isinstance(port, str) or "\0" in port:
+                    raise UserError(f"a port is a name such as /dev/ttyUSB0, not {given.shown(port)}")
                 self._on_port = OnPort(port)
                 settings = self.command("dump").splitlines()
             else:
@@ -97,6 +102,7 @@ class Lab:
             return what.argument, [], None
         if not isinstance(what, (str, Path, Scenario)):
             raise UserError(f"a lab takes the name of a configuration, a scenario or a plant, a Scenario or a Plant, not {given.shown(what)}")
+        what = str(what) if isinstance(what, Path) else what
         if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
             bench = cmd_play.bench_of(what, None)
             return bench.plant, list(bench.options), list(bench.lines)
@@ -207,6 +213,7 @@ class Lab:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
         self._there()
+        _check_csv(csv)
         span = sum(given.finite(value, name) * TIMES[name] for name, value in (("hours", hours), ("minutes", minutes), ("seconds", seconds)))
         if (ticks is None) == (span == 0.0) or span < 0:
             raise UserError("how long? hours=, minutes= and seconds= together, or ticks=, a whole number from 1")
@@ -243,6 +250,10 @@ class Lab:
         s, engine = self.scenario, self._engine()
         if s is None:
             raise UserError("this lab has no scenario to play; Lab(\"demo\") has")
+        if self._played or engine.time_s >= s.duration_s:
+            raise UserError(f"the scenario goes once, from the start to {s.duration_s:g} s, and plant time is {engine.time_s:g} s; start another Lab")
+        _check_csv(csv)
+        self._played = True
         for event in s.events:
             engine.event(event.at_s, event.name, event.value)
         for line in s.lines:
@@ -294,13 +305,13 @@ class Lab:
     def measurements(self) -> dict[str, float]:
         """What the board last measured; NaN before the first sample."""
         self._there()
-        return {name: self.value(name) for name in self._measured}
+        return {name: self._there().value(name) for name in self._measured}
 
     @property
     @_in_turn
     def outputs(self) -> dict[str, float]:
         self._there()
-        return {name: self.value(name) for name in self._outputs}
+        return {name: self._there().value(name) for name in self._outputs}
 
     @property
     @_in_turn
@@ -316,7 +327,11 @@ class Lab:
     @_in_turn
     def value(self, name: str) -> float:
         """A channel of the plant: a measurement as the board sees it, an output as it stands, anything else as it is."""
-        return self._there().value(name)
+        engine = self._there()
+        if name not in self._measured and name not in self._outputs and name not in engine.names:
+            known = dict.fromkeys([*self._measured, *self._outputs, *engine.names])
+            raise UserError(f"there is no channel {given.shown(name)}; there are {', '.join(known)}")
+        return engine.value(name)
 
     def __getattr__(self, name: str) -> float | Callable[..., float]:
         """lab.T1 is a measurement; lab.Q1() reads an output and lab.Q1(50) sets it."""
@@ -331,6 +346,12 @@ class Lab:
                     return self._handle(found)
         raise AttributeError(f"{name}: this lab has the measurements {', '.join(self.__dict__.get('_measured', []))} "
                              f"and the outputs {', '.join(self.__dict__.get('_outputs', []))}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """lab.Q1 = 50 would set nothing and hide the output."""
+        if any(_channel(name, self.__dict__.get(names, []), letter) for names, letter in (("_measured", "T"), ("_outputs", "Q"))):
+            raise AttributeError(f"{name} is a channel: lab.{name}(50) moves an output, and a measurement is only read")
+        super().__setattr__(name, value)
 
     def _handle(self, name: str) -> Callable[..., float]:
         def handle(value: float | None = None) -> float:
@@ -365,6 +386,17 @@ class Lab:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _check_csv(csv: Any) -> None:
+    """Before time passes, so that no log is lost."""
+    if csv is None:
+        return
+    if not isinstance(csv, (str, Path)) or "\0" in str(csv):
+        raise UserError(f"csv must be the name of a file, not {given.shown(csv)}")
+    path = Path(csv)
+    if path.is_dir() or not path.parent.is_dir():
+        raise UserError(f"{csv} cannot be written: {'it is a folder' if path.is_dir() else f'there is no folder {path.parent}'}")
 
 
 def _scenario(name: str | Path) -> Scenario | None:

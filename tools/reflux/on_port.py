@@ -63,6 +63,11 @@ class OnPort:
         return float("nan")
 
     @property
+    def names(self) -> list[str]:
+        """Columns of telemetry that have come."""
+        return list(self._last)
+
+    @property
     def time_s(self) -> float:
         return self.value("time")
 
