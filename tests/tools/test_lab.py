@@ -31,6 +31,11 @@ def setUpModule() -> None:
     build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host", "libreflux", "libreflux_lab"), quiet=True)
 
 
+def loaded() -> int:
+    """Places of copies of the library in this process."""
+    return sum(LIBRARY in line for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines())
+
+
 class LabTest(FolderTest):
     """A lab of its own for each test."""
 
@@ -370,9 +375,6 @@ class Started(unittest.TestCase):
             self.assertEqual(list(lab.measurements), ["xD", "xB"])
 
     def test_a_lab_that_is_refused_leaves_no_library_and_no_file(self) -> None:
-        def loaded() -> int:
-            return sum(LIBRARY in line for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines())
-
         data = json.loads((ROOT / "host_sim" / "plants" / "wood-berry.json").read_text(encoding="utf-8"))
         before = loaded()
         attempts = [(UserError, what, {}) for what in ("nowhere", "nowhere.toml", "nowhere.conf", "", "\ud800", "a\0b", None, 3, ["pilot"])]
@@ -627,6 +629,69 @@ class Environment(unittest.TestCase):
                     _, reward, *_, info = env.step(np.array([1.0, 1.0], np.float32))
                     self.assertLessEqual(info["applied"]["Qrb"], 1.25 + 1e-6)
                     self.assertLessEqual(reward, 0.0)
+
+
+@unittest.skipUnless(importlib.util.find_spec("gymnasium"), "gymnasium is not installed; pip install gymnasium")
+class EnvironmentUnderAttack(unittest.TestCase):
+    def setUp(self) -> None:
+        self.env = self.enterContext(contextlib.closing(reflux.ColumnEnv("pilot", targets={"T10": 108.5})))
+        self.env.reset(seed=1)
+
+    def test_an_action_that_is_not_finite_is_refused_by_the_board(self) -> None:
+        before = self.env.step(np.array([0.2, 0.1]))[4]["applied"]
+        for action in ([math.nan, math.inf], [-math.inf, math.nan]):
+            seen, reward, *_, info = self.env.step(np.array(action, np.float32))
+            self.assertEqual(len(info["refused"]), 2)
+            self.assertRegex(info["refused"][0], "err PARSE .*is not a number")
+            self.assertEqual(info["applied"], before)
+            self.assertTrue(np.isfinite(seen).all() and math.isfinite(reward))
+
+    def test_an_action_of_another_shape_or_kind_is_refused_and_no_time_passes(self) -> None:
+        before = self.env._lab.time_s
+        for action in (0.5, None, "ab", ["a", "b"], {}, [True, False], [[0.1], [0.2, 0.3]], np.zeros(1), np.zeros(3), np.zeros((2, 1)), np.zeros(2, complex)):
+            with self.subTest(ascii(action)), self.assertRaisesRegex(UserError, "^an action is 2 numbers from -1 to 1, of Lr, Qrb, not "):
+                self.env.step(action)
+        self.assertEqual(self.env._lab.time_s, before)
+        self.env.step([0, 1])
+
+    def test_a_reset_in_mid_episode_begins_anew_and_looks_for_no_configuration(self) -> None:
+        def episode(steps: int) -> list[list[float]]:
+            return [list(self.env.reset(seed=7)[0])] + [list(self.env.step(np.array([0.3, 0.2]))[0]) for _ in range(steps)]
+
+        first = episode(5)
+        with mock.patch("reflux.lab._beginning", side_effect=AssertionError("looks for the configuration")):
+            self.assertEqual(episode(5), first)
+        before = loaded()
+        for _ in range(5):
+            episode(1)
+        self.assertEqual(loaded(), before)
+
+    def test_what_makes_no_environment_is_refused_and_leaves_nothing(self) -> None:
+        before = loaded()
+        for wrong, words in (({"targets": {"X": 1}}, "X is no measurement"), ({"targets": {"T10": math.nan}}, "the target of T10 must be a number"),
+                             ({"targets": {"T10": "hot"}}, "the target of T10 must be a number"), ({"targets": ["T10"]}, "targets are a dictionary"),
+                             ({"steps": 0}, "steps must be a whole number"), ({"ticks": 2.5}, "ticks must be a whole number")):
+            with self.subTest(wrong), self.assertRaisesRegex(UserError, words) as refused:
+                reflux.ColumnEnv("pilot", **wrong)
+            self.assertIsNotNone(refused.exception)
+            self.assertEqual(loaded(), before)
+
+    def test_it_is_not_copied_and_a_closed_one_says_so(self) -> None:
+        for call in (copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(UserError, "a lab cannot be copied"):
+                call(self.env)
+        self.env.close()
+        with self.assertRaisesRegex(RunFailed, "the lab is closed"):
+            self.env.step(np.zeros(2))
+
+    def test_environments_in_processes_of_their_own(self) -> None:
+        from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
+        seen = []
+        for kind in (SyncVectorEnv, AsyncVectorEnv):
+            with contextlib.closing(kind([lambda: reflux.ColumnEnv("pilot", steps=3) for _ in range(2)])) as both:
+                both.reset(seed=3)
+                seen.append([both.step(np.full((2, 2), 0.1, np.float32))[0] for _ in range(5)])
+        np.testing.assert_array_equal(*seen)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import functools
 import logging
 import re
 import threading
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Concatenate, ParamSpec, Sequence, TypeVar
 
@@ -45,6 +46,17 @@ def _in_turn(method: "Callable[Concatenate[Lab, P], R]") -> "Callable[Concatenat
     return alone
 
 
+@dataclass(frozen=True)
+class Beginning:
+    """What a lab starts from, as found by its name. Another lab may start from the same: no file is read again."""
+
+    plant: str
+    options: tuple[str, ...] = ()  # of reflux-sim
+    lines: tuple[str, ...] | None = None  # None: those of the plant's channels
+    scenario: Scenario | None = None
+    kept: Plant | None = None  # its file lives as long
+
+
 class Lab:
     """Firmware and plant in this process, or a board on a serial port.
 
@@ -55,7 +67,7 @@ class Lab:
     What the board refuses is raised as reflux.Refused with the console's words. Threads that share a lab take turns, call by call.
     """
 
-    def __init__(self, what: str | Scenario | Plant = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
+    def __init__(self, what: str | Path | Scenario | Plant | Beginning = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
                  tick_s: float | None = None, at_operating_point: bool = True):
         self._turn = threading.RLock()
         self.scenario: Scenario | None = None
@@ -83,39 +95,18 @@ class Lab:
 
     # ---- how it begins ----
 
-    def _start(self, what: str | Scenario | Plant, seed: int | None, noise: float | None, tick_s: float | None) -> list[str]:
-        plant, options, lines = self._wanted(what)
+    def _start(self, what: str | Path | Scenario | Plant | Beginning, seed: int | None, noise: float | None, tick_s: float | None) -> Sequence[str]:
+        self.beginning = what if isinstance(what, Beginning) else _beginning(what)
+        self.scenario, plant, options = self.beginning.scenario, self.beginning.plant, list(self.beginning.options)
         for name, value in (("--seed", seed), ("--noise", noise), ("--tick", tick_s)):
             if value is not None:
-                options = [*options, name, f"{value:.17g}" if isinstance(value, float) else str(value)]
+                options += [name, f"{value:.17g}" if isinstance(value, float) else str(value)]
         self._in_process = InProcess(plant, options)
-        lines = self._channel_lines() if lines is None else lines
+        lines = self._channel_lines() if self.beginning.lines is None else self.beginning.lines
         for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
             self._say(line)
         logger.info("%s in this process, a sample each %g s", plant, self.tick_s)
         return lines
-
-    def _wanted(self, what: str | Scenario | Plant) -> tuple[str, list[str], list[str] | None]:
-        """Plant, options of reflux-sim and console lines. No lines: those of the plant's channels."""
-        if isinstance(what, Plant):
-            self._plant = what  # its file lives as long
-            return what.argument, [], None
-        if not isinstance(what, (str, Path, Scenario)):
-            raise UserError(f"a lab takes the name of a configuration, a scenario or a plant, a Scenario or a Plant, not {given.shown(what)}")
-        what = str(what) if isinstance(what, Path) else what
-        if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
-            bench = cmd_play.bench_of(what, None)
-            return bench.plant, list(bench.options), list(bench.lines)
-        s = self.scenario = what if isinstance(what, Scenario) else _scenario(what)
-        if s is None:
-            return self._wanted(_plant(str(what)))
-        options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
-        options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
-        for name in s.measure:
-            options += ["--measure", name]
-        for name, value in s.start:
-            options += ["--start", f"{name}={value:.17g}"]
-        return runner.plant_argument(s), options, [line.text for line in s.config]
 
     def _channel_lines(self) -> list[str]:
         """The plant's channels, as a board without a configuration takes them."""
@@ -386,6 +377,27 @@ class Lab:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _beginning(what: str | Path | Scenario | Plant) -> Beginning:
+    if isinstance(what, Plant):
+        return Beginning(what.argument, kept=what)
+    if not isinstance(what, (str, Path, Scenario)):
+        raise UserError(f"a lab takes the name of a configuration, a scenario or a plant, a Scenario or a Plant, not {given.shown(what)}")
+    what = str(what) if isinstance(what, Path) else what
+    if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
+        bench = cmd_play.bench_of(what, None)
+        return Beginning(bench.plant, bench.options, bench.lines)
+    s = what if isinstance(what, Scenario) else _scenario(what)
+    if s is None:
+        return _beginning(_plant(str(what)))
+    options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
+    options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
+    for name in s.measure:
+        options += ["--measure", name]
+    for name, value in s.start:
+        options += ["--start", f"{name}={value:.17g}"]
+    return Beginning(runner.plant_argument(s), tuple(options), tuple(line.text for line in s.config), s)
 
 
 def _check_csv(csv: Any) -> None:
