@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 import warnings
 from pathlib import Path
@@ -533,10 +534,7 @@ class OnAPort(FolderTest):
 
     def test_the_same_calls_drive_a_board(self) -> None:
         lab = self.lab
-        with (ROOT / "host_sim" / "scenarios" / "pilot.conf").open(encoding="utf-8") as lines:
-            for line in (text.strip() for text in lines):
-                if line and not line.startswith("#"):
-                    lab.command(line)
+        self.configure()
         log = lab.run(ticks=3)
         self.assertGreaterEqual(len(log), 3)  # and what came while the lines were sent
         self.assertGreater(lab.time_s, 0.0)
@@ -552,6 +550,49 @@ class OnAPort(FolderTest):
         for call in (lambda: self.lab.disturb("F", 5.5), lambda: self.lab.step(), lambda: self.lab.play()):
             with self.assertRaisesRegex(UserError, "not with a board on a port"):
                 call()
+
+    def configure(self) -> None:
+        with (ROOT / "host_sim" / "scenarios" / "pilot.conf").open(encoding="utf-8") as lines:
+            for line in (text.strip() for text in lines):
+                if line and not line.startswith("#"):
+                    self.lab.command(line)
+
+    def test_numbers_are_those_that_have_come_meanwhile(self) -> None:
+        self.configure()
+        self.lab.run(ticks=1)
+        before, end = self.lab.time_s, time.monotonic() + 20
+        while self.lab.time_s < before + 90 and time.monotonic() < end:
+            time.sleep(0.05)
+        self.assertGreaterEqual(self.lab.time_s, before + 90)
+        self.assertGreaterEqual(len(self.lab.run(ticks=1)), 4)
+
+    def test_after_an_interrupted_command_replies_belong_to_their_commands(self) -> None:
+        session = self.lab._on_port._session
+        with mock.patch.object(session, "line", side_effect=KeyboardInterrupt), self.assertRaises(KeyboardInterrupt):
+            self.lab.command("help")
+        self.assertEqual(self.lab.command("get loop1.gain"), "loop1.gain = 1 fraction/fraction")
+        self.assertRegex(self.lab.command("status"), "^state ")
+        with self.assertRaises(Refused):
+            self.lab.command("nonsense")
+        self.assertRegex(self.lab.command("status"), "^state ")
+
+    def test_a_child_of_fork_leaves_the_port_alone(self) -> None:
+        self.configure()
+        self.lab.run(ticks=1)
+        child = os.fork()
+        if child == 0:
+            refused = 0
+            try:
+                for call in (lambda: self.lab.command("status"), lambda: self.lab.run(ticks=1), lambda: self.lab.time_s):
+                    try:
+                        call()
+                    except RunFailed as error:
+                        refused += "another process" in str(error)
+                self.lab.close()
+            finally:
+                os._exit(refused)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 3)
+        self.assertGreaterEqual(len(self.lab.run(ticks=2)), 2)  # its log is still on
 
     def test_what_is_no_port_or_not_for_one_is_refused(self) -> None:
         for wrong in (5, b"/dev/null", "a\0b"):

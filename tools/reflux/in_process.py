@@ -158,9 +158,9 @@ class InProcess:
             self.take()
         while samples > 0:
             part = min(samples, CHUNK)
+            self._loose += 0 if keep else part
             self._check(self._call("step", part))
             samples -= part
-            self._loose += 0 if keep else part
             if self._loose > LOOSE_MAX:
                 self.take()
 
