@@ -23,7 +23,7 @@ from support import ROOT, FolderTest
 
 import numpy as np
 import reflux
-from reflux import Lab, Plant, Refused, Scenario, build, lab_log, launch, logs, runner
+from reflux import Lab, Plant, Refused, Scenario, build, lab_log, launch, libreflux, logs, runner
 from reflux.errors import RunFailed, UserError
 from reflux.in_process import LIBRARY, Taken
 
@@ -640,8 +640,39 @@ class Doors(unittest.TestCase):
     def test_a_record_that_is_none_is_refused(self) -> None:
         with self.assertRaisesRegex(UserError, "a log with inputs"):
             reflux.identify()
+        u = np.ones((30, 1))
+        for options, words in (({"u": u[:, 0], "y": u[:, 0]}, "samples x channels"), ({"u": u, "y": u[:9]}, "a row for each sample"),
+                               ({"u": u[:0], "y": u[:0]}, "a row for each sample"), ({"u": [["a"]], "y": u}, "^u must be numbers"),
+                               ({"u": u, "y": u, "na": 2.5}, "na and nb must be whole numbers"), ({"u": u, "y": u, "method": "x"}, "method must be one of"),
+                               ({"u": u, "y": u, "validation": "x"}, "^validation must be a number"), ({"log": lab_log.Table({}, {})}, "needs the names")):
+            with self.subTest(words), self.assertRaisesRegex(UserError, words):
+                reflux.identify(**options)
         with self.assertRaisesRegex(UserError, "no numbers"):
             reflux.identify(u=np.ones((30, 1)), y=np.full((30, 1), np.nan))
+
+    def test_what_is_no_matrix_is_refused(self) -> None:
+        for wrong in ([], [1, 2], [["a", "b"], ["c", "d"]], [[1], [1, 2]], None, [[1j, 1], [1, 1]], [[True, False], [False, True]], np.zeros((2, 2, 2))):
+            for door in (reflux.rga, reflux.pair):
+                with self.subTest(ascii(wrong)), self.assertRaisesRegex(UserError, "^gain must be "):
+                    door(wrong)
+        for wrong in ([[math.nan, 1.0], [1.0, 1.0]], np.eye(17)):
+            with self.assertRaises(libreflux.Refused):
+                reflux.rga(wrong)
+        with self.assertRaisesRegex(UserError, "^dead_time must be one number, or 2 x 2 as gain"):
+            reflux.rga(self.GAIN, dead_time=[1, 2, 3])
+        with self.assertRaisesRegex(UserError, "^omega must be a number"):
+            reflux.rga(self.GAIN, omega="x")
+
+    def test_pairs_and_settings_that_are_wrong_are_named(self) -> None:
+        for wrong in ([(5, 7)], [(-1, 0)], [(2**40, 0)], [(2**32, 0)], [(0.5, 1.5), (1, 0)], ["ab"], [(0,)], [3]):  # 2**40 was output 0, 0.5 too
+            with self.subTest(wrong), self.assertRaisesRegex(UserError, "^pairs are .output, input., which count from 0"):
+                reflux.design(self.GAIN, self.DEAD, self.CONSTANT, interval_s=60, pairs=wrong)
+        with self.assertRaisesRegex(UserError, "^interval_s must be a number"):
+            reflux.design(self.GAIN, self.DEAD, self.CONSTANT, interval_s="x")
+        with self.assertRaisesRegex(UserError, "^there is no setting margin; there are .*gain_margin"):
+            reflux.design(self.GAIN, self.DEAD, self.CONSTANT, interval_s=60, margin=3)
+        with self.assertRaisesRegex(UserError, "^floor must be a number"):
+            reflux.pair(self.GAIN, floor="x")
 
     def test_a_column_has_a_profile_a_steady_state_and_gains(self) -> None:
         column = reflux.columns.read("splitter")
@@ -649,6 +680,8 @@ class Doors(unittest.TestCase):
         self.assertEqual(len(reflux.columns.profile("splitter")["T[K]"]), column.stages)
         gains = reflux.columns.gains("splitter", outputs=["T5", "T27"], inputs=["R", "Q"])
         self.assertTrue((gains[:, 0] < 0).all() and (gains[:, 1] > 0).all())
+        with self.assertRaisesRegex(UserError, "^splitter has no output X; there are "):
+            reflux.columns.gains("splitter", outputs=["X"], inputs=["R"])
 
 
 class Environment(unittest.TestCase):

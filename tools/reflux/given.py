@@ -1,4 +1,4 @@
-"""What callers of reflux.Lab hand over: numbers, whole numbers, lines for the console. Anything else is refused in words."""
+"""What callers of reflux hand over: numbers, tables of them, lines for the console. Anything else is refused in words."""
 
 from __future__ import annotations
 
@@ -35,6 +35,17 @@ def whole(value: Any, what: str, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 1 <= value <= most:
         raise UserError(f"{what} must be a whole number from 1 to {most}, not {shown(value)}")
     return int(value)
+
+
+def table(value: Any, what: str) -> np.ndarray:
+    """Numbers in any shape."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        array = np.array(None)
+    if array.dtype.kind not in "fiu":
+        raise UserError(f"{what} must be numbers, in rows of one length, not {shown(value)}")
+    return array.astype(float)
 
 
 def line(text: Any) -> str:
