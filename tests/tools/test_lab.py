@@ -9,6 +9,7 @@ import logging
 import math
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
@@ -207,8 +208,31 @@ class Operating(LabTest):
         log = self.lab.run(ticks=3)
         self.assertEqual(list(log["F"]), [5.5, 5.5, 5.5])
         self.assertEqual(list(log["xF"]), [36.0, 36.0, 33.0])
-        with self.assertRaisesRegex(UserError, "F must be 0 to 10 l/h"):
+        with self.assertRaisesRegex(UserError, "^F must be 0 to 10 l/h$"):
             self.lab.disturb("F", 1000)
+        for name in ("", "T10", "Qrb", "T10.zzz", "F" * 600, "F=3,x"):
+            with self.subTest(name), self.assertRaisesRegex(UserError, "^(?!--event)."):
+                self.lab.disturb(name, 1.0)
+
+    def test_disturbances_that_are_over_leave_room_for_more(self) -> None:
+        for k in range(1200):
+            self.lab.disturb("F", 5.0 + 0.5 * (k % 2))
+            self.lab.step()
+        with self.assertRaisesRegex(UserError, "more than 1024 events"):
+            for k in range(1200):
+                self.lab.disturb("F", 5.0, after_s=1e6 + k)
+        self.assertEqual(len(self.lab.run(ticks=2)), 2)
+
+    def test_an_interrupted_run_loses_no_sample(self) -> None:
+        timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        with self.assertRaises(KeyboardInterrupt):
+            self.lab.run(ticks=500000)
+        timer.join()
+        samples = round(self.lab.time_s / self.lab.tick_s)
+        log = self.lab.run(ticks=3)
+        np.testing.assert_array_equal(log["number"], np.arange(samples + 3))
+        self.assertEqual(len(self.lab.run(ticks=1)), 1)
 
     def test_an_interlock_holds_against_the_caller(self) -> None:
         self.lab.set("lock1.limit", 100.0)
@@ -496,8 +520,10 @@ class Logs(LabTest):
         np.testing.assert_array_equal(log["T1"], log["T1.meas"])
         np.testing.assert_array_equal(log["bottom.sp"], log["fw.bottom.sp"])
         self.assertEqual(log.attrs["units"]["T1.meas"], "degC")
-        with self.assertRaises(KeyError):
-            log["nowhere"]
+        for table in (log, lab_log.Table({"T1.meas": np.ones(2)}, {})):
+            for wrong in ("nowhere", *((5, None, slice(1, 2)) if isinstance(table, lab_log.Table) else ())):
+                with self.assertRaises(KeyError):
+                    table[wrong]
 
     def test_a_plot_has_an_axis_for_each_unit(self) -> None:
         import matplotlib

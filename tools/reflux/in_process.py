@@ -150,7 +150,10 @@ class InProcess:
 
     def event(self, at_s: float, name: str, value: float) -> None:
         text = f"{at_s:.17g}:{name}={value:.17g}"
-        self._check(self._call("event", text.encode("utf-8", "replace").replace(b"\0", b"?")))
+        try:
+            self._check(self._call("event", text.encode("utf-8", "replace").replace(b"\0", b"?")))
+        except UserError as error:  # the option is none of the caller's words
+            raise UserError(str(error).removeprefix(f"--event {text}: ")) from None
 
     def step(self, samples: int, keep: bool = True) -> None:
         """keep: the samples are for take(). Those that are not kept are gone by then."""
