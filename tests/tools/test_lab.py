@@ -115,6 +115,34 @@ class Threads(LabTest):
 
         self.assertEqual(self.run_together([stepping, closing])[0], "the lab is closed")
 
+    def test_a_child_of_fork_does_not_wait_for_a_thread_that_it_lacks(self) -> None:
+        running, over = threading.Event(), threading.Event()
+
+        def holding() -> None:
+            with self.lab._turn:
+                running.set()
+                over.wait(60)
+
+        def forking() -> int:
+            running.wait(20)
+            child = os.fork()
+            if child == 0:
+                said = ""
+                try:
+                    signal.alarm(20)
+                    self.lab.command("status")
+                except RunFailed as error:
+                    said = str(error)
+                finally:
+                    os._exit(7 if said == "the lab is closed" else 1)
+            try:
+                return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+            finally:
+                over.set()
+
+        self.assertEqual(self.run_together([holding, forking])[1], 7)
+        self.assertTrue(self.lab.command("status"))
+
     def test_labs_in_threads_of_their_own_are_independent(self) -> None:
         def alone(seed: int) -> list[float]:
             with Lab("pilot", seed=seed) as lab:

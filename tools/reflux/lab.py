@@ -12,8 +12,10 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
+import os
 import re
 import threading
+import weakref
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Concatenate, ParamSpec, Sequence, TypeVar
@@ -70,6 +72,7 @@ class Lab:
     def __init__(self, what: str | Path | Scenario | Plant | Beginning = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
                  tick_s: float | None = None, at_operating_point: bool = True):
         self._turn = threading.RLock()
+        _labs.add(self)
         self.scenario: Scenario | None = None
         self._in_process: InProcess | None = None
         self._on_port: OnPort | None = None
@@ -377,6 +380,21 @@ class Lab:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+_labs: "weakref.WeakSet[Lab]" = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    """In a child, a lab that another thread of the parent was using is in mid-call, and its lock taken, for ever: it is closed."""
+    for lab in list(_labs):
+        if lab._turn.acquire(blocking=False):
+            lab._turn.release()
+        else:
+            lab._turn, lab._in_process, lab._on_port = threading.RLock(), None, None
+
+
+os.register_at_fork(after_in_child=_after_fork)
 
 
 def _beginning(what: str | Path | Scenario | Plant) -> Beginning:
