@@ -9,9 +9,9 @@
 #define ACTION  "\3"
 _Static_assert(EVENT_INFO == 0 && EVENT_WARNING == 1 && EVENT_ALARM == 2 && EVENT_ACTION == 3,
                "levels are as above");
-#define EVENT_ROW(name, text, level)    level #name "\0" text,
-#define EVENT_ABSENT(name, text, level) INFO "?\0?",
-#define EVENT_NO_ROW(name, text, level)
+#define EVENT_ROW(name, text, level, unit)    level #name "\0" text,
+#define EVENT_ABSENT(name, text, level, unit) INFO "?\0?",
+#define EVENT_NO_ROW(name, text, level, unit)
 
 static const char *const table[] = {EVENT_LIST(EVENT_ROW, EVENT_OF_SEQUENCE, EVENT_OF_START_UP,
                                                EVENT_OF_GUARD, EVENT_OF_JOB, EVENT_OF_BLOCK)};

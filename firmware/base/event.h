@@ -13,8 +13,8 @@
 enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM, EVENT_ACTION };
 
 /* The codes, EVENT_STARTED and so on, in the order of event_list.h. */
-#define EVENT_CODE(name, text, level) EVENT_##name,
-#define EVENT_NO_CODE(name, text, level)
+#define EVENT_CODE(name, text, level, unit) EVENT_##name,
+#define EVENT_NO_CODE(name, text, level, unit)
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
 enum event_code {
     EVENT_LIST(EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_NO_CODE)

@@ -2,21 +2,21 @@
 
 #include "console/parameter_words.h"
 
-/* Of each parameter that differs two lines: the present value as `set` line, the stored one as a remark. */
+/* Of a parameter that differs two lines at once, because a second call would search the stored set again: the present value as `set` line,
+ * the stored one as a remark. */
 static bool diff_saved_line(struct client *c, unsigned n, struct text *line)
 {
     char value[BLOCK_NAMES_SIZE];
     struct text stored = text_on(value, sizeof value);
     struct parameter p;
     const struct config *config = operate_view(&c->session);
-    if (!parameter_of(config, n / 2u, &p))
+    if (!parameter_of(config, n, &p))
         return false;
     if (!operate_differs(&c->session, &p, &stored))
         return true;
-    if (n % 2u == 0) {
-        parameter_set_line(&p, config, line);
-        return true;
-    }
+    parameter_set_line(&p, config, line);
+    reply_print(c, line->start);
+    *line = text_on(line->start, line->size);
     text_str(line, "# saved: ");
     text_str(line, value);
     return true;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "console/phrases.h"
+#include "exchange/alarm_names.h"
 
 /* In a pattern, %s stands for the subject, %v for the value in the unit of the subject, %n for the value alone, %m for a mode, %b for
  * "block 2: settle" of the subject "block2.settle", and %i for the measurement that an interlock watches, with the value. Where the
@@ -49,6 +50,14 @@ static const struct pattern patterns[] = {
     {EVENT_DO_SET, "%s set to %n|%s set"},
 };
 
+enum unit { PLAIN, OF_LOOP, OF_MEASUREMENT, OF_OUTPUT, OF_ALARM, OF_INTERLOCK };
+#define EVENT_ROW(name, text, level, unit)    unit,
+#define EVENT_ABSENT(name, text, level, unit) PLAIN,
+#define EVENT_NO_ROW(name, text, level, unit)
+static const uint8_t units[] = {EVENT_LIST(EVENT_ROW, EVENT_OF_SEQUENCE, EVENT_OF_START_UP,
+                                           EVENT_OF_GUARD, EVENT_OF_JOB, EVENT_OF_BLOCK)};
+_Static_assert(sizeof units == EVENT_COUNT, "every event has a unit");
+
 static const char *pattern_of(const struct event *e)
 {
     for (unsigned i = 0; i < sizeof patterns / sizeof patterns[0]; i++)
@@ -66,35 +75,57 @@ static void sentence_number(struct text *line, float x)
         text_float4(line, x);
 }
 
-/* Returns the unit of what a loop drives. */
-static const char *output_unit(const struct config *config, uint8_t loop)
+static const char *measurement_unit(const struct config *config, const char *name)
 {
-    const char *out = config->loop[loop].out;
-    uint8_t mv = config_find_mv(config, out), inner = config_find_loop(config, out);
-    if (mv != PLAN_NONE)
-        return config->mv[mv].unit;
-    uint8_t pv =
-        inner == PLAN_NONE ? PLAN_NONE : config_find_measurement(config, config->loop[inner].pv);
-    return pv == PLAN_NONE ? "" : config->measurement[pv].unit;
+    uint8_t i = config_find_measurement(config, name);
+    return i == PLAN_NONE ? "" : config->measurement[i].unit;
 }
 
-/* Returns the unit of the value: of the loop or channel before the first dot of the subject; "" of what is neither. */
+/* Returns the unit of the PV of a loop. */
+static const char *loop_unit(const struct config *config, const char *name)
+{
+    uint8_t i = config_find_loop(config, name);
+    return i == PLAN_NONE ? "" : measurement_unit(config, config->loop[i].pv);
+}
+
+/* Returns the unit of what a loop drives. */
+static const char *output_unit(const struct config *config, const char *name)
+{
+    uint8_t loop = config_find_loop(config, name);
+    if (loop == PLAN_NONE)
+        return "";
+    uint8_t mv = config_find_mv(config, config->loop[loop].out);
+    return mv == PLAN_NONE ? loop_unit(config, config->loop[loop].out) : config->mv[mv].unit;
+}
+
+/* Returns the unit of what an alarm watches; "" of an event. */
+static const char *alarm_unit(const struct config *config, const char *name)
+{
+    uint8_t i = alarm_find(config, name);
+    const struct alarm_config *alarm = i == PLAN_NONE ? NULL : &config->alarm[i];
+    if (!alarm || alarm_is_on_event(alarm))
+        return "";
+    return alarm->side == ALARM_DEVIATION ? loop_unit(config, alarm->on)
+                                          : measurement_unit(config, alarm->on);
+}
+
+/* Returns the unit of the value, as base/event_list.h says; "" of what is not in the settings. */
 static const char *unit_of(const struct config *config, const struct event *e)
 {
-    char name[CHANNEL_NAME_SIZE];
-    bool output = e->code == EVENT_OUTPUT || e->code == EVENT_DO_OUTPUT;
-    memcpy(name, e->subject, sizeof name);
-    name[sizeof name - 1u] = '\0';
-    name[strcspn(name, ".")] = '\0';
-    uint8_t mv = config_find_mv(config, name), loop = config_find_loop(config, name);
-    uint8_t measurement = config_find_measurement(config, name);
-    if (output && mv == PLAN_NONE && loop != PLAN_NONE)
-        return output_unit(config, loop);
-    if (!output && loop != PLAN_NONE)
-        measurement = config_find_measurement(config, config->loop[loop].pv);
-    if (!output && measurement != PLAN_NONE)
-        return config->measurement[measurement].unit;
-    return mv == PLAN_NONE ? "" : config->mv[mv].unit;
+    uint8_t mv;
+    switch (units[e->code]) {
+    case OF_LOOP:
+        return loop_unit(config, e->subject);
+    case OF_MEASUREMENT:
+        return measurement_unit(config, e->subject);
+    case OF_OUTPUT:
+        mv = config_find_mv(config, e->subject);
+        return mv == PLAN_NONE ? output_unit(config, e->subject) : config->mv[mv].unit;
+    case OF_ALARM:
+        return alarm_unit(config, e->subject);
+    default: /* put_watched() knows that of an interlock */
+        return "";
+    }
 }
 
 static void sentence_value(const struct config *config, const struct event *e, struct text *line)
@@ -191,16 +222,6 @@ static void put_part(struct text *line, const char *text, size_t n)
         text_char(line, text[i]);
 }
 
-/* Returns whether the words mean a value in the unit of the subject. */
-static bool has_unit(const char *words)
-{
-    static const char *const names[] = {"read-back", "distance", "reading", "largest error"};
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (strcmp(words, names[i]) == 0)
-            return true;
-    return false;
-}
-
 /* Writes the words that say what the value means, with the value: "base tick, s" as "base tick 1 s". */
 static void put_meaning(const struct config *config, const struct event *e, const char *words,
                         struct text *line)
@@ -216,7 +237,7 @@ static void put_meaning(const struct config *config, const struct event *e, cons
     } else if (time) {
         sentence_number(line, e->value);
         text_str(line, " s");
-    } else if (has_unit(words)) {
+    } else if (units[e->code] != PLAIN) {
         sentence_value(config, e, line);
     } else {
         sentence_number(line, e->value);

@@ -47,7 +47,7 @@ MUST_CHECK enum err storage_load(struct storage *st, struct config *config, cons
 /* Returns whether storage_differs() has a stored set to compare with. ERR_BUSY: storage reads or writes. ERR_EMPTY. */
 MUST_CHECK enum err storage_may_compare(struct storage *st, const char **reason);
 /* Returns whether a parameter differs from the newest stored set, and writes the stored value. A value that older firmware has stored as
- * another type differs. */
+ * another type differs. So does one whose default follows a parameter that differs, because setting that parameter may move it. */
 bool storage_differs(const struct storage *st, const struct parameter *p,
                      const struct config *config, struct text *stored);
 #endif

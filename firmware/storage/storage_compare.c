@@ -53,15 +53,26 @@ enum err storage_may_compare(struct storage *st, const char **reason)
     return !ready ? ERR_BUSY : st->newest.sequence ? ERR_OK : ERR_EMPTY;
 }
 
-bool storage_differs(const struct storage *st, const struct parameter *p,
-                     const struct config *config, struct text *stored)
+/* Writes what a load makes of a parameter without a record. A default that follows another parameter is left out of a set only where
+ * both are at their initial values. */
+static void put_left_out(const struct parameter *p, const struct config *config,
+                         struct text *stored)
+{
+    if (parameter_follows(p, config))
+        text_float(stored, parameter_initial(p));
+    else
+        parameter_default(p, config, stored);
+}
+
+static bool value_differs(const struct storage *st, const struct parameter *p,
+                          const struct config *config, struct text *stored)
 {
     uint8_t here[RECORD_MAX], there[RECORD_MAX] = {0};
     struct stored_record r = {0};
     if (p->field->type == PARAMETER_FIXED)
         return false;
     if (!find_stored(st, p, config, &r)) {
-        parameter_default(p, config, stored);
+        put_left_out(p, config, stored);
         return !parameter_is_default(p, config);
     }
     uint8_t size = (uint8_t)(r.size - r.wide);
@@ -72,4 +83,27 @@ bool storage_differs(const struct storage *st, const struct parameter *p,
     uint8_t n = record_encode(p, (struct config *)config, here);
     return here[2] != r.type || n != RECORD_HEAD + r.size ||
            memcmp(here + RECORD_HEAD + r.wide, there, size) != 0;
+}
+
+/* Returns whether the default of p follows a parameter that differs. */
+static bool followed_differs(const struct storage *st, const struct parameter *p,
+                             const struct config *config)
+{
+    char value[CHANNEL_NAME_SIZE];
+    struct text ignored = text_on(value, sizeof value);
+    struct parameter source = *p;
+    if (!parameter_follows(p, config))
+        return false;
+    for (unsigned i = 0; i < p->group->n_fields; i++) {
+        source.field = &p->group->fields[i];
+        if (parameter_place(&source, (struct config *)config) == parameter_follows(p, config))
+            return value_differs(st, &source, config, &ignored);
+    }
+    return false;
+}
+
+bool storage_differs(const struct storage *st, const struct parameter *p,
+                     const struct config *config, struct text *stored)
+{
+    return value_differs(st, p, config, stored) || followed_differs(st, p, config);
 }

@@ -1,5 +1,7 @@
 /* `diff saved`: the settings beside the stored ones, as lines to paste and remarks. */
 #include "board_bench.h"
+#include "flash_model.h"
+#include "settings/parameters.h"
 
 void setUp(void)
 {
@@ -42,6 +44,59 @@ static void what_goes_back_to_its_default_differs_too(void)
     ask_ok("set loop2.td 0");
     samples(1);
     ANSWERS("diff saved", "set loop2.td 0", "# saved: 10");
+}
+
+/* The default of mv.max is mv.hi. A paste of the lines onto the stored settings has to give both present values. */
+static void a_default_that_follows_another_parameter_is_the_one_of_the_save(void)
+{
+    ask_ok("save");
+    ask_ok("set mv5.hi 60"); /* takes max along */
+    samples(1);
+    ANSWERS("diff saved", "set mv5.hi 60", "# saved: 100", "set mv5.max 60", "# saved: 100");
+    ask_ok("begin");
+    ask_ok("set mv5.hi 150");
+    ask_ok("set mv5.max 100");
+    ANSWERS("diff saved", "set mv5.hi 150", "# saved: 100", "set mv5.max 100", "# saved: 100");
+    ask_ok("apply");
+    samples(1);
+    ask_ok("save");
+    ANSWERS("diff saved", NULL);
+    ask_ok("set mv5.hi 60");
+    samples(1);
+    ANSWERS("diff saved", "set mv5.hi 60", "# saved: 150", "set mv5.max 100", "# saved: 100");
+}
+
+static uint32_t first_record;
+static unsigned looks;
+
+/* Counts reads at the lowest address that is read: the head of the first record, with which each search begins. */
+static void count_looks(uint32_t address, uint8_t *data, uint32_t n)
+{
+    (void)data;
+    (void)n;
+    if (address < first_record) {
+        first_record = address;
+        looks = 0;
+    }
+    looks += address == first_record;
+}
+
+static void the_stored_set_is_searched_once_for_each_parameter(void)
+{
+    const unsigned reads = 2; /* storage_read() reads until two agree */
+    ask_ok("save");
+    ask_ok("set loop2.gain 2.5");
+    samples(1);
+    first_record = UINT32_MAX;
+    flash_model_glance = count_looks;
+    ask_ok("diff saved");
+    flash_model_glance = NULL;
+    static struct config defaults; /* which has as many, because this board has no blocks */
+    parameters_defaults(&defaults);
+    unsigned parameters = parameter_count(&defaults);
+    TEST_ASSERT_GREATER_THAN_UINT(parameters / 2u, looks / reads);
+    /* Of mv.max also mv.hi is searched for, which its default follows. */
+    TEST_ASSERT_LESS_OR_EQUAL_UINT(parameters + CHANNEL_MAX, looks / reads);
 }
 
 static void an_open_transaction_is_compared(void)
@@ -100,6 +155,8 @@ int main(void)
     RUN_TEST(after_a_save_nothing_differs);
     RUN_TEST(what_was_set_since_stands_beside_what_is_stored);
     RUN_TEST(what_goes_back_to_its_default_differs_too);
+    RUN_TEST(a_default_that_follows_another_parameter_is_the_one_of_the_save);
+    RUN_TEST(the_stored_set_is_searched_once_for_each_parameter);
     RUN_TEST(an_open_transaction_is_compared);
     RUN_TEST(settings_of_a_block_of_another_kind_are_none_of_the_stored_ones);
     RUN_TEST(a_key_differs_and_is_not_shown);

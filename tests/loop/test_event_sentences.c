@@ -2,6 +2,7 @@
 #include "board_bench.h"
 
 #include "console/event_sentence.h"
+#include "exchange/alarm_names.h"
 
 static struct config config;
 
@@ -84,6 +85,49 @@ static void the_value_stands_behind_the_words_that_say_what_it_is(void)
     reads(EVENT_SEQUENCE_STEP, "start", 3.0f, "5.000 info start: sequence waits at step 3");
 }
 
+/* A loop may have the name of its output, or of a measurement that is not its PV. */
+static void a_value_has_the_unit_of_what_the_event_is_about(void)
+{
+    strcpy(config.loop[0].name, "heat");
+    strcpy(config.loop[1].name, "T10");
+    reads(EVENT_NOT_FOLLOWING, "heat", 0.25f,
+          "5.000 warning heat: output does not follow its command, read-back 0.25 kW "
+          "(NOT_FOLLOWING)");
+    reads(EVENT_DEVIATION_OVER, "heat", 0.5f,
+          "5.000 info heat: the PV is near its setpoint again, or the loop in manual, distance "
+          "0.5 degC");
+    reads(EVENT_WATCH_LOOP, "heat", 0.5f,
+          "5.000 info heat: watched, see `commission watched`, largest error 0.5 degC");
+    reads(EVENT_SETPOINT, "heat", 99.0f, "5.000 info heat setpoint 99 degC");
+    reads(EVENT_SETPOINT, "T10", 2.0f, "5.000 info T10 setpoint 2 l/h");
+    reads(EVENT_MEASUREMENT_GOOD, "T10", 99.0f, "5.000 info T10 usable again, 99 degC");
+    reads(EVENT_DOUBTFUL_OVER, "T10", 99.0f,
+          "5.000 info T10: no loop acts on an uncertain reading any more, reading 99 degC");
+    reads(EVENT_OFFSET, "T10", 1.5f, "5.000 info 1.5 degC subtracted from T10");
+    reads(EVENT_TEST_SMALLER, "T10", 0.01f,
+          "5.000 info T10: step too large, test repeated with a smaller one, amplitude 1 % of "
+          "span");
+    strcpy(config.alarm[0].on, "T10");
+    strcpy(config.alarm[1].on, "T10");
+    config.alarm[1].side = ALARM_DEVIATION;
+    reads(EVENT_ALARM_ON, "T10.hi_hi", 121.0f,
+          "5.000 alarm T10.hi_hi: 121 degC, beyond its limit (ALARM_ON)");
+    reads(EVENT_ALARM_ON, "T10.dev", 0.5f,
+          "5.000 alarm T10.dev: 0.5 l/h, beyond its limit (ALARM_ON)");
+}
+
+/* A long name is cut for the side of its alarm, "pressure_at.hi_hi". */
+static void an_alarm_whose_name_is_cut_has_its_unit(void)
+{
+    strcpy(config.measurement[0].name, "pressure_at_top");
+    strcpy(config.measurement[0].unit, "mbar");
+    strcpy(config.alarm[0].on, "pressure_at_top");
+    char name[CHANNEL_NAME_SIZE];
+    alarm_name(&config, 0, name);
+    TEST_ASSERT_EQUAL_STRING("pressure_.hi_hi", name);
+    reads(EVENT_ALARM_OFF, name, 20.0f, "5.000 info pressure_.hi_hi: 20 mbar, the alarm is over");
+}
+
 static void interlocks_name_what_they_watch_where_it_is_sure(void)
 {
     strcpy(config.interlock[0].mv, "heat");
@@ -97,6 +141,8 @@ static void interlocks_name_what_they_watch_where_it_is_sure(void)
 
 static void alarms_say_their_code_and_the_fault_in_words(void)
 {
+    strcpy(config.alarm[0].on, "T10");
+    config.alarm[0].side = ALARM_HI;
     reads(EVENT_ALARM_ON, "T10.hi", 121.0f,
           "5.000 alarm T10.hi: 121 degC, beyond its limit (ALARM_ON)");
     reads_in_detail(EVENT_MEASUREMENT_BAD, "T10", 312.0f, 1,
@@ -184,6 +230,8 @@ int main(void)
     RUN_TEST(the_start_keeps_its_code);
     RUN_TEST(values_have_four_digits_and_counts_all);
     RUN_TEST(the_value_stands_behind_the_words_that_say_what_it_is);
+    RUN_TEST(a_value_has_the_unit_of_what_the_event_is_about);
+    RUN_TEST(an_alarm_whose_name_is_cut_has_its_unit);
     RUN_TEST(interlocks_name_what_they_watch_where_it_is_sure);
     RUN_TEST(alarms_say_their_code_and_the_fault_in_words);
     RUN_TEST(blocks_are_named_by_number_and_kind);

@@ -157,8 +157,7 @@ class Readme(unittest.TestCase):
         first = (ROOT / "README.md").read_text(encoding="utf-8").split("![")[0]
         for said in ("simulate", "my plant", "my hardware", "serial link", "STM32F405", "STM32F100", "Not Blue Pill, ESP32 or Arduino", "emulator", "No batch stills"):
             self.assertIn(said, first)
-        on_silicon = page("inside/boards.md")
-        self.assertEqual("Nothing has run on silicon yet" in first, "have not been run on a chip" in on_silicon and "Not run on a chip yet either" in on_silicon)
+        self.assertEqual("Nothing has run on silicon yet" in first, page("inside/boards.md").count("Not run on a chip yet") == 2)
 
 
 class Glossary(unittest.TestCase):

@@ -14,7 +14,7 @@ import numpy as np
 from reflux import cmd_column, column_file, column_slopes, linear_analysis, simulator
 from reflux.column_file import ColumnFile
 from reflux.column_slopes import Steady
-from reflux.errors import RunFailed
+from reflux.errors import RunFailed, UserError
 
 
 def read(name: str) -> ColumnFile:
@@ -34,7 +34,11 @@ def profile(name: str, **inputs: float) -> dict[str, list[float]]:
 
 def gains(name: str, *, outputs: Sequence[str], inputs: Sequence[str], at: dict[str, float] | None = None) -> np.ndarray:
     """Steady-state gains, outputs x inputs, in engineering units. RunFailed where the column does not come to rest after a step."""
-    model = linearised(name, at).only(tuple(inputs), tuple(outputs))
+    model = linearised(name, at)
+    for what, names, known in (("input", inputs, model.inputs), ("output", outputs, model.outputs)):
+        if unknown := [other for other in names if other not in known]:
+            raise UserError(f"{name} has no {what} {unknown[0]}; there are {', '.join(known)}")
+    model = model.only(tuple(inputs), tuple(outputs))
     if reason := linear_analysis.obstacle(linear_analysis.poles(model)):
         raise RunFailed(f"{name} has no steady-state gains: {reason}")
     return linear_analysis.gains(model)

@@ -6,13 +6,15 @@ from 0. What the firmware refuses is raised as libreflux.Refused with its words.
 
 from __future__ import annotations
 
+import numbers
+import operator
 from dataclasses import dataclass
 from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reflux import identification, lab_log, libreflux
+from reflux import given, identification, lab_log, libreflux
 from reflux.errors import UserError
 
 Pairs = list[tuple[int, int]]
@@ -20,8 +22,32 @@ Pairs = list[tuple[int, int]]
 
 def rga(gain: ArrayLike, *, dead_time: ArrayLike = 0.0, time_constant: ArrayLike = 0.0, omega: float | None = None) -> np.ndarray:
     """Relative gains of outputs x inputs. With omega (rad/s) their moduli there, for which dead times and time constants (s) count."""
-    plant = libreflux.Plant(gain, dead_time, time_constant)
-    return libreflux.rga(plant) if omega is None else libreflux.rga_at(plant, [omega])[0][0]
+    plant = _plant(gain, dead_time, time_constant)
+    return libreflux.rga(plant) if omega is None else libreflux.rga_at(plant, [given.number(omega, "omega")])[0][0]
+
+
+def _plant(gain: ArrayLike, dead_time: ArrayLike = 0.0, time_constant: ArrayLike = 0.0, gain_sd: ArrayLike = 0.0) -> libreflux.Plant:
+    gains = given.table(gain, "gain")
+    if gains.ndim != 2:
+        raise UserError(f"gain must be a matrix, outputs x inputs, not {given.shown(gain)}")
+    others = []
+    for what, value in (("dead_time", dead_time), ("time_constant", time_constant), ("gain_sd", gain_sd)):
+        try:
+            others.append(np.broadcast_to(given.table(value, what), gains.shape))
+        except ValueError:
+            raise UserError(f"{what} must be one number, or {gains.shape[0]} x {gains.shape[1]} as gain, not {given.shown(value)}") from None
+    return libreflux.Plant(gains, *others)
+
+
+def _pairs(pairs: Sequence[tuple[int, int]], plant: libreflux.Plant) -> Pairs:
+    """Whole numbers that are channels of the plant: an index that is cut or wraps would design another loop."""
+    try:
+        found = [tuple(operator.index(k) for k in pair) for pair in pairs]
+    except TypeError:
+        found = [()]
+    if not all(len(pair) == 2 and 0 <= pair[0] < plant.outputs and 0 <= pair[1] < plant.inputs for pair in found):
+        raise UserError(f"pairs are (output, input), which count from 0 and are less than {plant.outputs} and {plant.inputs}, not {given.shown(pairs)}")
+    return [(pair[0], pair[1]) for pair in found]
 
 
 @dataclass(frozen=True)
@@ -39,7 +65,7 @@ class Design:
 
 def pair(gain: ArrayLike, *, gain_sd: ArrayLike = 0.0, **settings: float) -> dict[str, Any]:
     """Which input for which output: libreflux.pairing() of a matrix of gains in spans, with what it says of the pairing."""
-    return libreflux.pairing(libreflux.Plant(gain, gain_sd=gain_sd), **settings)
+    return libreflux.pairing(_plant(gain, gain_sd=gain_sd), **settings)
 
 
 def design(gain: ArrayLike, dead_time: ArrayLike, time_constant: ArrayLike, *, interval_s: float, gain_sd: ArrayLike = 0.0,
@@ -48,9 +74,9 @@ def design(gain: ArrayLike, dead_time: ArrayLike, time_constant: ArrayLike, *, i
 
     Gains in spans, times in s. pairs: keeps these. settings: those of libreflux.detune(), as gain_margin=3.
     """
-    plant = libreflux.Plant(gain, dead_time, time_constant, gain_sd)
-    found = libreflux.pairing(plant) if pairs is None else {"pairs": list(pairs), "verdict": "determined"}
-    loops, numbers = libreflux.detune(plant, found["pairs"], interval_s, **settings)
+    plant = _plant(gain, dead_time, time_constant, gain_sd)
+    found = libreflux.pairing(plant) if pairs is None else {"pairs": _pairs(pairs, plant), "verdict": "determined"}
+    loops, numbers = libreflux.detune(plant, found["pairs"], given.number(interval_s, "interval_s"), **settings)
     return Design([(int(a), int(b)) for a, b in found["pairs"]], loops.gain, loops.ti,
                   float(numbers["factor"]), float(numbers["log_modulus_db"]), bool(numbers["kept"]), found["verdict"])
 
@@ -74,14 +100,22 @@ def identify(log: Any = None, inputs: Sequence[str] = (), outputs: Sequence[str]
     From a log of Lab.run() with names of outputs of the board (inputs here) and measurements (outputs here); or from arrays u and y,
     samples x channels, u acting from its sample on. validation: part at the end by which the model is judged.
     """
+    if method not in identification.METHODS:
+        raise UserError(f"method must be one of {', '.join(identification.METHODS)}, not {given.shown(method)}")
+    if any(isinstance(order, bool) or not isinstance(order, numbers.Integral) for order in (na, nb)):
+        raise UserError(f"na and nb must be whole numbers, not {given.shown(na)} and {given.shown(nb)}")
+    if log is not None and not (inputs and outputs):
+        raise UserError("a log needs the names of its channels: inputs= and outputs=")
     if log is not None:
         u = np.column_stack([np.asarray(log[lab_log.resolved(f"{name}.cmd", list(log.columns))]) for name in inputs])
         y = np.column_stack([np.asarray(log[name]) for name in outputs])
     elif u is None or y is None:
         raise UserError("a log with inputs= and outputs=, or the arrays u= and y=")
-    if not 0.05 <= validation <= 0.8:
+    if not 0.05 <= given.number(validation, "validation") <= 0.8:
         raise UserError("validation must be 0.05 to 0.8 of the record")
-    u, y = np.asarray(u, float), np.asarray(y, float)
+    u, y = given.table(u, "u"), given.table(y, "y")
+    if u.ndim != 2 or y.ndim != 2 or len(u) != len(y) or not len(u):
+        raise UserError(f"u and y must be tables, samples x channels, with a row for each sample, not of the shapes {u.shape} and {y.shape}")
     if not (np.isfinite(u).all() and np.isfinite(y).all()):
         raise UserError("the record has samples that are no numbers")
     record = identification.Record(u - u.mean(axis=0), y - y.mean(axis=0))

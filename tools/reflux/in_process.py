@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import shutil
 import tempfile
 from dataclasses import dataclass
@@ -100,9 +101,13 @@ class InProcess:
 
     def __init__(self, plant: str, options: Sequence[str] = ()):
         self._c: ctypes.CDLL | None = _copy(library())
-        words = [word.encode() for word in ("--plant", plant, *options)]
-        self._check(self._call("open", len(words), (ctypes.c_char_p * len(words))(*words)))
-        self.channels = self._channels()
+        try:
+            words = [os.fsencode(word) for word in ("--plant", plant, *options)]
+            self._check(self._call("open", len(words), (ctypes.c_char_p * len(words))(*words)))
+            self.channels = self._channels()
+        except BaseException:
+            self.close()
+            raise
         self._loose = 0  # samples that nobody wants
         self._header = ""
         self._columns: list[str] = []
@@ -144,16 +149,23 @@ class InProcess:
         return [line for line in said if line != "ok" and not line.startswith(ASYNCHRONOUS)]
 
     def event(self, at_s: float, name: str, value: float) -> None:
-        self._check(self._call("event", f"{at_s:.17g}:{name}={value:.17g}".encode()))
+        text = f"{at_s:.17g}:{name}={value:.17g}"
+        try:
+            self._check(self._call("event", text.encode("utf-8", "replace").replace(b"\0", b"?")))
+        except UserError as error:  # the option is none of the caller's words
+            raise UserError(str(error).removeprefix(f"--event {text}: ")) from None
 
     def step(self, samples: int, keep: bool = True) -> None:
         """keep: the samples are for take(). Those that are not kept are gone by then."""
-        if keep and self._loose or self._loose > LOOSE_MAX:
+        if keep and self._loose:
             self.take()
-        self._loose += 0 if keep else samples
         while samples > 0:
-            self._check(self._call("step", min(samples, CHUNK)))
-            samples -= CHUNK
+            part = min(samples, CHUNK)
+            self._loose += 0 if keep else part
+            self._check(self._call("step", part))
+            samples -= part
+            if self._loose > LOOSE_MAX:
+                self.take()
 
     def take(self) -> Taken:
         """Samples since the last call."""
@@ -172,7 +184,12 @@ class InProcess:
         return Taken(list(self._comments), self._columns, rows, telemetry)
 
     def value(self, name: str) -> float:
-        return float(self._call("value", name.encode()))
+        """NaN: the plant has no such channel, or there was no sample yet."""
+        return float(self._call("value", name.encode())) if name in self.channels else math.nan
+
+    @property
+    def names(self) -> list[str]:
+        return list(self.channels)
 
     @property
     def time_s(self) -> float:

@@ -10,12 +10,17 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
+import os
 import re
+import threading
+import weakref
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Concatenate, ParamSpec, Sequence, TypeVar
 
-from reflux import cmd_play, lab_log, logs, runner, scenario_settings
+from reflux import cmd_play, given, lab_log, logs, runner, scenario_settings
 from reflux import scenario as scenarios
 from reflux.errors import RunFailed, UserError
 from reflux.in_process import MEASUREMENT, MV, Channel, InProcess
@@ -28,6 +33,30 @@ logger = logging.getLogger("reflux")
 
 HUMAN = re.compile(r"\s*mode\s+(human|terminal)\b", re.I)
 TIMES = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+SAMPLES_MAX = 2**32 - 1  # numbers of samples on the link
+
+P, R = ParamSpec("P"), TypeVar("R")
+
+
+def _in_turn(method: "Callable[Concatenate[Lab, P], R]") -> "Callable[Concatenate[Lab, P], R]":
+    """A call of one thread at a time: the library behind a lab knows no threads."""
+    @functools.wraps(method)
+    def alone(self: "Lab", *arguments: P.args, **options: P.kwargs) -> R:
+        with self._turn:
+            return method(self, *arguments, **options)
+
+    return alone
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What a lab starts from, as found by its name. Another lab may start from the same: no file is read again."""
+
+    plant: str
+    options: tuple[str, ...] = ()  # of reflux-sim
+    lines: tuple[str, ...] | None = None  # None: those of the plant's channels
+    scenario: Scenario | None = None
+    kept: Plant | None = None  # its file lives as long
 
 
 class Lab:
@@ -37,61 +66,50 @@ class Lab:
     no loops. The plant stands at its operating point, the outputs too, the loops are in manual.
     port: the console of a board, such as /dev/ttyUSB0, instead; its time is real.
 
-    What the board refuses is raised as reflux.Refused with the console's words.
+    What the board refuses is raised as reflux.Refused with the console's words. Threads that share a lab take turns, call by call.
     """
 
-    def __init__(self, what: str | Scenario | Plant = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
+    def __init__(self, what: str | Path | Scenario | Plant | Beginning = "pilot", *, port: str | None = None, seed: int | None = None, noise: float | None = None,
                  tick_s: float | None = None, at_operating_point: bool = True):
+        self._turn = threading.RLock()
+        _labs.add(self)
         self.scenario: Scenario | None = None
         self._in_process: InProcess | None = None
         self._on_port: OnPort | None = None
         self._measured: list[str] = []
         self._outputs: list[str] = []
-        if port is not None:
-            self._on_port = OnPort(port)
-            settings = self.command("dump").splitlines()
-        else:
-            settings = self._start(what, seed, noise, tick_s)
-        self._find_channels(settings)
-        if self._in_process and at_operating_point:
-            self._operate()
-
-    # ---- how it begins ----
-
-    def _start(self, what: str | Scenario | Plant, seed: int | None, noise: float | None, tick_s: float | None) -> list[str]:
-        plant, options, lines = self._wanted(what)
-        for name, value in (("--seed", seed), ("--noise", noise), ("--tick", tick_s)):
-            if value is not None:
-                options = [*options, name, f"{value:.17g}" if isinstance(value, float) else str(value)]
-        self._in_process = InProcess(plant, options)
+        self._played = False
         try:
-            lines = self._channel_lines() if lines is None else lines
-            for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
-                self._say(line)
+            if port is not None:
+                if (seed, noise, tick_s) != (None, None, None):
+                    raise UserError("seed, noise and tick_s are for a plant in this process, not for a board on a port")
+                if not isinstance(port, str) or "\0" in port:
+                    raise UserError(f"a port is a name such as /dev/ttyUSB0, not {given.shown(port)}")
+                self._on_port = OnPort(port)
+                settings = self.command("dump").splitlines()
+            else:
+                settings = self._start(what, seed, noise, tick_s)
+            self._find_channels(settings)
+            if self._in_process and at_operating_point:
+                self._operate()
         except BaseException:
             self.close()
             raise
+
+    # ---- how it begins ----
+
+    def _start(self, what: str | Path | Scenario | Plant | Beginning, seed: int | None, noise: float | None, tick_s: float | None) -> Sequence[str]:
+        self.beginning = what if isinstance(what, Beginning) else _beginning(what)
+        self.scenario, plant, options = self.beginning.scenario, self.beginning.plant, list(self.beginning.options)
+        for name, value in (("--seed", seed), ("--noise", noise), ("--tick", tick_s)):
+            if value is not None:
+                options += [name, f"{value:.17g}" if isinstance(value, float) else str(value)]
+        self._in_process = InProcess(plant, options)
+        lines = self._channel_lines() if self.beginning.lines is None else self.beginning.lines
+        for line in [*(line.text for line in runner.BEFORE), *lines, *(line.text for line in runner.AFTER)]:
+            self._say(line)
         logger.info("%s in this process, a sample each %g s", plant, self.tick_s)
         return lines
-
-    def _wanted(self, what: str | Scenario | Plant) -> tuple[str, list[str], list[str] | None]:
-        """Plant, options of reflux-sim and console lines. No lines: those of the plant's channels."""
-        if isinstance(what, Plant):
-            self._plant = what  # its file lives as long
-            return what.argument, [], None
-        if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
-            bench = cmd_play.bench_of(what, None)
-            return bench.plant, list(bench.options), list(bench.lines)
-        s = self.scenario = what if isinstance(what, Scenario) else _scenario(what)
-        if s is None:
-            return self._wanted(_plant(str(what)))
-        options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
-        options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
-        for name in s.measure:
-            options += ["--measure", name]
-        for name, value in s.start:
-            options += ["--start", f"{name}={value:.17g}"]
-        return runner.plant_argument(s), options, [line.text for line in s.config]
 
     def _channel_lines(self) -> list[str]:
         """The plant's channels, as a board without a configuration takes them."""
@@ -117,76 +135,101 @@ class Lab:
                 if name in self._engine().channels:
                     self._say(f"out {name} {self._engine().value(name):.7g}")
 
+    def _there(self) -> InProcess | OnPort:
+        engine = self._in_process or self._on_port
+        if engine is None:
+            raise RunFailed("the lab is closed")
+        return engine
+
     def _engine(self) -> InProcess:
-        if self._in_process is None:
+        engine = self._there()
+        if not isinstance(engine, InProcess):
             raise UserError("this goes with a plant in this process, not with a board on a port")
-        return self._in_process
+        return engine
 
     # ---- the console ----
 
     def _say(self, text: str) -> list[str]:
-        engine = self._in_process or self._on_port
-        if engine is None:
-            raise RunFailed("the lab is closed")
+        engine = self._there()
         logger.debug("> %s", text.split()[0] if text.split() else "")  # not its words: one may be a key
         return engine.say(text)
 
+    @_in_turn
     def command(self, text: str) -> str:
         """Any line of the console; the reply without its ok."""
-        if "\n" in text or "\r" in text:
-            raise UserError("a command is one line")
-        if HUMAN.match(text):
-            raise UserError(f"{text.strip()}: a lab needs the console in machine mode")
-        if not text.strip():
-            return ""
-        return "\n".join(self._say(text))
+        return "\n".join(self._command(text))
 
+    def _command(self, text: str) -> list[str]:
+        """What a caller says, who could smuggle a second line into it; lines of our own files go through _say()."""
+        if HUMAN.match(given.line(text)):
+            raise UserError(f"{text.strip()}: a lab needs the console in machine mode")
+        self._there()
+        return self._say(text) if text.strip() else []
+
+    @_in_turn
     def mode(self, loop: str, mode: str) -> None:
         """manual, auto or cascade."""
-        self._say(f"mode {loop} {mode}")
+        self._command(f"mode {loop} {mode}")
 
+    @_in_turn
     def setpoint(self, loop: str, value: float) -> None:
-        self._say(f"sp {loop} {value:.9g}")
+        self._command(f"sp {loop} {given.number(value, f'the setpoint of {loop}'):.9g}")
 
+    @_in_turn
     def output(self, name: str, value: float) -> None:
         """An output by hand; refused while its loop is not in manual."""
-        self._say(f"out {name} {value:.9g}")
+        self._command(f"out {name} {given.number(value, f'output {name}'):.9g}")
 
+    @_in_turn
     def set(self, name: str, value: float | str) -> None:
         """A parameter, as bottom.gain; docs/reference/parameters.md has them all."""
-        self._say(f"set {name} {value:.9g}" if isinstance(value, float) else f"set {name} {value}")
+        if not isinstance(value, str):
+            value = f"{given.number(value, name):.9g}"
+        self._command(f"set {name} {value}")
 
+    @_in_turn
     def get(self, name: str) -> str:
         """A parameter's value as the console prints it, without its unit."""
         words = self.command(f"get {name}").partition(" = ")[2].split()
         return words[0] if words else ""
 
+    @_in_turn
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
         """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
-        self._engine().event(self._engine().time_s + after_s, name, value)
+        engine = self._engine()
+        after_s = given.finite(after_s, "after_s", 0.0)
+        engine.event(engine.time_s + after_s, name, given.finite(value, name))
 
     # ---- time ----
 
+    @_in_turn
     def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
-        span = hours * TIMES["hours"] + minutes * TIMES["minutes"] + seconds
-        if (ticks is None) == (span == 0.0) or span < 0 or (ticks is not None and ticks < 1):
+        self._there()
+        _check_csv(csv)
+        span = sum(given.finite(value, name) * TIMES[name] for name, value in (("hours", hours), ("minutes", minutes), ("seconds", seconds)))
+        if (ticks is None) == (span == 0.0) or span < 0:
             raise UserError("how long? hours=, minutes= and seconds= together, or ticks=, a whole number from 1")
         if self._on_port is not None:
             if ticks is None:
                 self._on_port.listen(span)
             else:
-                self._listen(ticks)
+                self._listen(given.whole(ticks, "ticks", SAMPLES_MAX))
         else:
-            self._engine().step(ticks if ticks is not None else max(1, round(span / self.tick_s)))
+            engine = self._engine()
+            if ticks is None:
+                samples = span / engine.tick_s
+                if samples > SAMPLES_MAX:
+                    raise UserError(f"how long? {span:g} s are more than {SAMPLES_MAX} samples")
+                ticks = max(1, round(samples))
+            engine.step(given.whole(ticks, "ticks", SAMPLES_MAX))
         return self._log(csv)
 
+    @_in_turn
     def step(self, ticks: int = 1) -> None:
         """As run(ticks=...), without a log: for a program that decides anew at each sample."""
-        if ticks < 1:
-            raise UserError("ticks is a whole number from 1")
-        self._engine().step(ticks, keep=False)
+        self._engine().step(given.whole(ticks, "ticks", SAMPLES_MAX), keep=False)
 
     def _listen(self, rows: int) -> None:
         assert self._on_port is not None
@@ -195,11 +238,16 @@ class Lab:
         except TimeoutError:
             raise RunFailed("the board has sent no telemetry for 600 s; is its plant link ready?") from None
 
+    @_in_turn
     def play(self, csv: str | Path | None = None) -> Any:
         """Carries out the lines and events of the scenario to its end, as tools/run does, and returns the log."""
         s, engine = self.scenario, self._engine()
         if s is None:
             raise UserError("this lab has no scenario to play; Lab(\"demo\") has")
+        if self._played or engine.time_s >= s.duration_s:
+            raise UserError(f"the scenario goes once, from the start to {s.duration_s:g} s, and plant time is {engine.time_s:g} s; start another Lab")
+        _check_csv(csv)
+        self._played = True
         for event in s.events:
             engine.event(event.at_s, event.name, event.value)
         for line in s.lines:
@@ -228,32 +276,39 @@ class Lab:
         return lab_log.of(*lab_log.numbers(log))
 
     @property
+    @_in_turn
     def time_s(self) -> float:
         """Plant time of the sample to come; of a board on a port, of its last one."""
-        engine = self._in_process or self._on_port
-        return engine.time_s if engine else float("nan")
+        return self._there().time_s
 
     @property
+    @_in_turn
     def tick_s(self) -> float:
         return self._engine().tick_s
 
     # ---- numbers ----
 
     @property
+    @_in_turn
     def channels(self) -> dict[str, Channel]:
         """Every channel of the plant, with unit, span and nominal value."""
         return dict(self._engine().channels)
 
     @property
+    @_in_turn
     def measurements(self) -> dict[str, float]:
         """What the board last measured; NaN before the first sample."""
-        return {name: self.value(name) for name in self._measured}
+        self._there()
+        return {name: self._there().value(name) for name in self._measured}
 
     @property
+    @_in_turn
     def outputs(self) -> dict[str, float]:
-        return {name: self.value(name) for name in self._outputs}
+        self._there()
+        return {name: self._there().value(name) for name in self._outputs}
 
     @property
+    @_in_turn
     def loops(self) -> dict[str, dict[str, Any]]:
         """Of each loop, as the console's `loop` has it: mode, channels pv and out, setpoint sp."""
         out: dict[str, dict[str, Any]] = {}
@@ -263,10 +318,14 @@ class Lab:
             out[name] = {"mode": words[0] if words else "", **said, "sp": logs.number(said.get("sp", ""))}
         return out
 
+    @_in_turn
     def value(self, name: str) -> float:
         """A channel of the plant: a measurement as the board sees it, an output as it stands, anything else as it is."""
-        engine = self._in_process or self._on_port
-        return engine.value(name) if engine else float("nan")
+        engine = self._there()
+        if name not in self._measured and name not in self._outputs and name not in engine.names:
+            known = dict.fromkeys([*self._measured, *self._outputs, *engine.names])
+            raise UserError(f"there is no channel {given.shown(name)}; there are {', '.join(known)}")
+        return engine.value(name)
 
     def __getattr__(self, name: str) -> float | Callable[..., float]:
         """lab.T1 is a measurement; lab.Q1() reads an output and lab.Q1(50) sets it."""
@@ -277,20 +336,29 @@ class Lab:
                 if found and names is measured:
                     return self.value(found)
                 if found:
+                    self._there()
                     return self._handle(found)
         raise AttributeError(f"{name}: this lab has the measurements {', '.join(self.__dict__.get('_measured', []))} "
                              f"and the outputs {', '.join(self.__dict__.get('_outputs', []))}")
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """lab.Q1 = 50 would set nothing and hide the output."""
+        if any(_channel(name, self.__dict__.get(names, []), letter) for names, letter in (("_measured", "T"), ("_outputs", "Q"))):
+            raise AttributeError(f"{name} is a channel: lab.{name}(50) moves an output, and a measurement is only read")
+        super().__setattr__(name, value)
+
     def _handle(self, name: str) -> Callable[..., float]:
         def handle(value: float | None = None) -> float:
-            if value is not None:
-                self.output(name, value)
-            return self.value(name)
+            with self._turn:
+                if value is not None:
+                    self.output(name, value)
+                return self.value(name)
 
         return handle
 
     # ---- the end ----
 
+    @_in_turn
     def close(self) -> None:
         """Ends the run in this process, or lets go of the port; a board goes on as it is."""
         for engine in (self._in_process, self._on_port):
@@ -298,15 +366,67 @@ class Lab:
                 engine.close()
         self._in_process = self._on_port = None
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """For copy and pickle; a copy would share the board, and close it when it goes."""
+        raise UserError("a lab cannot be copied or sent to another process, because its board is in this one; start another Lab there")
+
     def __del__(self) -> None:
         with contextlib.suppress(Exception):
             self.close()
 
     def __enter__(self) -> "Lab":
+        self._there()
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+_labs: "weakref.WeakSet[Lab]" = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    """In a child, a lab that another thread of the parent was using is in mid-call, and its lock taken, for ever: it is closed."""
+    for lab in list(_labs):
+        if lab._turn.acquire(blocking=False):
+            lab._turn.release()
+        else:
+            lab._turn, lab._in_process, lab._on_port = threading.RLock(), None, None
+
+
+os.register_at_fork(after_in_child=_after_fork)
+
+
+def _beginning(what: str | Path | Scenario | Plant) -> Beginning:
+    if isinstance(what, Plant):
+        return Beginning(what.argument, kept=what)
+    if not isinstance(what, (str, Path, Scenario)):
+        raise UserError(f"a lab takes the name of a configuration, a scenario or a plant, a Scenario or a Plant, not {given.shown(what)}")
+    what = str(what) if isinstance(what, Path) else what
+    if isinstance(what, str) and ((SCENARIOS / f"{what}.conf").is_file() or what.endswith(".conf")):
+        bench = cmd_play.bench_of(what, None)
+        return Beginning(bench.plant, bench.options, bench.lines)
+    s = what if isinstance(what, Scenario) else _scenario(what)
+    if s is None:
+        return _beginning(_plant(str(what)))
+    options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
+    options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
+    for name in s.measure:
+        options += ["--measure", name]
+    for name, value in s.start:
+        options += ["--start", f"{name}={value:.17g}"]
+    return Beginning(runner.plant_argument(s), tuple(options), tuple(line.text for line in s.config), s)
+
+
+def _check_csv(csv: Any) -> None:
+    """Before time passes, so that no log is lost."""
+    if csv is None:
+        return
+    if not isinstance(csv, (str, Path)) or "\0" in str(csv):
+        raise UserError(f"csv must be the name of a file, not {given.shown(csv)}")
+    path = Path(csv)
+    if path.is_dir() or not path.parent.is_dir():
+        raise UserError(f"{csv} cannot be written: {'it is a folder' if path.is_dir() else f'there is no folder {path.parent}'}")
 
 
 def _scenario(name: str | Path) -> Scenario | None:

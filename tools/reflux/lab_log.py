@@ -37,6 +37,8 @@ def numbers(log: logs.Log) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 
 def resolved(name: str, columns: Sequence[str]) -> str:
     """The column that a person means."""
+    if not isinstance(name, str):
+        raise KeyError(f"a column is asked for by its name, not by {name!r}")
     for other in (name, *logs.aliases(name)):
         if other in columns:
             return other

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reflux.errors import RunFailed
+from reflux import given
+from reflux.errors import RunFailed, UserError
 from reflux.paths import build_dir
 
 ROOM = 16
@@ -241,9 +242,11 @@ def decoupler(plant: Plant, pairs, **settings) -> dict:
     return {"d": d, "gain": gain, "gain_sd": sd, "left_sd": left.value}
 
 
-def _settings(defaults: str, names: tuple[str, ...], given: dict) -> np.ndarray:
+def _settings(defaults: str, names: tuple[str, ...], settings: dict) -> np.ndarray:
     values = np.zeros(len(names))
     getattr(load(), defaults)(_d(values))
-    for name, value in given.items():
-        values[names.index(name)] = value
+    for name, value in settings.items():
+        if name not in names:
+            raise UserError(f"there is no setting {name}; there are {', '.join(names)}")
+        values[names.index(name)] = given.number(value, name)
     return values

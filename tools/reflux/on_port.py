@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import time
 from contextlib import suppress
 
 from reflux import logs
+from reflux.errors import RunFailed
 from reflux.ports import Port
-from reflux.session import Session
+from reflux.session import Refused, Session
+
+AT_ONCE_S = 0.001
 
 
 class OnPort:
@@ -18,6 +22,8 @@ class OnPort:
         self._header = ""
         self._lines: list[str] = []
         self._last: dict[str, str] = {}
+        self._process = os.getpid()
+        self._reply_due = False  # a command was interrupted, and its reply may still come
         try:
             self._session = Session(self._port, aside=self._aside)
             self._session.ask("log on 1")
@@ -34,11 +40,26 @@ class OnPort:
             names = [logs.bare(name) for name in self._header.split(",")[2:]]
             self._last = dict(zip(names, line.split(",")[2:]))
 
+    def _own(self) -> None:
+        if os.getpid() != self._process:
+            raise RunFailed("the port belongs to another process, which opened this lab")
+
     def say(self, text: str) -> list[str]:
-        return self._session.ask(text)
+        self._own()
+        if self._reply_due:
+            self._session.machine_mode()
+        self._reply_due = True
+        try:
+            reply = self._session.ask(text)
+        except Refused:
+            self._reply_due = False
+            raise
+        self._reply_due = False
+        return reply
 
     def listen(self, seconds: float) -> None:
         """Takes what the board says for so long by this computer's clock."""
+        self._own()
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             with suppress(TimeoutError):
@@ -46,6 +67,7 @@ class OnPort:
 
     def listen_rows(self, rows: int, patience_s: float) -> None:
         """Until so many rows of telemetry have come; TimeoutError where the next one takes longer than patience_s."""
+        self._own()
         while rows > 0:
             rows -= self._session.line(patience_s).startswith("T,")
 
@@ -56,17 +78,34 @@ class OnPort:
         before = [self._header] if self._header and not lines[0].startswith("H,") else []
         return logs.telemetry_in([*before, *lines], "the board's telemetry", damaged=True)
 
+    def _take_in(self) -> None:
+        """What has come meanwhile, without a wait; telemetry of a fast board ends this after a while, too."""
+        self._own()
+        with suppress(TimeoutError):
+            for _ in range(1000):
+                self._session.line(AT_ONCE_S)
+
     def value(self, name: str) -> float:
+        self._take_in()
         for known in (name, f"{name}.app", f"{name}.cmd"):
             if known in self._last:
                 return logs.number(self._last[known])
         return float("nan")
 
     @property
+    def names(self) -> list[str]:
+        """Columns of telemetry that have come."""
+        self._take_in()
+        return list(self._last)
+
+    @property
     def time_s(self) -> float:
         return self.value("time")
 
     def close(self) -> None:
+        """In a child of fork nothing: the port and its lock are the parent's."""
+        if os.getpid() != self._process:
+            return
         with suppress(Exception):
-            self._session.ask("log off")
+            self.say("log off")
         self._port.close()
