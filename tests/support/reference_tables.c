@@ -113,12 +113,12 @@ static void print_event(const char *boards, const char *name)
 
 static void print_events(void)
 {
-#define ALWAYS(name, text, level)   print_event("every board", #name);
-#define SEQUENCE(name, text, level) print_event("boards with sequences", #name);
-#define START_UP(name, text, level) print_event("boards with automatic start-up", #name);
-#define GUARD(name, text, level)    print_event("boards with loop guards", #name);
-#define JOB(name, text, level)      print_event("boards with jobs", #name);
-#define BLOCK(name, text, level)    print_event("boards with blocks", #name);
+#define ALWAYS(name, text, level, unit)   print_event("every board", #name);
+#define SEQUENCE(name, text, level, unit) print_event("boards with sequences", #name);
+#define START_UP(name, text, level, unit) print_event("boards with automatic start-up", #name);
+#define GUARD(name, text, level, unit)    print_event("boards with loop guards", #name);
+#define JOB(name, text, level, unit)      print_event("boards with jobs", #name);
+#define BLOCK(name, text, level, unit)    print_event("boards with blocks", #name);
     EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK)
 }
 
