@@ -14,7 +14,7 @@ from reflux import build, launch
 from reflux.environment import clean
 from reflux.paths import every
 
-# Blocks of docs/start need what the commands between them have written.
+# Those of docs/start need what the commands between them have written: test_tutorial.py runs them.
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in every(ROOT / "docs", "*/*.md") if path.parent.name != "start"}
 PORT = "/dev/ttyUSB0"
 BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", re.M | re.S)
