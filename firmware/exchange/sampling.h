@@ -1,4 +1,4 @@
-/* Measurements that come every n-th base tick, some time after they were sampled: analysers (docs/use/loops.md). The
+/* Measurements that come every n-th base tick, some time after they were sampled: analysers (docs/use/analysers.md). The
  * link has no word for "this number is new", so the configuration says when a number is new: `every`, `phase` and
  * `delay`, in base ticks of plant time. Between two of its samples a measurement keeps its value and its quality. */
 #ifndef REFLUX_EXCHANGE_SAMPLING_H

@@ -46,6 +46,11 @@ class Rows(unittest.TestCase):
             with self.subTest(row.page, line=row.line):
                 self.assertIn(row.page, [*PAGES, *IN_ORDER])
 
+    def test_no_two_pages_with_commands_have_one_name(self) -> None:
+        """tools/test calls the test of a page by the name of its file, without the folder."""
+        names = [Path(page).stem for page in PAGES]
+        self.assertEqual(sorted(names), sorted(set(names)))
+
 
 class Commands(FolderTest):
     """The commands of one page."""

@@ -82,6 +82,16 @@ class Names(unittest.TestCase):
             self.assertEqual(named[field], parameter)
 
 
+class Alarms(unittest.TestCase):
+    """docs/use/alarms.md: each alarm and each warning stands in one row."""
+
+    def test_each_alarm_and_each_warning_has_one_row(self) -> None:
+        text = re.sub(r"\\\n", "", (ROOT / "firmware" / "base" / "event_list.h").read_text(encoding="utf-8"))
+        events = re.findall(r'[A-Z_]+\(\s*([A-Z_]+),(?:\s*"[^"]*")+,\s*(ALARM|WARNING)\b', text)
+        rows = [cell for line in page("use/alarms.md").splitlines() if line.startswith("| ") for cell in line.split("|")[1].strip().split(", ")]
+        self.assertEqual(sorted(row for row in rows if row != "CODE"), sorted(code for code, _ in events))
+
+
 class Kinds(unittest.TestCase):
     def test_the_page_of_parameters_names_every_kind_that_a_block_can_be(self) -> None:
         tables = [body for path in (ROOT / "firmware" / "kinds").glob("*/*.c")

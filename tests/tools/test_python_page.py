@@ -1,4 +1,4 @@
-"""Each Python block of docs/use/python.md and of the methods runs as printed, in a folder and a process of its own. A port on the page is the
+"""Each Python block of docs/ runs as printed, in a process of its own, and prints the text block that stands below it. A port on the page is the
 host build here."""
 
 import importlib.util
@@ -14,9 +14,10 @@ from reflux import build, launch
 from reflux.environment import clean
 from reflux.paths import every
 
-PAGE = every(ROOT / "docs", "**/python.md")[0]
+# Those of docs/start need what the commands between them have written: test_tutorial.py runs them.
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in every(ROOT / "docs", "*/*.md") if path.parent.name != "start"}
 PORT = "/dev/ttyUSB0"
-BLOCK = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
+BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", re.M | re.S)
 
 
 def setUpModule() -> None:
@@ -24,34 +25,32 @@ def setUpModule() -> None:
 
 
 class Blocks(FolderTest):
-    def run_block(self, block: str) -> None:
+    def run_block(self, block: str) -> str:
         environment = {**clean(os.environ), "PYTHONPATH": str(ROOT / "tools")}
         said = subprocess.run([sys.executable, "-W", "error::SyntaxWarning", "-c", block], cwd=self.folder, env=environment, capture_output=True, text=True,
                               check=False)
         self.assertEqual(said.returncode, 0, f"{block}\n{said.stderr}")
+        return said.stdout
 
-    def test_every_block_runs_as_printed(self) -> None:
-        blocks = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
-        self.assertGreaterEqual(len(blocks), 6)
-        for block in blocks:
-            with self.subTest(block.splitlines()[0]):
+    def test_the_pages_have_blocks(self) -> None:
+        self.assertGreaterEqual(len(BLOCK.findall(PAGES["docs/use/python.md"])), 6)
+        self.assertTrue(any(printed for text in PAGES.values() for _, printed in BLOCK.findall(text)))
+
+    def test_every_block_runs_and_prints_what_the_page_says(self) -> None:
+        for page, block, printed in ((page, *found) for page, text in PAGES.items() for found in BLOCK.findall(text)):
+            with self.subTest(page, block=block.splitlines()[0]):
                 if "ColumnEnv" in block and not importlib.util.find_spec("gymnasium"):
                     self.skipTest("gymnasium is not installed; pip install gymnasium")
                 if PORT in block:
                     with launch.start("host") as firmware, launch.plant(firmware, "pilot", "--speed", "600", "--tick", "30", "--timeout", "3600"):
                         self.run_block(block.replace(PORT, firmware.console))
-                else:
-                    self.run_block(block)
-
-    def test_every_block_of_the_methods_runs_as_printed(self) -> None:
-        blocks = [block for page in every(ROOT / "docs" / "methods", "*.md") for block in BLOCK.findall(page.read_text(encoding="utf-8"))]
-        self.assertTrue(blocks)
-        for block in blocks:
-            with self.subTest(block.splitlines()[1]):
-                self.run_block(block)
+                    continue
+                said = self.run_block(block)
+                if printed:
+                    self.assertEqual(said, printed)
 
     def test_the_first_block_leaves_its_picture(self) -> None:
-        self.run_block(BLOCK.findall(PAGE.read_text(encoding="utf-8"))[0])
+        self.run_block(BLOCK.findall(PAGES["docs/use/python.md"])[0][0])
         self.assertTrue((self.folder / "first.png").read_bytes().startswith(b"\x89PNG"))
 
 
