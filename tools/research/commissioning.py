@@ -177,7 +177,7 @@ def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path
     if out["verdict"] in PROPOSED:
         out["radius"] = commissioning_stability.radius(said, known.name)
     if out["verdict"] in PROPOSED and out["trial"] == "-":
-        out["trial_why"] = last[0][-120:] if last else ""
+        out["trial_why"] = last[0].replace(f"{log.parent}/", "")[-120:] if last else ""
     found = [int(n) for n in re.findall(r"< input .* rounds (\d+)", said)]
     out["rounds"] = max(found, default=0)
     out["time"] = tested_s / known.slowest_s if tested_s else None
