@@ -68,11 +68,12 @@ class PortLock(unittest.TestCase):
 
     def test_a_tool_of_ours_is_called_as_people_start_it(self) -> None:
         folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-        for pid, words in ((1, ["/usr/bin/python3", "-m", "reflux", "console", "PORT"]), (2, ["/usr/bin/picocom", "PORT"])):
+        for pid, words in ((1, ["/usr/bin/python3", "-m", "reflux", "console", "PORT"]), (2, ["/usr/bin/picocom", "PORT"]),
+                           (4, ["/home/me/env/bin/python3", "/home/me/env/bin/reflux", "console", "PORT"])):
             (folder / str(pid)).mkdir()
             (folder / str(pid) / "cmdline").write_text("\0".join([*words, ""]))
         with mock.patch.object(port_lock, "PROC", folder):
-            self.assertEqual([port_lock.name_of(pid) for pid in (1, 2, 3)], ["tools/console", "picocom", "a process"])
+            self.assertEqual([port_lock.name_of(pid) for pid in (1, 2, 3, 4)], ["tools/console", "picocom", "a process", "reflux console"])
 
 
 if __name__ == "__main__":

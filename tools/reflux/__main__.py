@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import signal
 import sys
 
 from reflux import ending
 from reflux.errors import Ended, RunFailed, UserError
+from reflux.paths import INSTALLED, tool
 
 COMMANDS = {
     "demo": "reflux.cmd_demo",
@@ -84,36 +84,42 @@ def call(name: str, arguments: list[str]) -> int:
         module = importlib.import_module(COMMANDS[name])
         return int(module.main(arguments) or 0)
     except UserError as error:
-        print(f"tools/{name}: {error}", file=sys.stderr)
+        print(f"{tool(name)}: {error}", file=sys.stderr)
         return 2
     except RunFailed as error:
-        print(f"tools/{name}: {error}", file=sys.stderr)
+        print(f"{tool(name)}: {error}", file=sys.stderr)
         return 1
     except ModuleNotFoundError as error:
         package = PACKAGES.get((error.name or "").split(".")[0])
         if package is None:
             raise
         print(
-            f"tools/{name}: {sys.executable} has no module {error.name}; install the package "
+            f"{tool(name)}: {sys.executable} has no module {error.name}; install the package "
             f"{package} (tools/bootstrap does), or name another interpreter in REFLUX_PYTHON",
             file=sys.stderr,
         )
         return 1
     except Ended as end:
-        print(f"tools/{name}: ended by {signal.Signals(end.number).name}", file=sys.stderr)
+        print(f"{tool(name)}: ended by {signal.Signals(end.number).name}", file=sys.stderr)
         return 128 + end.number
     except KeyboardInterrupt:
-        print(f"\ntools/{name}: interrupted", file=sys.stderr)
+        print(f"\n{tool(name)}: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
 
+def is_here(name: str) -> bool:
+    """An installed package has no commands of development."""
+    return not INSTALLED or COMMANDS[name].startswith("reflux.")
+
+
 def help_text() -> str:
-    """The tree of commands, users' first. An installed package has no commands of development."""
-    out = ["usage: reflux COMMAND ...", "", "Each command is also a file in tools/; COMMAND --help says more.", ""]
-    here = {name: words for name, words in WORDS.items() if importlib.util.find_spec(COMMANDS[name].split(".")[0])}
+    """The tree of commands, users' first."""
+    files = "" if INSTALLED else "Each command is also a file in tools/; "
+    out = ["usage: reflux COMMAND ...", "", f"{files}COMMAND --help says more.", ""]
+    here = {name: words for name, words in WORDS.items() if is_here(name)}
     width = max(map(len, here)) + 2
     for title, own in (("use", True), ("development", False)):
         rows = [f"  {name:{width}}{words}" for name, words in here.items() if COMMANDS[name].startswith("reflux.") == own]
@@ -132,6 +138,9 @@ def main() -> int:
     if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
         wrong = f"reflux: there is no command {sys.argv[1]}\n" if len(sys.argv) > 1 else ""
         print(f"{wrong}{help_text()}", file=sys.stderr)
+        return 2
+    if not is_here(sys.argv[1]):
+        print(f"reflux: {sys.argv[1]} is a command of the repository; an installed package does not have it", file=sys.stderr)
         return 2
     with ending.cleanly(sys.argv[1]):
         return call(sys.argv[1], sys.argv[2:])

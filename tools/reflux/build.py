@@ -16,8 +16,8 @@ import time
 from pathlib import Path
 from typing import Iterator
 
-from reflux.errors import RunFailed
-from reflux.paths import ROOT, build_dir, shown
+from reflux.errors import RunFailed, UserError
+from reflux.paths import INSTALLED, ROOT, build_dir, shown
 
 STEP = re.compile(rb"^\[(\d+)/(\d+)\]")
 LINES_SHOWN = 40
@@ -73,8 +73,13 @@ def _configure(preset: str, folder: Path, quiet: bool) -> None:
 
 
 def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Path:
-    """Brings one build tree up to date and returns it. Output is shown only where something fails."""
+    """Brings one build tree up to date and returns it. Output is shown only where something fails. An installed package has nothing to
+    build."""
     folder = build_dir(preset)
+    if INSTALLED:
+        if preset != "host":
+            raise UserError(f"the installed package has no firmware {preset}; it has host and memory, and a clone of the repository builds {preset}")
+        return folder
     command = ["cmake", "--build", str(folder)]
     if targets:
         command += ["--target", *targets]

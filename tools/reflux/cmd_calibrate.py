@@ -7,6 +7,7 @@ import math
 import re
 
 from reflux.errors import UserError
+from reflux.paths import tool
 
 
 def point(text: str) -> tuple[float, float]:
@@ -34,7 +35,7 @@ def correction(points: list[tuple[float, float]]) -> tuple[float, float]:
 
 
 def main(arguments: list[str]) -> int:
-    p = argparse.ArgumentParser(prog="tools/calibrate", description="Prints the console lines that calibrate a measurement.")
+    p = argparse.ArgumentParser(prog=tool("calibrate"), description="Prints the console lines that calibrate a measurement.")
     p.add_argument("measurement", metavar="meas<i>", help="the measurement's name in the board's parameters")
     p.add_argument("points", nargs="+", metavar="READING=TRUE",
                    help="value the board shows, and the true value: two points, or one for the zero alone")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reflux import build, column_file, plant_file, simulator
 from reflux.errors import UserError
-from reflux.paths import named, out_root, shown
+from reflux.paths import named, out_root, shown, tool
 from reflux.table import columns, figure
 
 SLOWEST = 5
@@ -28,7 +28,7 @@ class Channel:
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/column", description="Draws a column's profile and prints its steady-state gains, relative gains, "
+        prog=tool("column"), description="Draws a column's profile and prints its steady-state gains, relative gains, "
         "directions and times at the steady state of its inputs, outputs and inputs in spans where they are compared.")
     p.add_argument("column", metavar="NAME_OR_FILE", help="a column of host_sim/plants by name, or the path of a file (docs/use/columns.md)")
     p.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="value of an input instead of its nominal one; repeatable")

@@ -18,7 +18,7 @@ from reflux.commission.board import Board, Transcript
 from reflux.commission.keyboard import Keyboard
 from reflux.commission.startup import Options, Startup
 from reflux.errors import RunFailed, UserError
-from reflux.paths import named, out_root, shown
+from reflux.paths import named, out_root, shown, tool
 from reflux.ports import Port
 from reflux.schema import check_number, load_toml
 
@@ -30,7 +30,7 @@ FILES = ("transcript.txt", "telemetry.csv", "answers.toml", "board.conf", "repor
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/commission",
+        prog=tool("commission"),
         description="Guided start-up (docs/use/commission.md): tests every input of the plant, finds a model, proposes "
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "

@@ -13,14 +13,14 @@ from typing import Any
 from reflux import build, consistency, consistency_lines, recorded_run, table
 from reflux.consistency_search import Look, Run, Search, look, search
 from reflux.errors import UserError
-from reflux.paths import named, shown
+from reflux.paths import named, shown, tool
 
 METHODS = ("ekf", "kalman", "rekf")
 
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/consistency",
+        prog=tool("consistency"),
         description="Covariances for the filters of a block of the kind composition: `lines` makes them from physical quantities, `check` replays a recorded run to "
         "the firmware and says whether the innovations are as the filter expects them, and what to change (docs/methods/consistency.md).",
     )

@@ -12,7 +12,7 @@ from typing import Iterator, TextIO
 
 from reflux import build, keys, launch, live, session, simulator, textfile, watch
 from reflux.errors import Ended, RunFailed, UserError
-from reflux.paths import named, shown
+from reflux.paths import named, shown, tool
 from reflux.ports import Port
 from reflux.session import Session
 from reflux.terminal import interactive
@@ -20,7 +20,7 @@ from reflux.terminal import interactive
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/console",
+        prog=tool("console"),
         description="Without an option for something else: a terminal on the board's console; ^] leaves. PORT is a "
         "serial device (/dev/ttyUSB0, /dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH.")
     p.add_argument("port", nargs="?", metavar="PORT")

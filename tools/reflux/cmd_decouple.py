@@ -13,6 +13,7 @@ import numpy as np
 from reflux import board_settings, build, decoupled_loops, decoupling, libreflux, sampled_plant, table
 from reflux.decoupled_loops import Compensator, Moves
 from reflux.errors import RunFailed, UserError
+from reflux.paths import tool
 from reflux.sampled_plant import SampledPlant
 
 METHODS = ("polynomial", "static", "partial", "one-way", "directions")
@@ -21,7 +22,7 @@ BLOCKS_MOST, LOOPS_MOST, DIVISOR_MOST = 99, 8, 10000
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/decouple",
+        prog=tool("decouple"),
         description="Designs a decoupler, and with --loops pp a controller for each loop, from a model in discrete time, and prints the settings of the board "
         "(docs/methods/polynomial-decoupler.md).")
     p.add_argument("model", help="output of tools/identify --format json (NAME.json), a board's listing of an experiment (NAME.txt), or a "

@@ -6,12 +6,12 @@ import argparse
 
 from reflux import cmd_run, launch, packages
 from reflux import scenario as scenarios
-from reflux.paths import SCENARIOS, named, out_root
+from reflux.paths import SCENARIOS, named, out_root, tool
 
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/demo",
+        prog=tool("demo"),
         description="Installs what is missing (as root, after asking on a terminal; else says what to install), builds the simulator and the "
         "STM32F405 image, and lets that image, in the emulator, hold a simulated distillation column for three and "
         "a half hours of plant time. Writes out/demo/report.html, plots and log.csv. Exit status 1 when a loop "

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from reflux import build, probes
 from reflux.errors import RunFailed, UserError
-from reflux.paths import build_dir, named, shown
+from reflux.paths import INSTALLED, build_dir, named, shown, tool
 
 LARGEST = 768 * 1024  # sectors 0 to 9; 10 and 11 keep the parameters
 RAM = range(0x20000000, 0x20020001)
@@ -22,7 +22,7 @@ PRESET = "stm32f405"
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/flash",
+        prog=tool("flash"),
         description="Finds the board (ST-Link by st-flash, USB boot loader by dfu-util, ST-Link by OpenOCD), says what "
         "it will do, asks, writes the image, reads it back, compares, and starts it. Stored parameters are kept: "
         "their sectors are not touched.")
@@ -57,6 +57,8 @@ def default_image() -> Path:
     try:
         return build.find_image(PRESET)
     except RunFailed:
+        if INSTALLED:
+            raise UserError("an installed package has no image: name one with --image") from None
         raise UserError(f"{shown(build_dir(PRESET))} has no image; build one (cmake --workflow --preset {PRESET}) or "
                         "name one with --image") from None
 

@@ -12,7 +12,7 @@ from typing import Any
 from reflux import build, column_file, column_slopes, estimate_lines, gradients, plant_file, sensor_rules, simulator, table
 from reflux.errors import UserError
 from reflux.gradients import Diagram
-from reflux.paths import named, out_root, shown
+from reflux.paths import named, out_root, shown, tool
 from reflux.sensor_rules import Choice, Steps, Thresholds
 
 STEP_PARTS = (
@@ -23,7 +23,7 @@ STEP_PARTS = (
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/gradients",
+        prog=tool("gradients"),
         description="Draws the gradient diagram of a column at a steady state, from the simulator or from a profile of "
         "your own, and proposes which temperatures to control with and to estimate from, with reasons (docs/methods/gradients.md).",
     )
@@ -84,7 +84,7 @@ def main(arguments: list[str]) -> int:
     options = p.parse_args(arguments)
     t = Thresholds(**{name: getattr(options, name) for name in Thresholds().__dict__})
     if options.column is None and options.profile is None:
-        raise UserError("names no column and no --profile; as: tools/gradients splitter")
+        raise UserError(f"names no column and no --profile; as: {tool('gradients')} splitter")
     if not 0 < options.step < 0.5:
         raise UserError("--step must be above 0 and below 0.5")
     found = from_csv(options) if options.profile else from_simulator(options)

@@ -18,7 +18,7 @@ from reflux.compare import log_of
 from reflux.errors import RunFailed, UserError
 from reflux.identification import Fit, Judgement, Orders, Record, Trials
 from reflux.logs import Log, bare, number, read_if_log
-from reflux.paths import named, shown
+from reflux.paths import named, shown, tool
 
 MOST = 4  # of each kind
 NA_MOST, NB_MOST, NC_MOST = 4, 8, 4
@@ -50,7 +50,7 @@ class Found:
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/identify",
+        prog=tool("identify"),
         description="Finds A(z^-1) y = B(z^-1) u, A diagonal, from a log in which all inputs were excited at once (docs/methods/difference-models.md).")
     p.add_argument("log", type=named, metavar="LOG", help="a log.csv of tools/run, a folder that holds one, or another CSV with a header")
     p.add_argument("--inputs", type=names, required=True, metavar="U,U", help="manipulated variables, up to 4")

@@ -12,7 +12,7 @@ import numpy as np
 
 from reflux import arrays, board_settings, build, ina_plant, ina_window, keys, table
 from reflux.errors import RunFailed, UserError
-from reflux.paths import named, shown
+from reflux.paths import named, shown, tool
 
 MOST = 100  # largest element of the board's static decoupler
 
@@ -33,7 +33,7 @@ operations, rows counted from 1 (a row of the inverse belongs to an input):
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/ina", formatter_class=argparse.RawDescriptionHelpFormatter, epilog=HELP,
+        prog=tool("ina"), formatter_class=argparse.RawDescriptionHelpFormatter, epilog=HELP,
         description="Draws the inverse Nyquist array of a plant with Gershgorin's bands, does elementary operations, searches the constant compensator, "
         "and prints it for the board (docs/methods/ina.md).",
     )

@@ -12,7 +12,7 @@ from pathlib import Path
 from reflux import build, launch, scenario_settings, session, simulator, textfile, watch
 from reflux import scenario as scenarios
 from reflux.errors import Ended, RunFailed, UserError
-from reflux.paths import SCENARIOS, named, shown
+from reflux.paths import SCENARIOS, named, shown, tool
 from reflux.ports import Port
 from reflux.scenario import Scenario, check_speed
 from reflux.schema import load_toml
@@ -35,7 +35,7 @@ class Bench:
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
-        prog="tools/play",
+        prog=tool("play"),
         description="Starts the firmware and a simulated plant on this computer, configures the board, brings the plant to its operating "
         "point, closes the loops, and opens the console. Ctrl-C (or ^]) ends everything. "
         f"NAME is a configuration in {shown(SCENARIOS)}: {', '.join(names())}.")

@@ -8,11 +8,11 @@ import sys
 from reflux.compare import log_of
 from reflux.errors import UserError
 from reflux.logs import read, write_csv
-from reflux.paths import named, shown
+from reflux.paths import named, shown, tool
 
 
 def main(arguments: list[str]) -> int:
-    p = argparse.ArgumentParser(prog="tools/plot", description="Plots columns of a log into a PNG file (docs/use/logs.md).")
+    p = argparse.ArgumentParser(prog=tool("plot"), description="Plots columns of a log into a PNG file (docs/use/logs.md).")
     p.add_argument("log", type=named, metavar="LOG", help="a log of any tool, or a folder that holds one")
     p.add_argument("columns", nargs="*", metavar="COLUMN",
                    help="columns by their names without unit, such as T1 or T1.true (default: measurements, setpoints, outputs)")

@@ -9,13 +9,13 @@ from reflux import launch, runner, table
 from reflux import scenario as scenarios
 from reflux.compare import compare_command
 from reflux.errors import UserError
-from reflux.paths import named, out_root, shown
+from reflux.paths import named, out_root, shown, tool
 from reflux.schema import check_number
 
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/run",
+        prog=tool("run"),
         description="Runs a scenario (docs/use/scenarios.md): builds what it needs, starts the firmware, lets the "
         "simulated plant run against it, and writes log, plots and report. Exit status: 0 all limits kept, "
         "1 a limit missed or the run failed, 2 usage error.")
@@ -45,8 +45,10 @@ def with_options(scenario: scenarios.Scenario, options: argparse.Namespace) -> s
         check_number("--noise", options.noise, low=0)
     if options.speed is not None:
         scenarios.check_speed(options.speed, "--speed")
-    return scenario.with_options(seed=options.seed, noise=options.noise, speed=options.speed,
-                                 firmware=options.firmware)
+    firmware = options.firmware or launch.at_hand(scenario.firmware)
+    if not options.firmware and firmware != scenario.firmware and not getattr(options, "quiet", False):
+        print(f"{scenario.firmware} is no part of the installed package: the {firmware} build runs the scenario")
+    return scenario.with_options(seed=options.seed, noise=options.noise, speed=options.speed, firmware=firmware)
 
 
 def main(arguments: list[str]) -> int:
@@ -56,7 +58,7 @@ def main(arguments: list[str]) -> int:
             raise UserError("--compare compares two logs and takes no scenario")
         return compare_command(*options.compare)
     if not options.scenario:
-        raise UserError("which scenario? give a .toml file (see tools/run --help)")
+        raise UserError(f"which scenario? give a .toml file (see {tool('run')} --help)")
     scenario = with_options(scenarios.load(scenarios.find(options.scenario)), options)
     return run(scenario, options.out or out_root() / scenario.name, options)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from reflux import board_settings, build, plant_file, simulator, state_decoupler, table
 from reflux.errors import RunFailed, UserError
+from reflux.paths import tool
 
 LOOPS_MOST, INPUTS_MOST = 4, 8  # of the kind (firmware/kinds/state/state_feedback.h)
 ROW_MOST, WEIGHT_MOST = 16000.0, 1e4
@@ -18,7 +19,7 @@ SEEN = 1e-9  # a feedthrough, or dead time, below this is none
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(
-        prog="tools/state-feedback",
+        prog=tool("state-feedback"),
         description="Designs u = F x + G w + Tf d, each output with its own setpoint and pole, from the linearisation of a plant, and prints the settings of the kind `state` "
         "(docs/methods/state-decoupling.md). It is designed for samples with inputs held, by the firmware's code in double.")
     p.add_argument("plant", help="a plant of host_sim/plants by name, or a file NAME.json")

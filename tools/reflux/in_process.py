@@ -214,6 +214,7 @@ def _copy(path: Path) -> ctypes.CDLL:
     """The file may go as soon as it is loaded."""
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         try:
+            ctypes.CDLL(str(path))  # with what it needs, which in a wheel is found from its own folder only
             c = ctypes.CDLL(shutil.copy(path, folder))
         except OSError as error:
             raise RunFailed(f"{path} cannot be loaded: {error}") from None

@@ -16,6 +16,7 @@ from typing import Iterator
 from reflux import build, port_lock
 from reflux.boards import BOARDS
 from reflux.errors import RunFailed, UserError
+from reflux.paths import INSTALLED
 
 BOOT_ID = 1
 
@@ -61,6 +62,11 @@ def programs_of(kind: str) -> list[tuple[str, tuple[str, ...]]]:
     elif kind.startswith("stm32"):
         out.append((kind, ()))
     return out
+
+
+def at_hand(kind: str) -> str:
+    """The firmware a scenario asks for. An installed package has the host build in place of one that has a build tree of its own."""
+    return "host" if INSTALLED and any(preset != "host" for preset, _ in programs_of(kind)) else kind
 
 
 def build_for(kind: str, quiet: bool = False) -> None:

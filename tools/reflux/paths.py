@@ -6,8 +6,12 @@ import argparse
 import os
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-SCENARIOS = ROOT / "host_sim" / "scenarios"
+PACKAGE = Path(__file__).resolve().parent
+PROGRAMS = PACKAGE / "programs"
+INSTALLED = PROGRAMS.is_dir()  # from a wheel (tools/wheel), which has programs, plants and scenarios in the package
+ROOT = PACKAGE if INSTALLED else PACKAGE.parents[1]
+SCENARIOS = ROOT / ("scenarios" if INSTALLED else "host_sim/scenarios")
+PLANTS = ROOT / ("plants" if INSTALLED else "host_sim/plants")
 CAMPAIGNS = ROOT / "tests" / "campaign"
 
 
@@ -17,7 +21,13 @@ def build_root() -> Path:
 
 
 def build_dir(preset: str) -> Path:
-    return build_root() / preset
+    """The build tree of a preset; what an installed package has of the preset host."""
+    return PROGRAMS if INSTALLED and preset == "host" else build_root() / preset
+
+
+def tool(name: str) -> str:
+    """The command as a person types it."""
+    return f"reflux {name}" if INSTALLED else f"tools/{name}"
 
 
 def every(folder: Path, *patterns: str) -> list[Path]:
@@ -35,8 +45,9 @@ def figures() -> Path:
 
 
 def out_root() -> Path:
-    """out/, or the folder that REFLUX_OUT names: where a tool puts its results if no option names another folder."""
-    return Path(os.environ.get("REFLUX_OUT") or ROOT / "out").resolve()
+    """out/, or the folder that REFLUX_OUT names: where a tool puts its results if no option names another folder. A package has out/ where one
+    stands."""
+    return Path(os.environ.get("REFLUX_OUT") or (Path() if INSTALLED else ROOT) / "out").resolve()
 
 
 def shown(path: Path | str) -> str:

@@ -9,9 +9,8 @@ from typing import Any
 
 from reflux import textfile
 from reflux.errors import UserError
-from reflux.paths import ROOT, shown
+from reflux.paths import PLANTS, shown
 
-PLANTS = ROOT / "host_sim" / "plants"
 UNIT_MAX = 11
 # As in host_sim/plants/plant_unit.c.
 SIGNS = str.maketrans({"\u00b0": "deg", "\u00ba": "deg", "\u02da": "deg", "\u2103": "degC", "\u2109": "degF", "\u00b5": "u", "\u03bc": "u",
@@ -21,7 +20,7 @@ BLANKS = re.compile(r"(?<=deg) +|(?<![A-Za-z0-9]) +| +(?![A-Za-z0-9])")  # that 
 
 
 def place_of(name: str) -> Path:
-    """As reflux-sim finds it: a path, the folder REFLUX_PLANTS, the plants of the repository."""
+    """As reflux-sim finds it: a path, the folder REFLUX_PLANTS, the plants of the repository or package."""
     if "/" in name or name.endswith(".json"):
         return Path(name)
     folders = [Path(os.environ["REFLUX_PLANTS"])] if os.environ.get("REFLUX_PLANTS") else []

@@ -77,11 +77,13 @@ def openers(device: str) -> list[int]:
 
 
 def name_of(pid: int) -> str:
-    """tools/NAME for one of these tools, else the program's name."""
+    """tools/NAME or reflux NAME for one of these tools, else the program's name."""
     try:
         words = (PROC / str(pid) / "cmdline").read_bytes().decode(errors="replace").split("\0")
     except OSError:
         return "a process"
     if words[1:3] == ["-m", "reflux"] and len(words) > 3:
         return f"tools/{words[3]}"
+    if [os.path.basename(word)[:6] for word in words[:2]] == ["python", "reflux"] and len(words) > 2:
+        return f"reflux {words[2]}".rstrip()
     return os.path.basename(words[0]) or "a process"

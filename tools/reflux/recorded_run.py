@@ -11,7 +11,7 @@ from pathlib import Path
 from reflux import logs, scenario, textfile
 from reflux.errors import UserError
 from reflux.logs import Log
-from reflux.paths import shown
+from reflux.paths import shown, tool
 
 GOOD, UNCERTAIN, BAD, MISSING = range(4)
 LINK_CHANNELS = 16  # of a kind
@@ -134,10 +134,10 @@ def read(place: Path, conf: list[Path], block: int | None) -> tuple[Recorded, Bl
 def _log_at(place: Path) -> tuple[Log, Path | None]:
     if place.is_dir():
         if not (place / "log.csv").is_file():
-            raise UserError(f"{shown(place)}: no log.csv there; a folder that `tools/run ... --out` has written, or the log of tools/console")
+            raise UserError(f"{shown(place)}: no log.csv there; a folder that `{tool('run')} ... --out` has written, or the log of {tool('console')}")
         return logs.read(place / "log.csv"), place
     if not place.is_file():
-        raise UserError(f"{shown(place)}: no such file; a folder that `tools/run ... --out` has written, or the log of tools/console")
+        raise UserError(f"{shown(place)}: no such file; a folder that `{tool('run')} ... --out` has written, or the log of {tool('console')}")
     return logs.read(place), place.parent
 
 
@@ -156,7 +156,7 @@ def _config_of(folder: Path | None, conf: list[Path], place: Path) -> tuple[list
     elif sent:
         first = [text for at, text in sent if at <= 0 and is_setting(text)]
     else:
-        raise UserError(f"{shown(place)}: with what configuration was it recorded? --conf FILE, as `tools/console PORT --dump FILE` writes it")
+        raise UserError(f"{shown(place)}: with what configuration was it recorded? --conf FILE, as `{tool('console')} PORT --dump FILE` writes it")
     return first, [(at, text) for at, text in sent if at > 0 or not is_setting(text)]
 
 

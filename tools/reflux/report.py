@@ -8,6 +8,7 @@ from reflux import margins, markup, metrics, run_margins, run_plots, runner, tab
 from reflux import plots as plotting
 from reflux.markup import Content, Markup, element, join
 from reflux.page_style import CSS, PHONE_PX, badge, grid, listed, note
+from reflux.paths import INSTALLED, SCENARIOS, tool
 from reflux.runner import Result, events_in, replies_in, script_lines
 from reflux.scenario import relative
 
@@ -84,9 +85,10 @@ def events_table(result: Result) -> Markup:
 
 def how_to_repeat(result: Result) -> Markup:
     s = result.scenario
-    command = f"tools/run {relative(s.file)} --firmware {s.firmware} --seed {s.seed} --noise {s.noise:g}"
+    file = s.file.stem if INSTALLED and s.file.parent == SCENARIOS else relative(s.file)
+    command = f"{tool('run')} {file} --firmware {s.firmware} --seed {s.seed} --noise {s.noise:g}"
     return join([element("pre", command), note("The same scenario, seed and noise give the same log, sample by sample; ",
-                                               element("code", "tools/run --compare A B"), " tells whether two logs are the same.")])
+                                               element("code", f"{tool('run')} --compare A B"), " tells whether two logs are the same.")])
 
 
 def lines_sent(result: Result) -> Markup:

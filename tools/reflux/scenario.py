@@ -275,7 +275,7 @@ def window_starts(scenario: Scenario) -> list[float]:
 
 
 def relative(path: Path) -> str:
-    """Name of a file of the repository in results, whatever the folder it is started from."""
+    """Name of a file of the repository or package in results, whatever the folder it is started from."""
     try:
         return str(path.resolve().relative_to(ROOT))
     except ValueError:

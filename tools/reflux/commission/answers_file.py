@@ -8,7 +8,7 @@ from typing import Any
 
 from reflux.commission.answers import TEST, Answers, Values, Wrong
 from reflux.errors import UserError
-from reflux.paths import shown
+from reflux.paths import shown, tool
 from reflux.schema import Table, load_toml
 
 
@@ -87,7 +87,7 @@ def _guarded(table: Table, key: str, what: Any) -> None:
 
 def text(answers: Answers) -> str:
     """As a file that gives the same answers."""
-    out = ["# Answers of a start-up; tools/commission ... --file runs it again. docs/use/commission.md", "",
+    out = [f"# Answers of a start-up; {tool('commission')} ... --file runs it again. docs/use/commission.md", "",
            "[plant]", f'name = "{answers.plant}"', f"tick_s = {answers.tick_s:.9g}"]
     for key, all_values in (("measurement", answers.measurements), ("input", answers.inputs)):
         for v in all_values:

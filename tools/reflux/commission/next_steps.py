@@ -7,6 +7,7 @@ from typing import Iterable
 
 from reflux.commission.progress import span_of_time
 from reflux.commission.results import Model, Pairing
+from reflux.paths import tool
 
 Pair = tuple[str, str]
 
@@ -23,7 +24,7 @@ def lines(model: Model, pairing: Pairing, known: list[Pair], parameters: dict[st
         return [*out, "- Or tune one loop at a time by a relay test, which takes a pair for given: docs/methods/relay.md"]
     whose = "the pairs you stated" if known else "the likeliest pairs, which you must know to be right"
     out += [f"- Or tune one loop at a time by a relay test, which is much faster ({whose}), at the board's console",
-            "  (tools/console PORT), one loop after the other; `commission` says how far it is, accept once it is ready:", ""]
+            f"  ({tool('console')} PORT), one loop after the other; `commission` says how far it is, accept once it is ready:", ""]
     return out + [f"    {line}" for line in relay_lines(model, pairs, parameters, places)]
 
 

@@ -11,6 +11,7 @@ from reflux.commission.record import Record, load
 from reflux.commission.progress import span_of_time
 from reflux.markup import Content, Markup, element
 from reflux.page_style import CSS, badge, folded, grid, listed, note
+from reflux.paths import tool
 from reflux.report import drawing
 
 FLAGS = {
@@ -144,8 +145,8 @@ def page(r: Record, pictures: list[plotting.Plot]) -> str:
              *proposal_part(r, by_name), element("h2", "What happened"), events_part(r)]
     if r.answers:
         parts += [element("h2", "Answers"), element("pre", r.answers),
-                  note(element("code", "tools/commission ... --file answers.toml"), " runs it again; ",
-                       element("code", "tools/commission --report FOLDER"), " makes this page again.")]
+                  note(element("code", f"{tool('commission')} ... --file answers.toml"), " runs it again; ",
+                       element("code", f"{tool('commission')} --report FOLDER"), " makes this page again.")]
     return markup.page(title, CSS, parts)
 
 

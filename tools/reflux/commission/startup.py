@@ -17,6 +17,7 @@ from reflux.commission.dialogue import heading, say
 from reflux.commission.keyboard import KEYS, Keyboard
 from reflux.commission.progress import follow
 from reflux.errors import RunFailed, UserError
+from reflux.paths import tool
 from reflux.session import Refused
 
 GREETING_S = 5.0
@@ -89,9 +90,9 @@ class Startup:
         if state.locked:
             raise UserError("the board's engineer level is locked; --key KEY opens it")
         if state.open_transaction:
-            raise RunFailed("somebody's transaction is open on the board: `apply` or `abandon` it first (tools/console)")
+            raise RunFailed(f"somebody's transaction is open on the board: `apply` or `abandon` it first ({tool('console')})")
         if self.board.progress().phase in UNDER_WAY:
-            raise RunFailed("a start-up is under way on the board already; `commission abort` ends it (tools/console)")
+            raise RunFailed(f"a start-up is under way on the board already; `commission abort` ends it ({tool('console')})")
         heading(f"{plant.name}: {len(plant.measurements)} measurements, {len(plant.inputs)} inputs, a sample every "
                 f"{plant.tick_s:g} s")
         say(dialogue.plant_lines(plant, state))
@@ -155,7 +156,7 @@ class Startup:
         if refusals:
             self.abandon()
             raise Refused(refusals[0])
-        say(f"\n{len(lines)} parameters set; nothing of it is stored, `save` would do that (tools/console)." if lines else
+        say(f"\n{len(lines)} parameters set; nothing of it is stored, `save` would do that ({tool('console')})." if lines else
             "\nThe board is configured so already.")
         for name, at in moves.items():
             say(f"{name} goes to {at:g} {answers.channel(name).channel.unit}")
@@ -404,4 +405,4 @@ class Startup:
         saved = self.options.out / "board.conf"
         saved.write_text("\n".join(session.dump(self.board.session)) + "\n", encoding="latin-1")
         say("\nThe loops stay in automatic. Nothing is stored: `save` at the board's console keeps the configuration over "
-            f"a restart\n(tools/console PORT, then save); {saved.name} holds it too (tools/console PORT --restore).")
+            f"a restart\n({tool('console')} PORT, then save); {saved.name} holds it too ({tool('console')} PORT --restore).")
