@@ -169,7 +169,7 @@ class Bootstrap(FakeSystem):
 
     def test_a_tool_judges_its_arguments_before_it_installs(self) -> None:
         for wrong in (["fuzz", "nope"], ["fuzz", "--runs", "0"], ["coverage", "--check"], ["evidence", "nope"], ["image", "nope"], ["mutate", "--jobs", "0"],
-                      ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["site", "--out", ""], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
+                      ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["site", "--out", ""], ["wheel", "--out", ""], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
                       ["demo", "--firmware", "serial"]):
             with self.subTest(wrong):
                 answer = self.tool(*wrong)
@@ -177,10 +177,10 @@ class Bootstrap(FakeSystem):
 
     def test_a_tool_asks_for_what_it_needs_and_no_more(self) -> None:
         for words, wanted in ((["fuzz", "frame"], ["--ask", "host", "fuzz"]), (["coverage"], ["--ask", "host", "coverage"]), (["prove"], ["--ask", "host", "prove"]),
-                              (["site"], ["--ask", "site"]),
+                              (["site"], ["--ask", "site"]), (["wheel"], ["--ask", "host", "wheel"]),
                               (["coverage", "--reach"], ["--ask", "host"]), (["mutate", "--random", "1"], ["--ask", "host"]),
                               (["image"], ["--ask", "host", "target"]), (["test", "unit"], ["--set-up", "host"]),
-                              (["test", "target"], ["--set-up", "host", "target"]), (["test"], ["--set-up", "host", "target", "test"]),
+                              (["test", "target"], ["--set-up", "host", "target"]), (["test"], ["--set-up", "host", "target", "test", "wheel"]),
                               (["demo"], ["--set-up", "host", "target"]), (["demo", "--firmware", "host"], ["--set-up", "host"]),
                               (["evidence"], ["--ask", "host", "target", "test", "evidence"])):
             with self.subTest(words), mock.patch.object(packages.subprocess, "run", return_value=mock.Mock(returncode=1)) as run:

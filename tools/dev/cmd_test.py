@@ -17,7 +17,7 @@ from reflux.errors import UserError
 from dev.testing import changed, running, tiers, times
 from dev.testing.entries import LABELS, Test, collect
 
-PACKAGES = {"target": ("target",), "style": ("target", "test"), "tools": ("target", "test")}  # beside host
+PACKAGES = {"target": ("target",), "style": ("target", "test"), "tools": ("target", "test", "wheel")}  # beside host
 WITHIN_S = 70.0  # of tests; building after one edited file takes up to 20 s more
 
 

@@ -39,6 +39,7 @@ COMMANDS = {
     "evidence": "dev.cmd_evidence",
     "reference": "dev.cmd_reference",
     "site": "dev.cmd_site",
+    "wheel": "dev.cmd_wheel",
 }
 # One line of --help for each.
 WORDS = {
@@ -69,6 +70,7 @@ WORDS = {
     "evidence": "what counts things, run and written to docs/inside/evidence.md",
     "reference": "the reference pages, from the tables of the code",
     "site": "the pages as a site with search",
+    "wheel": "the package for pip, with programs, plants and scenarios",
 }
 PACKAGES = {
     "numpy": "python3-numpy",
