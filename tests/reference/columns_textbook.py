@@ -3,7 +3,7 @@
 
     tests/reference/columns_textbook.py
 
-prints the tables of docs/use/columns.md, section "The textbook columns" (tests/unit/test_columns.py holds them together).
+prints the table of columns-textbook.md (tests/unit/test_columns.py holds them together).
 """
 import json
 import os

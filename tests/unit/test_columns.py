@@ -109,7 +109,7 @@ class Columns(unittest.TestCase):
                         self.assertAlmostEqual(a, b, delta=1e-6)
 
     def test_the_page_has_the_figures_of_the_textbook_columns(self):
-        with open(os.path.join(REFERENCE, "..", "..", "docs", "use", "columns.md"), encoding="utf-8") as file:
+        with open(os.path.join(REFERENCE, "columns-textbook.md"), encoding="utf-8") as file:
             page = file.read()
         self.assertIn("\n".join(columns_textbook.table()), page)
 
