@@ -88,7 +88,7 @@ struct column_config {
     activity_fn *activity;  /* activity coefficients, NULL for an ideal liquid */
     void *activity_context; /* handed to activity */
     /* Holdups that move, molar form only; all 0: none does. Each is a further state, its holdup over the nominal one
-     * (those above), from the reboiler up behind the mole fractions. docs/use/columns.md has the equations. */
+     * (those above), from the reboiler up behind the mole fractions. tests/reference/column-equations.md has the equations. */
     /* s, of the trays' liquid; 0: their holdup is constant, above 0 otherwise */
     real_t hydraulic_time;
     real_t hydraulic_vapour; /* liquid driven off a tray by more vapour, mol per mol, -5 to 5 */

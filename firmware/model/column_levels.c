@@ -1,4 +1,4 @@
-/* Holdups that move: drum and reboiler with their level controllers, trays with their hydraulics. docs/use/columns.md. */
+/* Holdups that move: drum and reboiler with their level controllers, trays with their hydraulics. tests/reference/column-equations.md. */
 #include "model/column_inside.h"
 
 #define ZERO REAL_C(0.0)

@@ -3,7 +3,7 @@
     python3 tests/reference/column_holdups_reference.py
 
 writes column_holdups.csv next to this file: rates, temperatures and flows of the column of tests/support/holdup_columns.h at random
-states and inputs. The equations are written here from docs/use/columns.md, with numpy and a bisection for every bubble point;
+states and inputs. The equations are written here from tests/reference/column-equations.md, with numpy and a bisection for every bubble point;
 nothing of the C sources is called.
 """
 import os

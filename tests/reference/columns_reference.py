@@ -1,4 +1,4 @@
-"""An independent model of columns as data, written from docs/use/columns.md alone.
+"""An independent model of columns as data, written from docs/use/columns.md and column-equations.md alone.
 
     import columns_reference
     column = columns_reference.Column("host_sim/plants/column-a.json")

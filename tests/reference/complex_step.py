@@ -1,6 +1,6 @@
 """Exact derivatives of the columns, independent of the C sources.
 
-The model of docs/use/columns.md is written here once more with numpy, for columns with perfect levels and constant holdups, so
+The model of tests/reference/column-equations.md is written here once more with numpy, for columns with perfect levels and constant holdups, so
 that it takes complex numbers: the imaginary part of f(x + i h e_j) / h is the derivative along x_j, without any difference
 being taken, so h can be 1e-30 (Squire and Trapp, SIAM Review 40 (1998) 110). All directions are worked out side by side: arrays
 carry them in front. Where a limit is just setting in the derivative is that of the side which the real part stands on.
