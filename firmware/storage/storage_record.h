@@ -1,4 +1,4 @@
-/* Records of a stored set: one value of one parameter each, keyed by its id. docs/inside/storage.md has the bytes. */
+/* Records of a stored set: one value of one parameter each, keyed by its id. tests/reference/storage-format.md has the bytes. */
 #ifndef REFLUX_STORAGE_STORAGE_RECORD_H
 #define REFLUX_STORAGE_STORAGE_RECORD_H
 

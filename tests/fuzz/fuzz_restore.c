@@ -1,7 +1,7 @@
 /* A start from any flash image: the board comes up, says something to every command, and its settings are sound.
  *
  * Input: a first byte. Odd: what follows is the flash, at the begin of each slot in turn. Even: it is the records of
- * a set (and of a second one), which is wrapped as docs/inside/storage.md says, so that its checksums hold, and then
+ * a set (and of a second one), which is wrapped as tests/reference/storage-format.md says, so that its checksums hold, and then
  * perhaps damaged.
  */
 #include <string.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Flash images as earlier firmware left them, written from docs/inside/storage.md alone: the second implementation of
+"""Flash images as earlier firmware left them, written from docs/inside/storage.md and storage-format.md alone: the second implementation of
 the storage format. They are fixtures of tests/unit/test_storage.c and are kept as they are; a change of the format
 gets new images beside them.
 

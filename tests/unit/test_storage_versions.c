@@ -1,5 +1,5 @@
 /* Guards a promise to owners of stored sets: later firmware reads sets of earlier firmware, and leaves sets of newer firmware alone. The
- * images in tests/reference/storage are such sets, written from docs/inside/storage.md by storage_images.py. */
+ * images in tests/reference/storage are such sets, written from storage-format.md by storage_images.py. */
 #include "storage_images.h"
 
 /* Meaning of "renamed" in tests/reference/storage_images.py; the firmware's own table is not linked. */
