@@ -59,6 +59,14 @@ class Pages(unittest.TestCase):
         self.assertIn("| `LOCKED` | needs the engineer level, which is locked; `unlock KEY` opens it |", self.made["errors.md"])
 
 
+    def test_what_block_n_shows_stands_below_the_tables_of_its_kind(self) -> None:
+        shown = {name: kind["values"] for name, kind in tables.notes("parameters")["kind"].items() if "values" in kind}
+        self.assertGreaterEqual(len(shown), 6)
+        for name, text in shown.items():
+            section = self.made["parameters.md"].split(f"\n### kind {name}\n")[1].split("\n### ")[0]
+            self.assertTrue(section.rstrip().endswith(text.strip()), name)
+
+
 class PlantKeys(FolderTest):
     @classmethod
     def setUpClass(cls) -> None:

@@ -102,7 +102,7 @@ def parameters(rows: Rows) -> str:
     families = [(family["title"], list(family["groups"])) for family in noted["family"]]
     check_same("group", "parameters", [name for _, names in families for name in names], counts)
     check_same("group", "parameters", noted["group"], counts)
-    unknown = set(noted["note"]) - {f"{fields[0]}.{fields[1]}" for fields in rows["parameter"]}
+    unknown = set(noted["note"]) - {f"{fields[0]}.{fields[1]}" for fields in [*rows["parameter"], *rows["own"]]}
     if unknown:
         raise RunFailed(f"docs/reference/notes/parameters.toml: there is no parameter {', '.join(sorted(unknown))}")
     kinds = [fields[0] for fields in rows["kind"]]
@@ -114,7 +114,7 @@ def parameters(rows: Rows) -> str:
             parts.append([f"### {name}"])
             parts.append([f"Names begin with `{name}1.` to `{name}{counts[name]}.`." if counts[name] else f"Names begin with `{name}.`.", noted["group"][name]["about"].strip()])
             parts.append(table(HEADER, parameter_rows([with_notes(fields, noted["note"]) for fields in rows["parameter"] if fields[0] == name])))
-    parts += _kinds(rows, noted["kind"])
+    parts += _kinds(rows, noted["kind"], noted["note"])
     return page(
         ["# Parameters"],
         ["Look up here what a setting means, its unit, the values that it takes, and its default. At the console `list` shows those in use, `help PARAMETER` one",
@@ -131,7 +131,7 @@ def parameters(rows: Rows) -> str:
         contents([*families, ("Kinds of blocks", [f"kind {name}" for name in kinds])]), *parts)
 
 
-def _kinds(rows: Rows, noted: dict) -> list[list[str]]:
+def _kinds(rows: Rows, noted: dict, of_parameters: dict[str, str]) -> list[list[str]]:
     parts = [["## Kinds of blocks"],
              ["`set block1.kind gmv` gives a block the parameters of the kind, `block 1 VERB` runs one of its verbs, and its events come as BLOCK_EVENT or",
               "BLOCK_ALARM with the block and the code as subject, `block1.frozen`."]]
@@ -140,7 +140,7 @@ def _kinds(rows: Rows, noted: dict) -> list[list[str]]:
         parts.append([f"### kind {name}"])
         stage = f" As a{'n' if stage[0] in 'aeiou' else ''} {stage} it has at most {' and '.join(most)}." if most else ""
         parts.append([noted[name]["about"] + stage])
-        parts.append(table(HEADER, parameter_rows([fields for fields in rows["own"] if fields[0] == name])))
+        parts.append(table(HEADER, parameter_rows([with_notes(fields, of_parameters) for fields in rows["own"] if fields[0] == name])))
         verbs = [fields[1:] for fields in rows["verb"] if fields[0] == name]
         if verbs:
             parts.append(table(("verb", "number", "who", "what"),
@@ -149,6 +149,8 @@ def _kinds(rows: Rows, noted: dict) -> list[list[str]]:
         events = [fields[1:] for fields in rows["kind_event"] if fields[0] == name]
         if events:
             parts.append(table(("event", "level", "what, and what the value is"), [(code(event), level, words) for event, level, words in events]))
+        if "values" in noted[name]:
+            parts.append([noted[name]["values"].strip()])
     return parts
 
 
