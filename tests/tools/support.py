@@ -3,8 +3,10 @@
 import contextlib
 import io
 import os
+import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -33,6 +35,23 @@ class FolderTest(unittest.TestCase):
         path = self.folder / name
         path.write_text(text, encoding="utf-8")
         return path
+
+
+def from_pypi(folder: Path, *packages: str) -> str:
+    """The Python of a virtual environment with what reflux depends on, pandas, and these packages. Skips the test where there can be none."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    place = folder / "environment"
+    made = subprocess.run([sys.executable, "-m", "venv", str(place)], capture_output=True, text=True, check=False)
+    if made.returncode != 0:
+        raise unittest.SkipTest(f"{sys.executable} makes no virtual environment; Debian's package is python3-venv")
+    install = [str(place / "bin" / "python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    first = subprocess.run([*install, "numpy"], capture_output=True, text=True, check=False)
+    if first.returncode != 0:
+        raise unittest.SkipTest(f"PyPI cannot be reached: {first.stderr.strip()}")
+    rest = subprocess.run([*install, *project["dependencies"], *project["optional-dependencies"]["pandas"], *packages], capture_output=True, text=True, check=False)
+    if rest.returncode != 0:
+        raise AssertionError(rest.stderr)
+    return str(place / "bin" / "python")
 
 
 def call(name: str, *arguments: str) -> tuple[int, str, str]:

@@ -52,6 +52,10 @@ class Changed(unittest.TestCase):
         self.assertEqual(changed.reaching(some, "docs/reference/notes/events.toml"), {"tools.reference"})
         self.assertIn("tools.reference", changed.reaching(some, "docs/reference/events.md"))
 
+    def test_a_notebook_runs_the_tests_of_notebooks_and_of_links(self) -> None:
+        some = [Test(name, ["x"], ["tools"]) for name in ("tools.notebooks", "tools.notebooks-all", "tools.links", "tools.lab")]
+        self.assertEqual(changed.reaching([*some, *TESTS], "docs/notebooks/splitter.ipynb"), {"tools.notebooks", "tools.notebooks-all", "tools.links"})
+
     def test_what_is_not_known_runs_everything(self) -> None:
         for path in ("CMakeLists.txt", "tests/reference/pid_cases.csv", "host_sim/scenarios/pilot.conf", "tools/launcher.sh"):
             self.assertEqual(reaching(path), {t.name for t in TESTS}, path)

@@ -25,8 +25,8 @@ def text_of(path: Path) -> str:
 
 
 def pages() -> list[Path]:
-    """Every page of the repository."""
-    return [*every(ROOT, "*.md"), *every(ROOT / "docs", "**/*.md"), *every(ROOT / "tests", "**/*.md")]
+    """Every page of the repository, notebooks too."""
+    return [*every(ROOT, "*.md"), *every(ROOT / "docs", "**/*.md"), *every(ROOT / "docs", "**/*.ipynb"), *every(ROOT / "tests", "**/*.md")]
 
 
 def texts() -> list[Path]:

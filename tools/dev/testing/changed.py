@@ -85,6 +85,8 @@ def reaching(tests: list[Test], path: str) -> set[str]:
     if path.endswith(".md"):
         page = f"tools.commands-{Path(path).stem}"
         return {t.name for t in tests if t.name.startswith(page) or t.name.split(".", 1)[1] in OF_PAGES or t.name in OF_PAGES}
+    if path.endswith(".ipynb"):
+        return {t.name for t in tests if t.name.startswith("tools.notebooks") or t.name == "tools.links"}
     if path.startswith("docs/reference/notes/"):
         return {test.name for test in tests if test.name == "tools.reference"}
     if path.startswith("tests/campaign/results/") or path.startswith("docs/figures/"):
