@@ -69,7 +69,7 @@ class Commands(FolderTest):
 
     def setUp(self) -> None:
         super().setUp()
-        build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "reflux-plant", "libreflux", "libreflux_lab"), quiet=True)
+        build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "reflux-plant", "libreflux", "libreflux_board", "libreflux_lab"), quiet=True)
         (self.folder / "figures").mkdir()
         self.environment = {**os.environ, "REFLUX_FIGURES": str(self.folder / "figures"), "REFLUX_OUT": str(self.folder / "out")}
 

@@ -3,6 +3,7 @@ and has only pages."""
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from pathlib import Path
@@ -35,19 +36,25 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """The page in the Markdown of the site, with the paths of the site."""
     name = page.file.src_uri
     folder = ROOT if name in OF_THE_ROOT else (DOCS / name).parent
-    out, fenced = [], False
+    fenced, code = False, []
     for line in markdown.split("\n"):
         fenced ^= line.startswith("```")
-        out.append(line if fenced or line.startswith("    ") else for_site(line, folder))
+        code.append((fenced or line.startswith("    "), line))
+    out = []
+    for is_code, lines in itertools.groupby(code, key=lambda pair: pair[0]):  # a link may go over two lines
+        text = "\n".join(line for _, line in lines)
+        out.append(text if is_code else for_site(text, folder))
     return "\n".join(out)
 
 
-def for_site(line: str, folder: Path) -> str:
-    """A line of a page that stands in this folder."""
-    if line.startswith("|"):  # GitHub wants a bar escaped that stands in a cell's code; Python's Markdown would show the backslash
-        line = re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), line)
-    line = re.sub(r"^ {2,3}(?=[-*] )", "    ", line)  # a list within a list
-    return LINK.sub(lambda match: _link(match[1], match[2], folder), line)
+def for_site(text: str, folder: Path) -> str:
+    """Lines of a page that stands in this folder, none of them of a block of code."""
+    lines = []
+    for line in text.split("\n"):
+        if line.startswith("|"):  # GitHub wants a bar escaped that stands in a cell's code; Python's Markdown would show the backslash
+            line = re.sub(r"`[^`]*`", lambda cell: cell[0].replace("\\|", "|"), line)
+        lines.append(re.sub(r"^ {2,3}(?=[-*] )", "    ", line))  # a list within a list
+    return LINK.sub(lambda match: _link(match[1], match[2], folder), "\n".join(lines))
 
 
 def _link(text: str, target: str, folder: Path) -> str:
