@@ -65,6 +65,10 @@ class Hooks(unittest.TestCase):
         link, code = "[x](../../LICENSE)", "loops[i](../../LICENSE)"
         text = f"{link}\n\n    {code}\n\n```python\n{code}\n```\n{link}"
         self.assertEqual(site_hooks.on_page_markdown(text, page), text.replace(link, "x (`LICENSE`)"))
+
+    def test_a_link_may_go_over_two_lines(self) -> None:
+        page = mock.Mock()
+        page.file.src_uri = "methods/pid.md"
         self.assertEqual(site_hooks.on_page_markdown("see [the\nlicence](../../LICENSE).", page), "see the\nlicence (`LICENSE`).")
 
     def test_a_list_within_a_list_is_indented_by_four(self) -> None:
