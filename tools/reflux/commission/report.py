@@ -37,7 +37,7 @@ def facts(r: Record) -> Markup:
     if began is not None and ended is not None:
         tests = (analysed or ended) - began
         words = span_of_time(tests)
-        if slowest > 0:
+        if 0 < slowest <= tests:
             words += f", {tests / slowest:.0f} times the slowest element's dead time and time constant"
         rows.append(["Tests took", words])
         rows.append(["Until the end", span_of_time(ended - began)])
