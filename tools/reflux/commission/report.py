@@ -41,7 +41,7 @@ def facts(r: Record) -> Markup:
             words += f", {tests / slowest:.0f} times the slowest element's dead time and time constant"
         rows.append(["Tests took", words])
         rows.append(["Until the end", span_of_time(ended - began)])
-    rows.append(["Tests", f"{len(r.experiments)} of {len({e.input for e in r.experiments})} inputs"])
+    rows.append(["Tests", f"{len(r.experiments)} of {len({name for e in r.experiments for name in figures.moved_in(r, e)})} inputs"])
     return grid(["", ""], rows, kind="facts")
 
 
