@@ -56,7 +56,7 @@ static void keep_sound(struct analysis *a)
                                          .sound = sound};
         memcpy(one->input, found->input, sizeof one->input);
     }
-    if (c->n > 0)
+    if (a->choice.n > 0) /* else the pairs of the estimates stay */
         a->pairs = c->channels;
 }
 

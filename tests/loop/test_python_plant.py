@@ -3,8 +3,10 @@
 
 import os
 import pty
+import re
 import subprocess
 import sys
+import tempfile
 import termios
 import unittest
 from pathlib import Path
@@ -32,6 +34,18 @@ set loop2.pv T2
 set loop2.out u2
 set loop2.gain 2
 set loop2.ti 150
+apply"""
+
+BRIDGE = """begin
+set meas1.name Ttop
+set meas1.unit degC
+set meas2.name Tbot
+set meas2.unit degC
+set mv1.name reflux
+set mv1.unit %
+set mv2.name heater
+set mv2.unit W
+set mv2.hi 2000
 apply"""
 
 
@@ -88,6 +102,38 @@ class PythonPlantTest(unittest.TestCase):
                 plant.wait()
                 assert plant.stdout
                 plant.stdout.close()
+
+    def test_the_program_of_the_page_keeps_the_line_alive_and_leaves_the_outputs_safe(self) -> None:
+        """Ticks are longer than the silence that the board bears."""
+        page = (board.ROOT / "docs" / "start" / "hardware.md").read_text(encoding="utf-8")
+        (program,) = re.findall(r"^```python\n(.*?)^```\n", page, re.M | re.S)
+        program = program.replace("link.TICK_MS = 5000", "link.TICK_MS = 2500").replace("return list(kettle)", "return [kettle[0], math.nan]")
+        self.assertIn("2500", program)
+        self.assertIn("math.nan]", program)
+        program = program.replace('"""Sets the real outputs', 'print("set", *values, flush=True)\n    """Sets the real outputs')
+        with tempfile.TemporaryDirectory() as folder, board.start("host") as firmware, board.console(firmware) as console:
+            script = Path(folder) / "bridge.py"
+            script.write_text(program, encoding="utf-8")
+            for line in BRIDGE.splitlines():
+                console.do(line)
+            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, text=True)
+            assert plant.stdout
+            try:
+                console.event("LINK_UP")
+                console.event("MEASUREMENT_BAD")
+                console.do("out reflux 20")
+                console.event("OUTPUT")
+                rows = [plant.stdout.readline().split() for _ in range(8)]
+                self.assertNotIn("LINK_DOWN", "\n".join(console.ask("events")))
+                plant.terminate()
+                rows += [line.split() for line in plant.stdout.read().splitlines()]
+            finally:
+                plant.kill()
+                plant.wait()
+                plant.stdout.close()
+            self.assertIn(["set", "20.0", "0.0"], rows)
+            self.assertEqual(rows[-1], ["set", "0.0", "0.0"])
+            console.event("SAFE_STATE")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ Prints one CSV row a sample; exit status 0 when all samples were answered.
 import math, os, select, socket, stat, struct, sys, termios, time, tty, zlib
 
 HELLO, PAGE_REQUEST, PAGE, READY, SAMPLE, COMMAND, KEEP_ALIVE = range(1, 8)
-TICK_MS = 10000
+NAME, TICK_MS = "python tanks", 10000
 #            name   unit    lo    hi   safe
 MEASURED = [("T1", "degC", 0.0, 100.0, 0.0), ("T2", "degC", 0.0, 100.0, 0.0)]
 DRIVEN = [("u1", "%", 0.0, 100.0, 0.0), ("u2", "%", 0.0, 100.0, 0.0)]
@@ -77,7 +77,7 @@ class Plant:
 
     def greet(self):
         self.link.send(HELLO, struct.pack("<BBIBBI24s", 1, 1, self.session, len(MEASURED),
-                                          len(DRIVEN), TICK_MS, b"python tanks"))
+                                          len(DRIVEN), TICK_MS, NAME.encode()))
 
     def lost(self):
         self.sampling, self.u = False, [row[4] for row in DRIVEN]

@@ -111,6 +111,7 @@ class Command(FolderTest):
         relative = [row for row in rows if row and row[0] in ("T1", "T10") and len(row) == 3]
         self.assertAlmostEqual(sum(float(row[1]) for row in relative), 1, delta=2e-3)
         self.assertIn("slowest time constants: 20.8 min, 3.36 min", out)
+        self.assertIn("\nAt rest\n  inputs: Lr 4.5 l/h, Qrb 0.8 kW\n", out)
         self.assertIn("condition number", out)
 
     def test_what_cannot_be_is_said_in_one_line(self) -> None:
@@ -203,6 +204,14 @@ class Board(FolderTest):
 
         limit = next(float(line.split()[2]) for line in self.board(short) if line.startswith("set lock1.limit "))
         self.assertTrue(112.4 < limit < 120, limit)
+
+    def test_a_span_that_begins_above_the_rooms_temperature_needs_a_limit_of_belief(self) -> None:
+        def begins(lo: float) -> bool:
+            return any(line.startswith("# Cold, ") for line in self.board(lambda plant: plant["outputs"][0].update(lo=lo)))
+
+        self.assertTrue(begins(60))
+        self.assertFalse(begins(0))
+        self.assertFalse(begins(21))  # 20 degC is below the span, and counts as uncertain
 
     def test_products_by_mass_are_estimated_by_mass(self) -> None:
         def by_mass(plant: dict) -> None:

@@ -359,6 +359,16 @@ class Reports(FolderTest):
                 self.assertIn(told, r.outcome)
                 figures.plots(r)
 
+    def test_a_test_of_all_inputs_together_is_drawn_with_its_inputs(self) -> None:
+        self.record(*(event.replace("TEST_STEP h", "TEST_STEP direction").replace("TEST_DONE h", "TEST_DONE direction") for event in self.KEPT))
+        status, _out, err = call("commission", "--report", str(self.folder))
+        self.assertEqual((status, err), (0, ""))
+        page = (self.folder / "report.html").read_text()
+        self.assertIn("Test of all inputs together, round 1: measured", page)
+        self.assertIn('alt="Test of all inputs together, round 1: h from 0.8 to 1.2 kW; T from ', page)
+        self.assertIn("1 of 1 inputs", page)
+        self.assertTrue((self.folder / "plot-test-direction-1.png").is_file())
+
     def test_no_telemetry(self) -> None:
         self.record(*self.KEPT)
         (self.folder / "telemetry.csv").write_text("")

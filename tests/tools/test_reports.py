@@ -121,6 +121,21 @@ send = "sp top 90"
             self.assertIn(f'alt="{plot.alt}"', page)
             self.assertIn('<source media="(max-width: 700px)"', page)
 
+    def test_readings_of_a_broken_sensor_do_not_flatten_the_curve_and_are_told(self) -> None:
+        noisy = [87.0 + 0.1 * math.sin(k) for k in range(100)]
+        self.assertEqual(run_plots._far([87.0] * 100, noisy), [])  # noise alone, beside a curve that stands still
+        self.assertEqual(run_plots._far([87.0, 90.0], [*noisy, -50.0, math.nan, 400.0]), [-50.0, 400.0])
+        result = self.result()
+        column = next(k for k, name in enumerate(result.log.columns) if name.startswith("T1.meas"))
+        self.assertNotIn("Outside the picture", run_plots.scenario_plots(result.log, result.scenario)[0].caption)
+        result.log.rows[5][column] = "-50"
+        self.assertIn("Outside the picture: readings of T1 at -50 degC.", run_plots.scenario_plots(result.log, result.scenario)[0].caption)
+
+    def test_a_run_without_limits_claims_none(self) -> None:
+        page = report.page(self.result(), [])
+        self.assertIn("This scenario sets no limits.", page)
+        self.assertNotIn("all limits kept", page)
+
     def test_a_page_has_a_dark_scheme_and_tables_that_are_lists_on_a_phone(self) -> None:
         page = report.page(self.result(), [])
         self.assertIn("(prefers-color-scheme: dark)", page)

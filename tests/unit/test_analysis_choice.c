@@ -315,6 +315,32 @@ static void every_loop_counts_for_the_fastest_pairing(void)
     }
 }
 
+/* The second output answers to the first input, the first output to the second one, and the gains are too poor for any pairing. */
+static void where_no_pairing_is_sure_the_pairs_of_the_estimates_stay(void)
+{
+    struct analysis_config config = {.h_s = 10,
+                                     .confidence = REAL_C(0.95),
+                                     .floor = REAL_C(0.005),
+                                     .step = REAL_C(0.05),
+                                     .loops_max = 8};
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++) {
+            a.plant.element[j][i] = (struct fopdt){
+                .gain = i == j ? REAL_C(0.9) : 1, .time_constant_s = 300, .dead_time_s = 30};
+            a.plant.gain_sd[j][i] = REAL_C(0.1);
+        }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&a, &config));
+    while (a.stage != ANALYSIS_DONE)
+        TEST_ASSERT_TRUE(analysis_step(&a) == ERR_BUSY || a.stage == ANALYSIS_DONE);
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
+    TEST_ASSERT_EQUAL_UINT8(0, a.choice.n);
+    TEST_ASSERT_EQUAL_UINT8(2, a.pairs.n);
+    for (unsigned k = 0; k < 2; k++) {
+        TEST_ASSERT_EQUAL_UINT8(1u - a.pairs.output[k], a.pairs.input[k]);
+        NEAR(1.0 / (1.0 - 0.81), a.pair_lambda[k]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -326,5 +352,6 @@ int main(void)
     RUN_TEST(a_loop_takes_settings_within_its_ranges);
     RUN_TEST(the_horizon_is_five_times_integral_and_dead_time_of_the_slowest_loop);
     RUN_TEST(every_loop_counts_for_the_fastest_pairing);
+    RUN_TEST(where_no_pairing_is_sure_the_pairs_of_the_estimates_stay);
     return UNITY_END();
 }

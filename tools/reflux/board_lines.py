@@ -18,6 +18,7 @@ HEATS = ("heat", "boilup")
 FEED_F = 0.2  # part by which a feed that nobody measures may differ from the file's, as in docs/methods/kalman.md
 FILTERED = {2: 2, 3: 3, 4: 5}  # components, and the thermometers from which a filter does better than the geometric method
 SHOWN = {"-": 1.0, "%": 100.0, "ppm": 1e6, "%w": 100.0}  # a fraction in the unit of its channel
+ROOM_K, BROKEN = 293.15, 0.025  # a column before its start; of the span: a reading so far below it counts as broken (docs/inside/faults.md, Readings)
 TRIP = 0.05  # of the span: the interlock is so far above the hottest that composition can make a thermometer
 
 
@@ -101,7 +102,11 @@ def interlock(plant: dict[str, Any], temperature: list[float], rest: dict[str, f
     zero = gradients.KELVIN if lowest["unit"] == "degC" else 0.0
     reserve = TRIP * column_loops.span(lowest)
     limit = min(max(hottest(plant, rest), temperature[int(lowest["stage"]) - 1]) - zero + reserve, lowest["hi"] - 0.2 * reserve)
+    room = ROOM_K - zero
+    cold = [f"# Cold, {lowest['name']} reads below its span and counts as broken: lock1 then keeps the heat off. Set its valid_lo below the room's "
+            f"temperature to start from cold."] if room < lowest["lo"] - BROKEN * column_loops.span(lowest) else []
     return [
+        *cold,
         f"# {lowest['name']} hotter than the highest-boiling component by 5 % of the span: pressure rises, or the reboiler runs dry. Cut the heat.",
         f"set lock1.meas {lowest['name']}",
         f"set lock1.mv {heat['name']}",

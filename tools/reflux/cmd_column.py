@@ -6,6 +6,7 @@ import argparse
 import csv
 import json
 import math
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from reflux.paths import named, out_root, shown, tool
 from reflux.table import columns, figure
 
 SLOWEST = 5
+TEMPERATURES = ("K", "degC")  # of stages without a thermometer: the picture has them
+UNBROKEN = "\u00a0"
 SWINGS = 0.5  # imaginary over real part of a pole: below it what swings is gone before one sees it
 
 
@@ -59,6 +62,7 @@ def main(arguments: list[str]) -> int:
     groups = [options.outputs] if options.outputs else [
         group for group in (column_file.steepest(column, seen["T[K]"]), column.products) if group]
     print(f"{column.name}: {column.title}\n{column.stages} stages, feed on {column.feed_stage}\n")
+    _print_rest(options.column, tuple(options.set), known)
     _analysis(options.column, settings, known, inputs, groups)
     print(f"\n{shown(place)}")
     return 0
@@ -137,6 +141,18 @@ def _duration(seconds: float) -> str:
         if abs(seconds) >= 2 * size:
             return f"{figure(seconds / size)} {unit}"
     return f"{figure(seconds)} s"
+
+
+def _print_rest(name: str, settings: tuple[str, ...], known: dict[str, Channel]) -> None:
+    """The steady state: what the inputs must be, and what the column then does."""
+    rest = simulator.at_rest(name, settings)
+    print("At rest")
+    for title, kinds in (("inputs", ("manipulated",)), ("disturbances", ("disturbance",)), ("outputs", ("measurement",)), ("truths", ("internal",))):
+        words = [f"{c.name} {figure(rest[c.name], 4)} {c.unit}".removesuffix(" -").replace(" ", UNBROKEN) for c in known.values()
+                 if c.kind in kinds and c.name in rest and (c.kind != "internal" or c.unit not in TEMPERATURES)]
+        if words:
+            print(textwrap.fill(", ".join(words), 120, initial_indent=f"  {title}: ", subsequent_indent="    ").replace(UNBROKEN, " "))
+    print()
 
 
 def _print_times(found) -> None:  # type: ignore[no-untyped-def]

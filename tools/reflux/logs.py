@@ -176,7 +176,7 @@ def telemetry_in(lines: list[str], source: str, damaged: bool = False) -> Log:
         else:
             rows.append(_row(match[1], header, f"{source}:{n}"))
     if header is None:
-        raise RunFailed(f"{source}: the firmware sent no telemetry header (H, line); is its log on?")
+        raise RunFailed(f"{source}: no telemetry header (H, line) from the firmware. `log on` sends one: type it after the recording has begun")
     return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], source, left_out)
 
 

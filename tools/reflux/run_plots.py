@@ -13,7 +13,8 @@ from reflux.scenario import Loop, Scenario, is_stimulus
 from reflux.scenario_settings import Interlock, interlocks
 
 MAX_MARKER = 26
-LABEL_ROOM = 0.025  # of the run, between two labels
+FAR, FAR_NOISE = 3.0, 10.0  # spans of the curve, and of the middle half of all readings, between the curve and the readings of a broken sensor
+LABEL_ROOM = 0.04  # of the run, between two labels
 LABEL_ROOM_NARROW = 0.08
 ESTIMATE = "_est"  # ends the name of a channel that the board computes (docs/methods/composition-estimation.md)
 
@@ -95,6 +96,10 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
     has_true = log.has(f"{loop.pv}.true")
     measured = log.numbers(f"{loop.pv}.meas") if has_true and log.has(f"{loop.pv}.meas") else None
     mine = [trip for trip in trips if trip.output == loop.mv]
+    known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
+    far = _far(known, measured or [])
+    outside = set(far)
+    shown = known + [v for v in measured or [] if math.isfinite(v) and v not in outside]
 
     def draw(size: Size) -> Any:
         figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 4.8 if size.narrow else 5.2), sharex=True, height_ratios=(3, 2))
@@ -102,7 +107,9 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
             upper.plot(*thinned(t, measured, size.points), color=BLUE, alpha=0.3, linewidth=0.8, label=f"{loop.pv} measured")
         upper.plot(*thinned(t, data.y, size.points), color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if has_true else loop.pv)
         upper.step(*thinned(t, data.r, size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
-        known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
+        if far:
+            room = 0.05 * (max(shown) - min(shown))
+            upper.set_ylim(min(shown) - room, max(shown) + room)
         _output(lower, log, loop, t, data.u, size)
         _trip_marks(upper, lower, loop, interlocks(scenario), trips, (min(known), max(known)))
         upper.set_ylabel(f"{loop.pv} [{y_unit}]")
@@ -115,11 +122,22 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
         return figure
 
     held = f" Red ground: an interlock holds {loop.mv}." if mine else ""
+    held += f" Outside the picture: {from_to(f'readings of {loop.pv}', far, y_unit)}." if far else ""
     alt = (f"Loop {loop.name} over {t[-1] - t[0]:.4g} h: {from_to(loop.pv, data.y, y_unit)}, {from_to('setpoint', data.r, y_unit)}, "
            f"{from_to(loop.mv, data.u, u_unit)}." + "".join(
                f" An interlock holds {loop.mv} from {trip.from_s:.4g} s to {trip.to_s:.4g} s." for trip in mine[:4]))
     return drawn(draw, f"loop-{loop.name}", f"Loop {loop.name}: {loop.pv} follows its setpoint by {loop.mv}. "
                  f"Grey: the operator's lines, orange: what was done to the plant.{held}", alt)
+
+
+def _far(known: list[float], measured: list[float]) -> list[float]:
+    """Readings of a broken sensor, so far from the curve that they would flatten it; in ascending order."""
+    finite = sorted(v for v in measured if math.isfinite(v))
+    if not known or not finite:
+        return []
+    low, high = min(known), max(known)
+    room = FAR * (high - low) + FAR_NOISE * (finite[3 * len(finite) // 4] - finite[len(finite) // 4])
+    return [v for v in finite if v < low - room or v > high + room]
 
 
 def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float], size: Size) -> None:

@@ -74,6 +74,11 @@ def step_response(e: Element, since: np.ndarray) -> np.ndarray:
 
 # ---- experiments ----
 
+def moved_in(r: Record, e: Experiment) -> list[str]:
+    """The input of the test, or all inputs where they are moved together."""
+    return [e.input] if e.input in r.channels else [name for name in r.channels if r.log.has(f"{name}.cmd")]
+
+
 def overview(r: Record) -> Plot:
     """Every output as a share of its limit, every input around where it was held."""
     t = np.array(r.time)
@@ -94,7 +99,7 @@ def overview(r: Record) -> Plot:
             upper.axhline(100 * sign, color=ORANGE, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
         upper.set_ylabel("from rest [% of its limit]")
         upper.legend(**legend)
-        for k, name in enumerate(dict.fromkeys(e.input for e in r.experiments)):
+        for k, name in enumerate(dict.fromkeys(name for e in r.experiments for name in moved_in(r, e))):
             c = r.channels[name]
             u = np.array(r.column(f"{name}.cmd"))[first:last]
             lower.step(*thinned((t[first:last] - t[first]) / by, 100 * (u - u[0]) / c.span, size.points), where="post", linewidth=1.1,
@@ -119,7 +124,9 @@ def experiment(r: Record, e: Experiment) -> Plot:
     t = np.array(r.time)[span]
     by, unit = scale(t[-1] - t[0])
     x = (t - r.time[e.step]) / by
-    u = np.array(r.column(f"{e.input}.cmd"))[span]
+    moves = {name: np.array(r.column(f"{name}.cmd"))[span] for name in moved_in(r, e)}
+    together = e.input not in r.channels
+    tested = "all inputs together" if together else e.input
 
     def draw(size: Size) -> Any:
         columns = 1 if size.narrow or len(names) <= ONE_COLUMN else 2 if len(names) <= 10 else 3
@@ -127,11 +134,17 @@ def experiment(r: Record, e: Experiment) -> Plot:
         figure, grid = plt.subplots(rows, columns, figsize=(size.inches, 0.7 + (1.55 if columns == 1 else 1.35) * rows), sharex=True,
                                     squeeze=False)
         axes = list(grid.flat)
-        axes[0].step(x, u, where="post", color=GREEN, linewidth=1.3)
-        axes[0].set_ylabel(f"{e.input}\n[{r.channels[e.input].unit}]")
+        if together:
+            for k, (name, u) in enumerate(moves.items()):
+                axes[0].step(x, 100 * (u - u[0]) / r.channels[name].span, where="post", color=COLOURS[k % 20], linewidth=1.3, label=name)
+            axes[0].set_ylabel("inputs\n[% of span]")
+            axes[0].legend(loc="best", ncols=3, fontsize=7.5)
+        else:
+            axes[0].step(x, moves[e.input], where="post", color=GREEN, linewidth=1.3)
+            axes[0].set_ylabel(f"{e.input}\n[{r.channels[e.input].unit}]")
         axes[0].margins(y=0.15)
         for ax, name in zip(axes[1:], names):
-            _fit(ax, r, e, name, x, t, u, size.points // columns)
+            _fit(ax, r, e, name, x, t, moves, size.points // columns)
         for ax in axes[len(names) + 1:]:
             ax.set_visible(False)
         for ax in axes[max(0, len(names) + 1 - columns):len(names) + 1]:
@@ -143,21 +156,25 @@ def experiment(r: Record, e: Experiment) -> Plot:
     words = "; ".join([*e.remarks, *([] if e.done else ["the start-up ended in this test"])])
     moved = [from_to(name, r.column(name)[e.first:e.last], r.channels[name].unit) for name in names[:LEGEND_MOST]]
     return drawn(draw, f"test-{e.input}-{e.round}",
-                 f"Test of {e.input}, round {e.round}: measured (blue), model of all rounds with level and drift of "
+                 f"Test of {tested}, round {e.round}: measured (blue), model of all rounds with level and drift of "
                  f"this test (orange), limits where they are near (dashed)"
                  f"{'; ' + words if words else ''}.",
-                 f"Test of {e.input}, round {e.round}: {from_to(e.input, list(u), r.channels[e.input].unit)}; {'; '.join(moved)}.")
+                 f"Test of {tested}, round {e.round}: "
+                 f"{'; '.join([*(from_to(n, list(u), r.channels[n].unit) for n, u in list(moves.items())[:LEGEND_MOST]), *moved])}.")
 
 
-def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndarray, u: np.ndarray, points: int) -> None:
+def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndarray, moves: dict[str, np.ndarray],
+         points: int) -> None:
     channel = r.channels[name]
     y = np.array(r.column(name))[e.first:e.last]
     level = rest(r, e, name)
     ax.plot(*thinned(x, y, points), color=BLUE, linewidth=0.9, alpha=0.8)
-    element = r.model.elements.get((name, e.input))
+    elements = {i: r.model.elements[(name, i)] for i in moves if (name, i) in r.model.elements}
     text = "no model"
-    if element:
-        model = response(t, u, element) if element.has_gain else np.zeros(len(t))
+    if elements:
+        model = np.zeros(len(t))
+        for i, element in elements.items():
+            model += response(t, moves[i], element) if element.has_gain else 0.0
         model += baseline(t, y - model)
         ax.plot(*thinned(x, model, points), color=ORANGE, linewidth=1.2)
         left = (y - model)[e.step - e.first:]
@@ -165,7 +182,7 @@ def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndar
         noise = r.model.noise.get(name, (0.0, ""))[0]
         what = f"left over {left:.2g} {channel.unit}"
         text = what + (f", {left / noise:.2g} x noise" if noise > 0 else "")
-        if not element.has_gain:
+        if not any(element.has_gain for element in elements.values()):
             text = "no gain to be seen; " + text
     away = np.abs(y - level)
     worst = float(np.max(away[np.isfinite(away)], initial=0.0)) / channel.limit if channel.limit > 0 else 0.0

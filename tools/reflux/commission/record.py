@@ -204,6 +204,6 @@ def outcome_of(r: Record, status: list[str]) -> tuple[bool, str]:
             return False, f"ended: {who}{why}"
         if event.code in ("PROPOSAL", "NOT_DETERMINED"):
             if r.proposal.why_not:
-                return False, f"not determined: {r.proposal.why_not}"
+                return False, f"not determined: {r.proposal.why_not.removeprefix('pairing not determined: ')}"
             return False, "the proposal was rejected" if p.phase == "idle" else "the proposal was not accepted"
     return False, f"it went no further than: {p.phase}"

@@ -38,11 +38,11 @@ def facts(r: Record) -> Markup:
     if began is not None and ended is not None:
         tests = (analysed or ended) - began
         words = span_of_time(tests)
-        if slowest > 0:
+        if 0 < slowest <= tests:
             words += f", {tests / slowest:.0f} times the slowest element's dead time and time constant"
         rows.append(["Tests took", words])
         rows.append(["Until the end", span_of_time(ended - began)])
-    rows.append(["Tests", f"{len(r.experiments)} of {len({e.input for e in r.experiments})} inputs"])
+    rows.append(["Tests", f"{len(r.experiments)} of {len({name for e in r.experiments for name in figures.moved_in(r, e)})} inputs"])
     return grid(["", ""], rows, kind="facts")
 
 
