@@ -153,7 +153,7 @@ class Alone(Tool):
     def test_before_anything_moves_it_says_how_far_and_how_long_and_asks(self) -> None:
         out, err = self.simulated("--no-report", text="\n" * 4 + "no\n", expect=1)
         self.assertIn("not begun: nothing has moved", err)
-        self.assertIn("R: +/-0.02 lb/min around 1.95, at most +/-1", out)
+        self.assertIn("R: +/-0.008 lb/min around 1.95, growing to +/-1 at most", out)
         self.assertIn("xD: the test stops beyond +/-6.4 %w", out)
         self.assertRegex(out, r"take 10 h if the plant is fast; 1558 h if every test, round and repeat hits its limit")
         said = (self.out / "transcript.txt").read_text()

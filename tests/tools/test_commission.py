@@ -9,7 +9,7 @@ from unittest import mock
 from support import FolderTest, call
 
 from reflux import session
-from reflux.commission import answers, answers_board, answers_file, board, figures, next_steps, progress, record, results, results_text
+from reflux.commission import answers, answers_board, answers_file, board, dialogue, figures, next_steps, progress, record, results, results_text
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
 
@@ -205,6 +205,17 @@ class Answers(FolderTest):
         a.channel("T").change({"limit": 5.0})
         a.channel("T").change({"hi": 300.0})
         self.assertEqual(a.channel("T").values["limit"], 5.0)  # what was given stays
+
+    def test_the_first_step_is_told_as_the_board_makes_it(self) -> None:
+        """firmware/commission/expected.c: 0.5 % of the input's span, or a hundredth of the smallest limit, in spans."""
+        found = oven()
+        self.assertEqual([line.split(",")[0] for line in dialogue.expectations(found)[:2]], ["h: +/-0.008 kW around 1", "c: +/-0.02 l/h around 5"])
+        for channel in ("T", "x"):
+            values = found.channel(channel).values
+            values["limit"] = values["hi"] - values["lo"]
+        self.assertEqual(dialogue.expectations(found)[0], "h: +/-0.02 kW around 1, growing to +/-1 at most")
+        found.channel("x").values.update(limit=0.4, critical=True)
+        self.assertEqual(dialogue.expectations(found)[1].split(",")[0], "c: +/-0.02 l/h around 5")
 
     def test_what_cannot_be_is_refused_and_changes_nothing(self) -> None:
         a = oven()

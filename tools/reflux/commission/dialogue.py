@@ -184,6 +184,7 @@ HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000  # where no longes
 HALVES_MOST, WINDOWS_MOST, WINDOW_WIDEST = 3.5, 3, 0.25
 LONGER_MOST, SMALLER_MOST = 3, 1 + 3
 FIRST_SHARE, MOST_SHARE = 0.005, 0.25  # of an input's span: the first step, and the largest, where it is to be found
+FIRST_OF_LIMIT = 0.01  # the first step is no larger than this share of any limit, both in spans
 
 
 def test_hours(answers: Answers) -> tuple[float, float]:
@@ -206,16 +207,26 @@ def tested(all_values: list[Values]) -> list[Values]:
     return [v for v in all_values if v.values["tested"]]
 
 
+def limit(v: Values) -> float:
+    """Distance from rest at which a test stops, in the measurement's unit."""
+    return v.values["limit"] * (0.5 if v.values["critical"] else 1)
+
+
+def first_share(answers: Answers) -> float:
+    """First step where the test finds it, as a share of the input's span."""
+    limits = [limit(v) / (v.values["hi"] - v.values["lo"]) for v in tested(answers.measurements)]
+    return min([FIRST_SHARE, *(FIRST_OF_LIMIT * share for share in limits)])
+
+
 def expectations(answers: Answers) -> list[str]:
     """By how much the plant will be moved, and for about how long."""
-    lines = []
+    lines, smallest = [], first_share(answers)
     for v in tested(answers.inputs):
         span, step = v.values["hi"] - v.values["lo"], v.values["step"]
-        first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (FIRST_SHARE, MOST_SHARE))
-        grows = f", at most +/-{most:.3g}" if most > first else ""
+        first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (smallest, MOST_SHARE))
+        grows = f", growing to +/-{most:.3g} at most" if most > first else ""
         lines.append(f"{v.channel.name}: +/-{first:.3g} {v.channel.unit} around {v.values['at']:.4g}{grows}")
-    lines += [f"{v.channel.name}: the test stops beyond +/-{v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} "
-              f"{v.channel.unit}" for v in tested(answers.measurements)]
+    lines += [f"{v.channel.name}: the test stops beyond +/-{limit(v):.3g} {v.channel.unit}" for v in tested(answers.measurements)]
     least, most = test_hours(answers)
     lines.append(f"The tests take {least:.3g} h if the plant is fast; {most:.4g} h if every test, round and repeat hits its limit. "
                  "Expect eleven times the slowest dead time and time constant together for each input and round. The trial is extra.")
