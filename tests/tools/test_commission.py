@@ -343,7 +343,7 @@ class Reports(FolderTest):
         self.assertEqual((status, err), (0, ""))
         page = (self.folder / "report.html").read_text()
         for part in ("Start-up of oven", "loops kept", "<h2>Tests</h2>", "<h2>Model</h2>", "<h2>Interaction</h2>",
-                     "T by h: when the other loops close", "<h2>Trial</h2>", "a negative dead time came out, so its times mean nothing",
+                     "T by h: when the other loops close", "0.04 kW per degC", "<h2>Trial</h2>", "a negative dead time came out, so its times mean nothing",
                      "gain margin",
                      "libreflux is not built"):
             self.assertIn(part, page)

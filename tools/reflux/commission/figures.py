@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from reflux.commission import closed_loops, frequency
 from reflux.commission.record import Experiment, Record
 from reflux.commission.results import Element
-from reflux.plots import BLUE, GREEN, GREY, ORANGE, Plot, Size, drawn, from_to, plt, thinned
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, plt, thinned
 
 DARK = "#22292f"
 AFTER_TRIAL = 0.15  # of its time, drawn after it
@@ -91,7 +91,9 @@ def overview(r: Record) -> Plot:
                 upper.plot(*thinned((t[rows] - t[first]) / by, y, size.points), color=COLOURS[k % 20], linewidth=1.0,
                            label=name if n == 0 and k < LEGEND_MOST else None)
         for sign in (1, -1):
-            upper.axhline(100 * sign, color=ORANGE, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
+            upper.axhline(100 * sign, color=RED, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
+        rows_of_names = -(-(min(len(names), LEGEND_MOST) + 1) // int(legend["ncols"]))
+        upper.set_ylim(top=max(upper.get_ylim()[1], 115 + 18 * rows_of_names))  # the legend lies above the limit
         upper.set_ylabel("from rest [% of its limit]")
         upper.legend(**legend)
         for k, name in enumerate(dict.fromkeys(e.input for e in r.experiments)):
@@ -163,7 +165,7 @@ def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndar
         left = (y - model)[e.step - e.first:]
         left = float(np.sqrt(np.mean(left[np.isfinite(left)] ** 2))) if np.isfinite(left).any() else math.nan
         noise = r.model.noise.get(name, (0.0, ""))[0]
-        what = f"left over {left:.2g} {channel.unit}"
+        what = f"residual {left:.2g} {channel.unit}"
         text = what + (f", {left / noise:.2g} x noise" if noise > 0 else "")
         if not element.has_gain:
             text = "no gain to be seen; " + text
