@@ -121,6 +121,19 @@ send = "sp top 90"
             self.assertIn(f'alt="{plot.alt}"', page)
             self.assertIn('<source media="(max-width: 700px)"', page)
 
+    def test_a_scenario_without_limits_does_not_claim_to_have_kept_them(self) -> None:
+        text = report.page(self.result(), [])
+        self.assertNotIn("all limits kept", text)
+        self.assertIn("This scenario sets no limits.", text)
+
+    def test_what_a_broken_sensor_reads_does_not_set_the_scale(self) -> None:
+        real, setpoint = [87.0, 87.5, 88.0, 88.0], [88.0] * 4
+        seen, far = run_plots.near([87.1, -50.0, 88.1, math.nan], real, setpoint)
+        self.assertEqual((seen[0], seen[2], far), (87.1, 88.1, [-50.0]))
+        self.assertTrue(math.isnan(seen[1]) and math.isnan(seen[3]))
+        self.assertEqual(run_plots.near([87.1, 87.4, 89.5, 88.0], real, setpoint)[1], [])
+        self.assertEqual(run_plots.near([5.0, 9.0], [5.0, 5.0], [5.0, 5.0])[1], [])
+
     def test_a_page_has_a_dark_scheme_and_tables_that_are_lists_on_a_phone(self) -> None:
         page = report.page(self.result(), [])
         self.assertIn("(prefers-color-scheme: dark)", page)

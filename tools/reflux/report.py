@@ -101,7 +101,7 @@ def page(result: Result, plots: list[plotting.Plot], found: run_margins.Found | 
     said = replies_in(result.out / "transcript.txt", "version")
     parts = [
         element("h1", title),
-        element("p", badge(result.passed, "all limits kept", "limits missed"), class_="what"),
+        element("p", badge(result.passed, "all limits kept", "limits missed") if result.checks else "This scenario sets no limits.", class_="what"),
         listed(result.failures()),
         element("h2", "What was run"), facts(result),
         element("pre", "\n".join(said)) if said else "",
