@@ -546,6 +546,7 @@ class Logs(LabTest):
     def test_a_name_that_people_use_finds_its_column_and_units_are_there(self) -> None:
         log = self.lab.run(ticks=4)
         np.testing.assert_array_equal(log["T1"], log["T1.meas"])
+        np.testing.assert_array_equal(log["Qrb"], log["Qrb.applied"])
         np.testing.assert_array_equal(log["bottom.sp"], log["fw.bottom.sp"])
         self.assertEqual(log.attrs["units"]["T1.meas"], "degC")
         for table in (log, lab_log.Table({"T1.meas": np.ones(2)}, {})):
