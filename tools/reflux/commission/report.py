@@ -114,8 +114,8 @@ def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
         parts += margins_part(r)
     if r.trial:
         parts += [element("h2", "Trial"), grid(*results_text.trial_rows(r.trial)),
-                  note("Kept when no loop overshoots, errs or wanders much further than predicted "
-                       "(docs/use/commission.md).")]
+                  note("Kept when no loop overshoots, errs or wanders much further than predicted, with room for the noise, which looks like "
+                       "overshoot (docs/inside/commissioning.md has the bounds).")]
         parts += [drawing(pictures["trial"])] if "trial" in pictures else []
     return parts
 
