@@ -558,8 +558,16 @@ class Logs(LabTest):
         import matplotlib
         matplotlib.use("Agg")
         figure = self.lab.run(ticks=4).plot()
-        self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "l/h", "kW"])
+        self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "degC", "l/h", "kW"])
         self.assertEqual(len(self.lab.run(ticks=4).plot("T10", "bottom.sp").axes), 1)
+
+    def test_curves_that_would_look_flat_do_not_share_an_axis(self) -> None:
+        top, bottom = np.array([96.0, 96.8]), np.array([0.5, 0.9])
+        self.assertEqual(lab_log.together({"xD": top, "xB": bottom, "top.sp": np.array([98.0, 98.0])}), [["xD", "top.sp"], ["xB"]])
+        self.assertEqual(lab_log.together({"xD": top, "yD": top + 2}), [["xD", "yD"]])
+        self.assertEqual(lab_log.together({"R.app": np.array([2.0, 2.0]), "S.app": np.array([5.0, 5.0])}), [["R.app", "S.app"]])
+        self.assertEqual(lab_log.together({"a": np.array([math.nan])}), [["a"]])
+        self.assertEqual(lab_log.together({"a.sp": np.array([1.0]), "b.sp": np.array([math.nan])}), [["a.sp", "b.sp"]])
 
     def test_a_table_stands_in_for_pandas(self) -> None:
         with mock.patch.object(lab_log, "pandas", None):
