@@ -53,7 +53,7 @@ def pairing_rows(p: Pairing) -> tuple[list[str], list[list[str]]]:
     return header, [[m, i, f"{x:.2f}", f"{share:.3g}"] for m, i, x, share in p.pairs]
 
 
-LOOPS_NOTE = ("Gain: output span per measurement span, as `set` takes it; beside it the same in units. Predicted on the model: after a step of the "
+LOOPS_NOTE = ("Gain: output span per measurement span, as the board takes it; beside it the same in units. Predicted on the model: after a step of the "
               "loop's own setpoint the integral of the error (IAE, measurement unit times s), the overshoot, and the time until it stays within 5 % of "
               "the step.")
 
