@@ -561,6 +561,13 @@ class Logs(LabTest):
         self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "degC", "l/h", "kW"])
         self.assertEqual(len(self.lab.run(ticks=4).plot("T10", "bottom.sp").axes), 1)
 
+    def test_a_setpoint_is_drawn_where_its_loop_acts_on_it(self) -> None:
+        log = self.lab.run(ticks=4)
+        acts = np.asarray(log["bottom.mode"]) != 0
+        np.testing.assert_array_equal(np.isfinite(lab_log.drawn_values(log, "fw.bottom.sp")), acts)
+        table = lab_log.Table({"fw.a.sp": np.array([1.0, 2.0]), "fw.a.mode": np.array([0.0, 1.0])}, {})
+        np.testing.assert_array_equal(lab_log.drawn_values(table, "fw.a.sp"), [math.nan, 2.0])
+
     def test_curves_that_would_look_flat_do_not_share_an_axis(self) -> None:
         top, bottom = np.array([96.0, 96.8]), np.array([0.5, 0.9])
         self.assertEqual(lab_log.together({"xD": top, "xB": bottom, "top.sp": np.array([98.0, 98.0])}), [["xD", "top.sp"], ["xB"]])

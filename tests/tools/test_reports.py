@@ -126,6 +126,13 @@ send = "sp top 90"
         self.assertNotIn("all limits kept", text)
         self.assertIn("This scenario sets no limits.", text)
 
+    def test_a_setpoint_is_drawn_where_its_loop_acts_on_it(self) -> None:
+        loop = self.result().scenario.loops[0]
+        log = logs.Log(["number", "fw.top.mode"], [["0", "0"], ["1", "1"]])
+        drawn = run_plots.acted_on(log, loop, [87.0, 88.0])
+        self.assertTrue(math.isnan(drawn[0]) and drawn[1] == 88.0)
+        self.assertEqual(run_plots.acted_on(logs.Log(["number"], [["0"]]), loop, [87.0]), [87.0])
+
     def test_what_a_broken_sensor_reads_does_not_set_the_scale(self) -> None:
         real, setpoint = [87.0, 87.5, 88.0, 88.0], [88.0] * 4
         seen, far = run_plots.near([87.1, -50.0, 88.1, math.nan], real, setpoint)

@@ -145,6 +145,13 @@ def together(curves: dict[str, np.ndarray]) -> list[list[str]]:
     return sorted(found, key=lambda members: list(curves).index(members[0]))
 
 
+def drawn_values(log: Any, name: str) -> np.ndarray:
+    """The column; of a setpoint only where its loop acts on it, because in manual it follows the measurement."""
+    values = np.asarray(log[name], dtype=float)
+    mode = name.removesuffix(".sp") + ".mode"
+    return np.where(np.asarray(log[mode]) == 0, np.nan, values) if name.endswith(".sp") and mode in log.columns else values
+
+
 def draw(log: Any, wanted: Sequence[str]) -> Any:
     import matplotlib.pyplot as plt
 
@@ -154,14 +161,14 @@ def draw(log: Any, wanted: Sequence[str]) -> Any:
     except KeyError as error:
         raise UserError(str(error.args[0])) from None
     groups = [(unit, members) for unit in dict.fromkeys(units.get(name, "") for name in chosen)
-              for members in together({name: np.asarray(log[name], dtype=float) for name in chosen if units.get(name, "") == unit})]
+              for members in together({name: drawn_values(log, name) for name in chosen if units.get(name, "") == unit})]
     figure, axes = plt.subplots(max(1, len(groups)), 1, sharex=True, squeeze=False, layout="constrained", figsize=(8, 2.4 * max(1, len(groups))))
     time = np.asarray(log[resolved("time", names)])
     scale, word = (3600.0, "h") if len(time) and time[-1] - time[0] > 7200 else (1.0, "s")
     for axis, (unit, members) in zip(axes[:, 0], groups):
         for name in members:
             step = name.endswith((".app", ".applied", ".cmd", ".sp"))
-            axis.plot(time / scale, np.asarray(log[name]), drawstyle="steps-post" if step else "default", label=logs.label(name))
+            axis.plot(time / scale, drawn_values(log, name), drawstyle="steps-post" if step else "default", label=logs.label(name))
         axis.set_ylabel(unit)
         axis.legend(loc="best")
         axis.grid(alpha=0.3)

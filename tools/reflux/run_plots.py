@@ -102,6 +102,12 @@ def near(measured: list[float], real: list[float], setpoint: list[float]) -> tup
     return [m if not far or low - room <= m <= high + room else math.nan for m in measured], far
 
 
+def acted_on(log: Log, loop: Loop, setpoint: list[float]) -> list[float]:
+    """The setpoint where the loop acts on it; in manual it follows the measurement and would hide it."""
+    mode = f"{FIRMWARE_PREFIX}{loop.name}.mode"
+    return [math.nan if m == 0 else r for m, r in zip(log.numbers(mode), setpoint)] if log.has(mode) else setpoint
+
+
 def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> Plot:
     data = trace(log, loop)
     t = [x / 3600 for x in data.t]
@@ -116,7 +122,7 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
         if seen:
             upper.plot(*thinned(t, seen, size.points), color=BLUE, alpha=0.3, linewidth=0.8, label=f"{loop.pv} measured")
         upper.plot(*thinned(t, data.y, size.points), color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if has_true else loop.pv)
-        upper.step(*thinned(t, data.r, size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
+        upper.step(*thinned(t, acted_on(log, loop, data.r), size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
         known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
         _output(lower, log, loop, t, data.u, size)
         _trip_marks(upper, lower, loop, interlocks(scenario), trips, (min(known), max(known)))

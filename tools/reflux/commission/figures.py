@@ -266,7 +266,10 @@ def trial(r: Record) -> Plot | None:
             if y.name in model:
                 left.plot(*thinned(x, model[y.name], size.points), color=DARK, linewidth=1.1, linestyle="--", label="predicted")
             for name in _setpoints(r, loop.measurement, loop.input):
-                left.step(*thinned(x, np.array(r.column(name))[rows], size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
+                mode = name.removesuffix(".sp") + ".mode"
+                acts = np.array(r.column(mode))[rows] != 0 if r.log.has(mode) else np.ones(len(x), dtype=bool)
+                setpoint = np.where(acts, np.array(r.column(name))[rows], math.nan)  # in manual it follows the measurement and would hide it
+                left.step(*thinned(x, setpoint, size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
             left.set_ylabel(f"{y.name}\n[{y.unit}]")
             left.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=7.5)
             right.step(*thinned(x, np.array(r.column(f"{u.name}.cmd"))[rows], size.points), where="post", color=GREEN, linewidth=1.1)
