@@ -331,7 +331,7 @@ class Reports(FolderTest):
         (e,) = r.experiments
         self.assertEqual((e.input, e.first, e.step, e.last, e.done), ("h", 0, 20, 140, True))
         self.assertEqual(e.remarks, ["turned round: T would have gone 10 degC from rest"])
-        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loops kept: they matched the prediction"))
+        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loop kept: it matched the prediction"))
         import numpy as np
         t, u = np.array(r.time), np.array(r.column("h.cmd"))
         model = 20.0 + figures.response(t, u, r.model.elements["T", "h"])
@@ -354,7 +354,7 @@ class Reports(FolderTest):
 
     def test_how_it_ended(self) -> None:
         for events, phase, kept, told in (
-            (self.KEPT, "kept", True, "1 loops kept"),
+            (self.KEPT, "kept", True, "1 loop kept"),
             (self.TESTED, "idle", False, "the proposal was rejected"),
             (self.TESTED, "ready", False, "the proposal was not accepted"),
             ((*self.TESTED, "! 1420.000 alarm TRIAL_FAILED T 0.5 loops are taken back: overshot"), "returned", False,

@@ -45,8 +45,8 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"no proposal: {reason(event)}; probability of the pairing {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
-        "TRIAL_BEGUN": lambda: f"{x:g} proposed loops on trial: at rest first, then each setpoint is stepped",
-        "TRIAL_KEPT": lambda: f"{x:g} loops matched the prediction and stay",
+        "TRIAL_BEGUN": lambda: f"{x:g} proposed loop{'s' if x != 1 else ''} on trial: at rest first, then each setpoint is stepped",
+        "TRIAL_KEPT": lambda: "1 loop matched the prediction and stays" if x == 1 else f"{x:g} loops matched the prediction and stay",
         "TRIAL_FAILED": lambda: f"rolled back: {reason(event)}; the old settings return",
     }
     if event.code in words:
