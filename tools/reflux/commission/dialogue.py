@@ -24,13 +24,15 @@ def heading(text: str) -> None:
 
 
 def plant_lines(plant: Plant, state: State) -> str:
-    rows = []
+    rows, header = [], ["kind", "name", "unit", "span", "now", "safe"]
     for kind, channels in (("measurement", plant.measurements), ("input", plant.inputs)):
         for c in channels:
             now = f"{state.values[c.name]:.4g}" if c.name in state.values else "-"
             rows.append([kind, c.name, c.unit, f"{c.lo:g} .. {c.hi:g}", now,
                          f"{c.safe:g}" if kind == "input" else ""])
-    return table.columns(["kind", "name", "unit", "span", "now", "safe"], rows)
+    if all(row[4] == "-" for row in rows):  # the board has no channels yet, so it has read nothing
+        header, rows = [*header[:4], header[5]], [[*row[:4], row[5]] for row in rows]
+    return table.columns(header, rows)
 
 
 def shown(field: Field, values: Values) -> str:
