@@ -93,8 +93,7 @@
     START_UP(TEST_SMALLER,                                                                         \
              "step too large, test repeated with a smaller one; amplitude, fraction of span",      \
              INFO, PLAIN)                                                                          \
-    START_UP(TEST_EXTENDED, "pairing not determined yet, tests are repeated; probability", INFO,   \
-             PLAIN)                                                                                \
+    START_UP(TEST_EXTENDED, "not sure enough yet, tests are repeated; probability", INFO, PLAIN)   \
     START_UP(RELAY_DONE, "relay test done, see `commission relay`; ultimate period, s", INFO,      \
              PLAIN)                                                                                \
     START_UP(PROPOSAL, "pairing determined, see `commission proposal`; probability", INFO, PLAIN)  \

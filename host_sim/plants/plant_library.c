@@ -170,7 +170,8 @@ const struct plant_class *plant_open(const char *name, char *err, size_t err_siz
     if (path[0] != '\0') {
         return open_path(path, err, err_size);
     }
-    (void)sim_fail(err, err_size, "%s: no such plant; there is ", name);
+    (void)sim_fail(err, err_size, "%s: no such plant, and no path of a .json file; there is ",
+                   name);
     list_names(err, err_size);
     return NULL;
 }

@@ -9,7 +9,7 @@ from unittest import mock
 from support import FolderTest, call
 
 from reflux import session
-from reflux.commission import answers, answers_board, answers_file, board, figures, next_steps, progress, record, results, results_text
+from reflux.commission import answers, answers_board, answers_file, board, dialogue, figures, next_steps, progress, record, results, results_text
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
 
@@ -206,6 +206,17 @@ class Answers(FolderTest):
         a.channel("T").change({"hi": 300.0})
         self.assertEqual(a.channel("T").values["limit"], 5.0)  # what was given stays
 
+    def test_the_first_step_is_told_as_the_board_makes_it(self) -> None:
+        """firmware/commission/expected.c: 0.5 % of the input's span, or a hundredth of the smallest limit, in spans."""
+        found = oven()
+        self.assertEqual([line.split(",")[0] for line in dialogue.expectations(found)[:2]], ["h: +/-0.008 kW around 1", "c: +/-0.02 l/h around 5"])
+        for channel in ("T", "x"):
+            values = found.channel(channel).values
+            values["limit"] = values["hi"] - values["lo"]
+        self.assertEqual(dialogue.expectations(found)[0], "h: +/-0.02 kW around 1, growing to +/-1 at most")
+        found.channel("x").values.update(limit=0.4, critical=True)
+        self.assertEqual(dialogue.expectations(found)[1].split(",")[0], "c: +/-0.02 l/h around 5")
+
     def test_what_cannot_be_is_refused_and_changes_nothing(self) -> None:
         a = oven()
         for name, given, told in (
@@ -320,7 +331,7 @@ class Reports(FolderTest):
         (e,) = r.experiments
         self.assertEqual((e.input, e.first, e.step, e.last, e.done), ("h", 0, 20, 140, True))
         self.assertEqual(e.remarks, ["turned round: T would have gone 10 degC from rest"])
-        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loops kept: they matched the prediction"))
+        self.assertEqual((r.channels["T"].limit, r.kept, r.outcome), (8.0, True, "1 loop kept: it matched the prediction"))
         import numpy as np
         t, u = np.array(r.time), np.array(r.column("h.cmd"))
         model = 20.0 + figures.response(t, u, r.model.elements["T", "h"])
@@ -332,7 +343,7 @@ class Reports(FolderTest):
         self.assertEqual((status, err), (0, ""))
         page = (self.folder / "report.html").read_text()
         for part in ("Start-up of oven", "loops kept", "<h2>Tests</h2>", "<h2>Model</h2>", "<h2>Interaction</h2>",
-                     "T by h: when the other loops close", "<h2>Trial</h2>", "a negative dead time came out, so its times mean nothing",
+                     "T by h: when the other loops close", "0.04 kW per degC", "<h2>Trial</h2>", "a negative dead time came out, so its times mean nothing",
                      "gain margin",
                      "libreflux is not built"):
             self.assertIn(part, page)
@@ -343,7 +354,7 @@ class Reports(FolderTest):
 
     def test_how_it_ended(self) -> None:
         for events, phase, kept, told in (
-            (self.KEPT, "kept", True, "1 loops kept"),
+            (self.KEPT, "kept", True, "1 loop kept"),
             (self.TESTED, "idle", False, "the proposal was rejected"),
             (self.TESTED, "ready", False, "the proposal was not accepted"),
             ((*self.TESTED, "! 1420.000 alarm TRIAL_FAILED T 0.5 loops are taken back: overshot"), "returned", False,
@@ -366,7 +377,7 @@ class Reports(FolderTest):
         page = (self.folder / "report.html").read_text()
         self.assertIn("Test of all inputs together, round 1: measured", page)
         self.assertIn('alt="Test of all inputs together, round 1: h from 0.8 to 1.2 kW; T from ', page)
-        self.assertIn("1 of 1 inputs", page)
+        self.assertIn("1, of 1 input", page)
         self.assertTrue((self.folder / "plot-test-direction-1.png").is_file())
 
     def test_no_telemetry(self) -> None:

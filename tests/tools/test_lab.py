@@ -546,6 +546,7 @@ class Logs(LabTest):
     def test_a_name_that_people_use_finds_its_column_and_units_are_there(self) -> None:
         log = self.lab.run(ticks=4)
         np.testing.assert_array_equal(log["T1"], log["T1.meas"])
+        np.testing.assert_array_equal(log["Qrb"], log["Qrb.applied"])
         np.testing.assert_array_equal(log["bottom.sp"], log["fw.bottom.sp"])
         self.assertEqual(log.attrs["units"]["T1.meas"], "degC")
         for table in (log, lab_log.Table({"T1.meas": np.ones(2)}, {})):
@@ -557,8 +558,23 @@ class Logs(LabTest):
         import matplotlib
         matplotlib.use("Agg")
         figure = self.lab.run(ticks=4).plot()
-        self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "l/h", "kW"])
+        self.assertEqual([axis.get_ylabel() for axis in figure.axes], ["degC", "degC", "l/h", "kW"])
         self.assertEqual(len(self.lab.run(ticks=4).plot("T10", "bottom.sp").axes), 1)
+
+    def test_a_setpoint_is_drawn_where_its_loop_acts_on_it(self) -> None:
+        log = self.lab.run(ticks=4)
+        acts = np.asarray(log["bottom.mode"]) != 0
+        np.testing.assert_array_equal(np.isfinite(lab_log.drawn_values(log, "fw.bottom.sp")), acts)
+        table = lab_log.Table({"fw.a.sp": np.array([1.0, 2.0]), "fw.a.mode": np.array([0.0, 1.0])}, {})
+        np.testing.assert_array_equal(lab_log.drawn_values(table, "fw.a.sp"), [math.nan, 2.0])
+
+    def test_curves_that_would_look_flat_do_not_share_an_axis(self) -> None:
+        top, bottom = np.array([96.0, 96.8]), np.array([0.5, 0.9])
+        self.assertEqual(lab_log.together({"xD": top, "xB": bottom, "top.sp": np.array([98.0, 98.0])}), [["xD", "top.sp"], ["xB"]])
+        self.assertEqual(lab_log.together({"xD": top, "yD": top + 2}), [["xD", "yD"]])
+        self.assertEqual(lab_log.together({"R.app": np.array([2.0, 2.0]), "S.app": np.array([5.0, 5.0])}), [["R.app", "S.app"]])
+        self.assertEqual(lab_log.together({"a": np.array([math.nan])}), [["a"]])
+        self.assertEqual(lab_log.together({"a.sp": np.array([1.0]), "b.sp": np.array([math.nan])}), [["a.sp", "b.sp"]])
 
     def test_a_table_stands_in_for_pandas(self) -> None:
         with mock.patch.object(lab_log, "pandas", None):

@@ -121,20 +121,25 @@ send = "sp top 90"
             self.assertIn(f'alt="{plot.alt}"', page)
             self.assertIn('<source media="(max-width: 700px)"', page)
 
-    def test_readings_of_a_broken_sensor_do_not_flatten_the_curve_and_are_told(self) -> None:
-        noisy = [87.0 + 0.1 * math.sin(k) for k in range(100)]
-        self.assertEqual(run_plots._far([87.0] * 100, noisy), [])  # noise alone, beside a curve that stands still
-        self.assertEqual(run_plots._far([87.0, 90.0], [*noisy, -50.0, math.nan, 400.0]), [-50.0, 400.0])
-        result = self.result()
-        column = next(k for k, name in enumerate(result.log.columns) if name.startswith("T1.meas"))
-        self.assertNotIn("Outside the picture", run_plots.scenario_plots(result.log, result.scenario)[0].caption)
-        result.log.rows[5][column] = "-50"
-        self.assertIn("Outside the picture: readings of T1 at -50 degC.", run_plots.scenario_plots(result.log, result.scenario)[0].caption)
+    def test_a_scenario_without_limits_does_not_claim_to_have_kept_them(self) -> None:
+        text = report.page(self.result(), [])
+        self.assertNotIn("all limits kept", text)
+        self.assertIn("This scenario sets no limits.", text)
 
-    def test_a_run_without_limits_claims_none(self) -> None:
-        page = report.page(self.result(), [])
-        self.assertIn("This scenario sets no limits.", page)
-        self.assertNotIn("all limits kept", page)
+    def test_a_setpoint_is_drawn_where_its_loop_acts_on_it(self) -> None:
+        loop = self.result().scenario.loops[0]
+        log = logs.Log(["number", "fw.top.mode"], [["0", "0"], ["1", "1"]])
+        drawn = run_plots.acted_on(log, loop, [87.0, 88.0])
+        self.assertTrue(math.isnan(drawn[0]) and drawn[1] == 88.0)
+        self.assertEqual(run_plots.acted_on(logs.Log(["number"], [["0"]]), loop, [87.0]), [87.0])
+
+    def test_what_a_broken_sensor_reads_does_not_set_the_scale(self) -> None:
+        real, setpoint = [87.0, 87.5, 88.0, 88.0], [88.0] * 4
+        seen, far = run_plots.near([87.1, -50.0, 88.1, math.nan], real, setpoint)
+        self.assertEqual((seen[0], seen[2], far), (87.1, 88.1, [-50.0]))
+        self.assertTrue(math.isnan(seen[1]) and math.isnan(seen[3]))
+        self.assertEqual(run_plots.near([87.1, 87.4, 89.5, 88.0], real, setpoint)[1], [])
+        self.assertEqual(run_plots.near([5.0, 9.0], [5.0, 5.0], [5.0, 5.0])[1], [])
 
     def test_a_page_has_a_dark_scheme_and_tables_that_are_lists_on_a_phone(self) -> None:
         page = report.page(self.result(), [])

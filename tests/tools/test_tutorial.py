@@ -144,7 +144,7 @@ class Tutorial(test_commands.Commands):
                 self.run_command(block)
         self.left()
         kinds = [block.language for block in blocks if isinstance(block, File)]
-        self.assertEqual((kinds.count("json"), kinds.count("toml"), kinds.count("python")), (2, 2, 1))
+        self.assertEqual((kinds.count("json"), kinds.count("toml"), kinds.count("python")), (2, 2, 2))
         self.assertGreaterEqual(sum(isinstance(block, Command) and block.console for block in blocks), 8)
         self.results()
 
@@ -199,7 +199,8 @@ class Tutorial(test_commands.Commands):
         story = ["MEASUREMENT_BAD", "INTERLOCK_ON", "INTERLOCK_OFF", "NOT_FOLLOWING", "FOLLOWING", "NOT_FOLLOWING", "FOLLOWING"]
         self.assertEqual([code for code in codes if code in story[1:]], story[1:])
         self.assertLess(codes.index(story[0]), codes.index(story[1]))
-        self.assertTrue((out / "gains.png").read_bytes().startswith(b"\x89PNG"))
+        for picture in ("mypi.png", "gains.png"):
+            self.assertTrue((out / picture).read_bytes().startswith(b"\x89PNG"), picture)
 
 
 if __name__ == "__main__":

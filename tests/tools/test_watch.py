@@ -38,6 +38,13 @@ class State(unittest.TestCase):
         found.telemetry(ROW.replace(",1,4,", ",0,4,"))
         self.assertIn("SAFE STATE", found.lines(80)[0])
 
+    def test_a_board_that_has_restarted_shows_no_row_of_before(self) -> None:
+        watch = Watch(Talk(), Said())  # type: ignore[arg-type]
+        watch.state = state()
+        watch.line("! 0.000 info started in the safe state: requested (STARTED)")
+        self.assertIn("no telemetry yet", watch.state.lines(80)[0])
+        self.assertIn(" log on", watch.waiting)
+
     def test_a_damaged_row_changes_nothing(self) -> None:
         found = state()
         for row in ("T,1,8,3726", ROW.replace("87.123456", "87.1x")):

@@ -249,7 +249,7 @@ class Tasks(Folder):
             (["--linearise", "--plant", "wood-berry", "--format", "xml"], "must be csv or json"),
             (["--step", "--plant", "kotyk-column", "--tick", "60"], "no other tick will do"),
             (["--plant", "kotyk-column", "--tick", "60", "--port", "x"], "no other tick will do"),
-            (["--list", "nothing"], "--plant nothing: no such plant; there is pilot-cold, "),
+            (["--list", "nothing"], "--plant nothing: no such plant, and no path of a .json file; there is pilot-cold, "),
             (["--steady", "rubbish"], "rubbish: not an option"),
         ]:
             with self.subTest(arguments=arguments):

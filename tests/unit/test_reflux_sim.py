@@ -117,7 +117,7 @@ class Options(Bench):
     def test_missing_plant_and_port_are_named(self):
         self.refused([], "--plant NAME is missing")
         self.refused(["--plant", "two_by_two"], "--port WHERE is missing")
-        self.refused(["--plant", "steam_engine", "--port", "x"], "no such plant; there is two_by_two")
+        self.refused(["--plant", "steam_engine", "--port", "x"], "no such plant, and no path of a .json file; there is two_by_two")
 
     def test_a_wrong_script_is_refused_with_its_line_before_anything_is_connected(self):
         script = self.write("script", "# one\n10 log on\n5 log off\n")

@@ -11,6 +11,7 @@ import os
 import shutil
 import tempfile
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import Sequence
 
@@ -24,7 +25,6 @@ from reflux.session import ASYNCHRONOUS, Refused
 LIBRARY = "libreflux_lab.so"
 DONE, FAILED, REFUSED = range(3)
 LOG, TELEMETRY, CONSOLE = range(3)
-MV, DISTURBANCE, MEASUREMENT, INTERNAL = range(4)
 LOOSE_MAX = 2000
 CHUNK = 500  # samples in one call: Ctrl-C is heard between two
 
@@ -32,13 +32,22 @@ _library_functions = {"time_s": ctypes.c_double, "tick_s": ctypes.c_double, "val
                       "error": ctypes.c_char_p, "channel": ctypes.c_char_p, "text": ctypes.c_void_p}
 
 
+class Kind(IntEnum):
+    """What a channel of the plant is."""
+
+    MV = 0
+    DISTURBANCE = 1
+    MEASUREMENT = 2
+    INTERNAL = 3
+
+
 @dataclass(frozen=True)
 class Channel:
-    """A channel of the plant, in engineering units. kind: MV, DISTURBANCE, MEASUREMENT or INTERNAL."""
+    """A channel of the plant, in engineering units."""
 
     name: str
     unit: str
-    kind: int
+    kind: Kind
     lo: float
     hi: float
     nominal: float
@@ -133,7 +142,7 @@ class InProcess:
         out: dict[str, Channel] = {}
         unit, kind, numbers = ctypes.c_char_p(), ctypes.c_int32(), [ctypes.c_double() for _ in range(3)]
         while name := self._call("channel", len(out), ctypes.byref(unit), ctypes.byref(kind), *map(ctypes.byref, numbers)):
-            out[name.decode()] = Channel(name.decode(), (unit.value or b"-").decode(), kind.value, *(x.value for x in numbers))
+            out[name.decode()] = Channel(name.decode(), (unit.value or b"-").decode(), Kind(kind.value), *(x.value for x in numbers))
         return out
 
     # ---- what reflux.Lab calls ----

@@ -23,7 +23,7 @@ from typing import Any, Callable, Concatenate, ParamSpec, Sequence, TypeVar
 from reflux import cmd_play, given, lab_log, logs, runner, scenario_settings
 from reflux import scenario as scenarios
 from reflux.errors import RunFailed, UserError
-from reflux.in_process import MEASUREMENT, MV, Channel, InProcess
+from reflux.in_process import Channel, InProcess, Kind
 from reflux.on_port import OnPort
 from reflux.paths import SCENARIOS
 from reflux.plant import Plant
@@ -115,10 +115,10 @@ class Lab:
         """The plant's channels, as a board without a configuration takes them."""
         channels = self._engine().channels.values()
         out = ["begin"]
-        for kind, group in ((MEASUREMENT, "meas"), (MV, "mv")):
+        for kind, group in ((Kind.MEASUREMENT, "meas"), (Kind.MV, "mv")):
             for k, c in enumerate((c for c in channels if c.kind == kind), 1):
                 out += [f"set {group}{k}.name {c.name}", f"set {group}{k}.unit {c.unit}", f"set {group}{k}.lo {c.lo:.9g}", f"set {group}{k}.hi {c.hi:.9g}"]
-                if kind == MV:
+                if kind == Kind.MV:
                     out += [f"set mv{k}.min {c.lo:.9g}", f"set mv{k}.max {c.hi:.9g}", f"set mv{k}.safe {c.nominal:.9g}"]
         return [*out, "apply"]
 

@@ -14,6 +14,8 @@ import numpy as np
 from reflux import logs
 from reflux.errors import UserError
 
+APART = 5.0  # times the wider range of two curves: with a larger gap between them both look flat on one axis
+
 try:
     import pandas
 except ModuleNotFoundError:
@@ -120,6 +122,36 @@ def drawn_by_default(names: Sequence[str]) -> list[str]:
     return [resolved(n, names) for n in wanted] or [n for n in names if n.endswith((".meas", ".applied"))]
 
 
+def together(curves: dict[str, np.ndarray]) -> list[list[str]]:
+    """Curves of one unit that share an axis. Curves so far apart that both would look flat get axes of their own; a setpoint stays with the
+    nearest curve."""
+    known = {name: values[np.isfinite(values)] for name, values in curves.items()}
+    ranges = {name: (float(v.min()), float(v.max())) for name, v in known.items() if len(v)}
+    free = {name: r for name, r in ranges.items() if not name.endswith(".sp")} or ranges
+    groups: list[tuple[float, float, list[str]]] = []
+    for name, (low, high) in sorted(free.items(), key=lambda item: item[1]):
+        if groups:
+            first, last, members = groups[-1]
+            widest = max(last - first, high - low)
+            if not widest > 0 or low - last <= APART * widest:
+                groups[-1] = (first, max(last, high), [*members, name])
+                continue
+        groups.append((low, high, [name]))
+    for name in curves:
+        if name not in free:
+            low, high = ranges.get(name, (0.0, 0.0))
+            min(groups, key=lambda g: max(g[0] - high, low - g[1]), default=(0.0, 0.0, []))[2].append(name)
+    found = [[name for name in curves if name in members] for _, _, members in groups] or [list(curves)]
+    return sorted(found, key=lambda members: list(curves).index(members[0]))
+
+
+def drawn_values(log: Any, name: str) -> np.ndarray:
+    """The column; of a setpoint only where its loop acts on it, because in manual it follows the measurement."""
+    values = np.asarray(log[name], dtype=float)
+    mode = name.removesuffix(".sp") + ".mode"
+    return np.where(np.asarray(log[mode]) == 0, np.nan, values) if name.endswith(".sp") and mode in log.columns else values
+
+
 def draw(log: Any, wanted: Sequence[str]) -> Any:
     import matplotlib.pyplot as plt
 
@@ -128,14 +160,15 @@ def draw(log: Any, wanted: Sequence[str]) -> Any:
         chosen = [resolved(name, names) for name in wanted] or drawn_by_default(names)
     except KeyError as error:
         raise UserError(str(error.args[0])) from None
-    groups = list(dict.fromkeys(units.get(name, "") for name in chosen))
+    groups = [(unit, members) for unit in dict.fromkeys(units.get(name, "") for name in chosen)
+              for members in together({name: drawn_values(log, name) for name in chosen if units.get(name, "") == unit})]
     figure, axes = plt.subplots(max(1, len(groups)), 1, sharex=True, squeeze=False, layout="constrained", figsize=(8, 2.4 * max(1, len(groups))))
     time = np.asarray(log[resolved("time", names)])
     scale, word = (3600.0, "h") if len(time) and time[-1] - time[0] > 7200 else (1.0, "s")
-    for axis, unit in zip(axes[:, 0], groups):
-        for name in (n for n in chosen if units.get(n, "") == unit):
+    for axis, (unit, members) in zip(axes[:, 0], groups):
+        for name in members:
             step = name.endswith((".app", ".applied", ".cmd", ".sp"))
-            axis.plot(time / scale, np.asarray(log[name]), drawstyle="steps-post" if step else "default", label=logs.label(name))
+            axis.plot(time / scale, drawn_values(log, name), drawstyle="steps-post" if step else "default", label=logs.label(name))
         axis.set_ylabel(unit)
         axis.legend(loc="best")
         axis.grid(alpha=0.3)

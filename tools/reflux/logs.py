@@ -70,7 +70,7 @@ def unit(column: str) -> str:
 
 
 def aliases(name: str) -> list[str]:
-    """Other names of the same thing: T1 is T1.meas of the simulator or fw.T1 of the board, Q1.app is Q1.applied."""
+    """Other names of the same thing: T1 is T1.meas of the simulator or fw.T1 of the board; Q1 of an output is Q1.app, which is Q1.applied."""
     own = name.removeprefix(FIRMWARE_PREFIX)
     same = {own}
     for short, long in ((".app", ".applied"), ("", ".meas"), (".q", ".quality")):
@@ -79,8 +79,8 @@ def aliases(name: str) -> list[str]:
         elif short and own.endswith(short):
             same.add(own.removesuffix(short) + long)
     if "." not in own:
-        same.add(f"{own}.meas")
-    ordered = sorted(same, key=lambda other: (other != own, len(other)))
+        same |= {f"{own}.meas", f"{own}.app", f"{own}.applied"}
+    ordered = sorted(same, key=lambda other: (other != own, other.endswith((".app", ".applied")), len(other)))
     return [other for other in (*ordered, *(FIRMWARE_PREFIX + other for other in ordered)) if other != name]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import median
 from typing import Any
 
 from reflux.logs import FIRMWARE_PREFIX, Log, bare, channel_unit
@@ -13,8 +14,8 @@ from reflux.scenario import Loop, Scenario, is_stimulus
 from reflux.scenario_settings import Interlock, interlocks
 
 MAX_MARKER = 26
-FAR, FAR_NOISE = 3.0, 10.0  # spans of the curve, and of the middle half of all readings, between the curve and the readings of a broken sensor
-LABEL_ROOM = 0.04  # of the run, between two labels
+FAR = 2.0  # ranges of the true value beyond which a measurement is left out of a picture
+LABEL_ROOM = 0.025  # of the run, between two labels
 LABEL_ROOM_NARROW = 0.08
 ESTIMATE = "_est"  # ends the name of a channel that the board computes (docs/methods/composition-estimation.md)
 
@@ -89,27 +90,40 @@ def _trip_marks(upper: Any, lower: Any, loop: Loop, locks: list[Interlock], trip
                        label="interlock holds" if k == 0 and ax is lower else None)
 
 
+def near(measured: list[float], real: list[float], setpoint: list[float]) -> tuple[list[float], list[float]]:
+    """The measurement for a picture, without what a broken sensor reads far from all that the plant did; and what was left out."""
+    known = [v for v in [*real, *setpoint] if math.isfinite(v)]
+    errors = [abs(m - y) for m, y in zip(measured, real) if math.isfinite(m) and math.isfinite(y)]
+    if not known or not errors:
+        return measured, []
+    low, high = min(known), max(known)
+    room = FAR * max(high - low, 10 * median(errors))
+    far = [m for m in measured if math.isfinite(m) and not low - room <= m <= high + room] if room > 0 else []
+    return [m if not far or low - room <= m <= high + room else math.nan for m in measured], far
+
+
+def acted_on(log: Log, loop: Loop, setpoint: list[float]) -> list[float]:
+    """The setpoint where the loop acts on it; in manual it follows the measurement and would hide it."""
+    mode = f"{FIRMWARE_PREFIX}{loop.name}.mode"
+    return [math.nan if m == 0 else r for m, r in zip(log.numbers(mode), setpoint)] if log.has(mode) else setpoint
+
+
 def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> Plot:
     data = trace(log, loop)
     t = [x / 3600 for x in data.t]
     y_unit, u_unit = channel_unit(log, loop.pv), channel_unit(log, loop.mv)
     has_true = log.has(f"{loop.pv}.true")
     measured = log.numbers(f"{loop.pv}.meas") if has_true and log.has(f"{loop.pv}.meas") else None
+    seen, far = near(measured, data.y, data.r) if measured else ([], [])
     mine = [trip for trip in trips if trip.output == loop.mv]
-    known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
-    far = _far(known, measured or [])
-    outside = set(far)
-    shown = known + [v for v in measured or [] if math.isfinite(v) and v not in outside]
 
     def draw(size: Size) -> Any:
         figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 4.8 if size.narrow else 5.2), sharex=True, height_ratios=(3, 2))
-        if measured:
-            upper.plot(*thinned(t, measured, size.points), color=BLUE, alpha=0.3, linewidth=0.8, label=f"{loop.pv} measured")
+        if seen:
+            upper.plot(*thinned(t, seen, size.points), color=BLUE, alpha=0.3, linewidth=0.8, label=f"{loop.pv} measured")
         upper.plot(*thinned(t, data.y, size.points), color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if has_true else loop.pv)
-        upper.step(*thinned(t, data.r, size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
-        if far:
-            room = 0.05 * (max(shown) - min(shown))
-            upper.set_ylim(min(shown) - room, max(shown) + room)
+        upper.step(*thinned(t, acted_on(log, loop, data.r), size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
+        known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
         _output(lower, log, loop, t, data.u, size)
         _trip_marks(upper, lower, loop, interlocks(scenario), trips, (min(known), max(known)))
         upper.set_ylabel(f"{loop.pv} [{y_unit}]")
@@ -122,22 +136,12 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
         return figure
 
     held = f" Red ground: an interlock holds {loop.mv}." if mine else ""
-    held += f" Outside the picture: {from_to(f'readings of {loop.pv}', far, y_unit)}." if far else ""
+    held += f" Not drawn: {from_to(f'{loop.pv} measured', far, y_unit)}, {len(far)} of {len(t)} samples." if far else ""
     alt = (f"Loop {loop.name} over {t[-1] - t[0]:.4g} h: {from_to(loop.pv, data.y, y_unit)}, {from_to('setpoint', data.r, y_unit)}, "
-           f"{from_to(loop.mv, data.u, u_unit)}." + "".join(
+           f"{from_to(loop.mv, data.u, u_unit)}." + (f" {from_to(f'{loop.pv} measured', far, y_unit)} is not drawn." if far else "") + "".join(
                f" An interlock holds {loop.mv} from {trip.from_s:.4g} s to {trip.to_s:.4g} s." for trip in mine[:4]))
     return drawn(draw, f"loop-{loop.name}", f"Loop {loop.name}: {loop.pv} follows its setpoint by {loop.mv}. "
                  f"Grey: the operator's lines, orange: what was done to the plant.{held}", alt)
-
-
-def _far(known: list[float], measured: list[float]) -> list[float]:
-    """Readings of a broken sensor, so far from the curve that they would flatten it; in ascending order."""
-    finite = sorted(v for v in measured if math.isfinite(v))
-    if not known or not finite:
-        return []
-    low, high = min(known), max(known)
-    room = FAR * (high - low) + FAR_NOISE * (finite[3 * len(finite) // 4] - finite[len(finite) // 4])
-    return [v for v in finite if v < low - room or v > high + room]
 
 
 def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float], size: Size) -> None:

@@ -97,6 +97,9 @@ class Watch:
         elif event := EVENT.match(text):
             self.screen.say(event_words(event[1], event[2], event[3]))
             self.ask("alarm")
+            if "STARTED" in text:
+                self.state.forget()
+                self.ask("log on")
             if "CONFIG_APPLIED" in text or "configuration applied" in text:
                 self.ask("list")
         elif text == "ok" or text.startswith("err "):

@@ -35,6 +35,10 @@ class BoardState:
             except ValueError:
                 return
 
+    def forget(self) -> None:
+        """A board that has restarted is not where its last row was."""
+        self.row = {}
+
     def configuration(self, lines: list[str]) -> None:
         """The reply to `list`."""
         values = {name: value.split()[0] if value.split() else "-" for name, _, value in (line.partition(" = ") for line in lines)}

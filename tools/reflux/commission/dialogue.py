@@ -24,13 +24,15 @@ def heading(text: str) -> None:
 
 
 def plant_lines(plant: Plant, state: State) -> str:
-    rows = []
+    rows, header = [], ["kind", "name", "unit", "span", "now", "safe"]
     for kind, channels in (("measurement", plant.measurements), ("input", plant.inputs)):
         for c in channels:
             now = f"{state.values[c.name]:.4g}" if c.name in state.values else "-"
             rows.append([kind, c.name, c.unit, f"{c.lo:g} .. {c.hi:g}", now,
                          f"{c.safe:g}" if kind == "input" else ""])
-    return table.columns(["kind", "name", "unit", "span", "now", "safe"], rows)
+    if all(row[4] == "-" for row in rows):  # the board has no channels yet, so it has read nothing
+        header, rows = [*header[:4], header[5]], [[*row[:4], row[5]] for row in rows]
+    return table.columns(header, rows)
 
 
 def shown(field: Field, values: Values) -> str:
@@ -184,6 +186,7 @@ HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000  # where no longes
 HALVES_MOST, WINDOWS_MOST, WINDOW_WIDEST = 3.5, 3, 0.25
 LONGER_MOST, SMALLER_MOST = 3, 1 + 3
 FIRST_SHARE, MOST_SHARE = 0.005, 0.25  # of an input's span: the first step, and the largest, where it is to be found
+FIRST_OF_LIMIT = 0.01  # the first step is no larger than this share of any limit, both in spans
 
 
 def test_hours(answers: Answers) -> tuple[float, float]:
@@ -206,16 +209,26 @@ def tested(all_values: list[Values]) -> list[Values]:
     return [v for v in all_values if v.values["tested"]]
 
 
+def limit(v: Values) -> float:
+    """Distance from rest at which a test stops, in the measurement's unit."""
+    return v.values["limit"] * (0.5 if v.values["critical"] else 1)
+
+
+def first_share(answers: Answers) -> float:
+    """First step where the test finds it, as a share of the input's span."""
+    limits = [limit(v) / (v.values["hi"] - v.values["lo"]) for v in tested(answers.measurements)]
+    return min([FIRST_SHARE, *(FIRST_OF_LIMIT * share for share in limits)])
+
+
 def expectations(answers: Answers) -> list[str]:
     """By how much the plant will be moved, and for about how long."""
-    lines = []
+    lines, smallest = [], first_share(answers)
     for v in tested(answers.inputs):
         span, step = v.values["hi"] - v.values["lo"], v.values["step"]
-        first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (FIRST_SHARE, MOST_SHARE))
-        grows = f", at most +/-{most:.3g}" if most > first else ""
+        first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (smallest, MOST_SHARE))
+        grows = f", growing to +/-{most:.3g} at most" if most > first else ""
         lines.append(f"{v.channel.name}: +/-{first:.3g} {v.channel.unit} around {v.values['at']:.4g}{grows}")
-    lines += [f"{v.channel.name}: the test stops beyond +/-{v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} "
-              f"{v.channel.unit}" for v in tested(answers.measurements)]
+    lines += [f"{v.channel.name}: the test stops beyond +/-{limit(v):.3g} {v.channel.unit}" for v in tested(answers.measurements)]
     least, most = test_hours(answers)
     lines.append(f"The tests take {least:.3g} h if the plant is fast; {most:.4g} h if every test, round and repeat hits its limit. "
                  "Expect eleven times the slowest dead time and time constant together for each input and round. The trial is extra.")

@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from reflux.commission import closed_loops, frequency
 from reflux.commission.record import Experiment, Record
 from reflux.commission.results import Element
-from reflux.plots import BLUE, GREEN, GREY, ORANGE, Plot, Size, drawn, from_to, plt, thinned
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, plt, thinned
 
 DARK = "#22292f"
 AFTER_TRIAL = 0.15  # of its time, drawn after it
@@ -96,7 +96,9 @@ def overview(r: Record) -> Plot:
                 upper.plot(*thinned((t[rows] - t[first]) / by, y, size.points), color=COLOURS[k % 20], linewidth=1.0,
                            label=name if n == 0 and k < LEGEND_MOST else None)
         for sign in (1, -1):
-            upper.axhline(100 * sign, color=ORANGE, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
+            upper.axhline(100 * sign, color=RED, linewidth=1.0, linestyle="--", label="limit" if sign > 0 else None)
+        rows_of_names = -(-(min(len(names), LEGEND_MOST) + 1) // int(legend["ncols"]))
+        upper.set_ylim(top=max(upper.get_ylim()[1], 115 + 18 * rows_of_names))  # the legend lies above the limit
         upper.set_ylabel("from rest [% of its limit]")
         upper.legend(**legend)
         for k, name in enumerate(dict.fromkeys(name for e in r.experiments for name in moved_in(r, e))):
@@ -180,7 +182,7 @@ def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndar
         left = (y - model)[e.step - e.first:]
         left = float(np.sqrt(np.mean(left[np.isfinite(left)] ** 2))) if np.isfinite(left).any() else math.nan
         noise = r.model.noise.get(name, (0.0, ""))[0]
-        what = f"left over {left:.2g} {channel.unit}"
+        what = f"residual {left:.2g} {channel.unit}"
         text = what + (f", {left / noise:.2g} x noise" if noise > 0 else "")
         if not any(element.has_gain for element in elements.values()):
             text = "no gain to be seen; " + text
@@ -281,7 +283,10 @@ def trial(r: Record) -> Plot | None:
             if y.name in model:
                 left.plot(*thinned(x, model[y.name], size.points), color=DARK, linewidth=1.1, linestyle="--", label="predicted")
             for name in _setpoints(r, loop.measurement, loop.input):
-                left.step(*thinned(x, np.array(r.column(name))[rows], size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
+                mode = name.removesuffix(".sp") + ".mode"
+                acts = np.array(r.column(mode))[rows] != 0 if r.log.has(mode) else np.ones(len(x), dtype=bool)
+                setpoint = np.where(acts, np.array(r.column(name))[rows], math.nan)  # in manual it follows the measurement and would hide it
+                left.step(*thinned(x, setpoint, size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
             left.set_ylabel(f"{y.name}\n[{y.unit}]")
             left.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=7.5)
             right.step(*thinned(x, np.array(r.column(f"{u.name}.cmd"))[rows], size.points), where="post", color=GREEN, linewidth=1.1)

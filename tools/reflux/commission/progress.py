@@ -41,12 +41,12 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "TEST_DONE": lambda: f"{name}: tested, half a double step took {span_of_time(x)}",
         "TEST_LONGER": lambda: f"{name}: an output was not at rest; testing again, {span_of_time(x)} for each half",
         "TEST_SMALLER": lambda: f"{name}: the step was too large; testing again with about {amount(x)}",
-        "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): testing {what_next(name)}",
+        "TEST_EXTENDED": lambda: f"not sure enough yet (probability of the pairing {x:.2g}): testing {what_next(name)}",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"no proposal: {reason(event)}; probability of the pairing {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
-        "TRIAL_BEGUN": lambda: f"{x:g} proposed loops on trial: at rest first, then each setpoint is stepped",
-        "TRIAL_KEPT": lambda: f"{x:g} loops matched the prediction and stay",
+        "TRIAL_BEGUN": lambda: f"{x:g} proposed loop{'s' if x != 1 else ''} on trial: at rest first, then each setpoint is stepped",
+        "TRIAL_KEPT": lambda: "1 loop matched the prediction and stays" if x == 1 else f"{x:g} loops matched the prediction and stay",
         "TRIAL_FAILED": lambda: f"rolled back: {reason(event)}; the old settings return",
     }
     if event.code in words:
@@ -59,7 +59,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
 
 
 def what_next(name: str) -> str:
-    return "all inputs together, because they act nearly alike" if name == DIRECTION else "every input again"
+    return "all inputs together, because they act nearly alike" if name == DIRECTION else "the inputs again with which it may become surer"
 
 
 def reason(event: Event) -> str:

@@ -197,7 +197,7 @@ def outcome_of(r: Record, status: list[str]) -> tuple[bool, str]:
         why = event.text.partition(": ")[2] or event.text
         who = "" if event.subject == "-" else event.subject + " "
         if event.code == "TRIAL_KEPT":
-            return True, f"{event.value:g} loops kept: they matched the prediction"
+            return True, "1 loop kept: it matched the prediction" if event.value == 1 else f"{event.value:g} loops kept: they matched the prediction"
         if event.code == "TRIAL_FAILED":
             return False, f"rolled back: {who}{why}"
         if event.code == "COMMISSION_ENDED":

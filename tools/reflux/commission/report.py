@@ -42,7 +42,8 @@ def facts(r: Record) -> Markup:
             words += f", {tests / slowest:.0f} times the slowest element's dead time and time constant"
         rows.append(["Tests took", words])
         rows.append(["Until the end", span_of_time(ended - began)])
-    rows.append(["Tests", f"{len(r.experiments)} of {len({name for e in r.experiments for name in figures.moved_in(r, e)})} inputs"])
+    tested = len({name for e in r.experiments for name in figures.moved_in(r, e)})
+    rows.append(["Tests", f"{len(r.experiments)}, of {tested} input{'s' if tested != 1 else ''}"])
     return grid(["", ""], rows, kind="facts")
 
 
@@ -97,7 +98,8 @@ def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
                           "(cmake --build --preset host --target libreflux)."))
     parts += [element("h2", "Pairing and structure")]
     if r.pairing.pairs:
-        parts.append(grid(*results_text.pairing_rows(r.pairing)))
+        parts += [grid(*results_text.pairing_rows(r.pairing)),
+                  note("Share of draws: gains are drawn anew within their standard deviations; the share of them that gives this pair, too.")]
     parts.append(listed([*results_text.pairing_words(r.pairing), *results_text.structure_words(r.structure)]))
     return parts
 
@@ -108,15 +110,12 @@ def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content
         return []
     parts: list[Content] = [element("h2", "Proposal"), listed([*results_text.reasons(r.pairing), *results_text.proposal_words(p)])]
     if p.loops:
-        parts += [grid(*results_text.loop_rows(p)),
-                  note("Gain: output span per measurement span. Predicted on the model: after a step of the "
-                       "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
-                       "the step.")]
+        parts += [grid(*results_text.loop_rows(p, {c.name: (c.span, c.unit) for c in r.channels.values()})), note(results_text.LOOPS_NOTE)]
         parts += margins_part(r)
     if r.trial:
         parts += [element("h2", "Trial"), grid(*results_text.trial_rows(r.trial)),
-                  note("Kept when no loop overshoots, errs or wanders much further than predicted "
-                       "(docs/use/commission.md).")]
+                  note("Kept when no loop overshoots, errs or wanders much further than predicted, with room for the noise, which looks like "
+                       "overshoot (docs/inside/commissioning.md has the bounds).")]
         parts += [drawing(pictures["trial"])] if "trial" in pictures else []
     return parts
 
@@ -127,7 +126,9 @@ def margins_part(r: Record) -> list[Content]:
     if not found:
         return [note(f"No margins: {closed_loops.why_not(r) or 'the model has no loops'}.")]
     return [grid(["loop", *margins.HEADER], [[name, *m.cells()] for name, m in found], text_columns=1),
-            note("Of the model above, without its uncertainty: Ms of the worst plant drawn is in the list above the loops. ", margins.NOTE)]
+            note("Of the model above, without its uncertainty. The list above the loops has Ms of the worst of the plants drawn: models whose gains and times "
+                 "differ from the fitted ones as their standard deviations allow. Both of its values are with the other loops closed; with them in manual "
+                 "Ms may be larger. ", margins.NOTE)]
 
 
 def events_part(r: Record) -> Markup:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from reflux import table
 from reflux.commission.board import number
@@ -52,12 +53,25 @@ def pairing_rows(p: Pairing) -> tuple[list[str], list[list[str]]]:
     return header, [[m, i, f"{x:.2f}", f"{share:.3g}"] for m, i, x, share in p.pairs]
 
 
-def loop_rows(p: Proposal) -> tuple[list[str], list[list[str]]]:
-    header = ["measurement", "input", "gain", "ti [s]", "td [s]", "action", "setpoint step", "IAE", "overshoot",
+LOOPS_NOTE = ("Gain: output span per measurement span, as the board takes it; beside it the same in units. Predicted on the model: after a step of the "
+              "loop's own setpoint the integral of the error (IAE, measurement unit times s), the overshoot, and the time until it stays within 5 % of "
+              "the step.")
+
+
+def loop_rows(p: Proposal, spans: Mapping[str, tuple[float, str]]) -> tuple[list[str], list[list[str]]]:
+    """spans: width and unit of each channel."""
+    header = ["measurement", "input", "gain", "in units", "ti [s]", "td [s]", "action", "setpoint step", "IAE", "overshoot",
               "settles [s]"]
     f = table.figure
-    return header, [[x.measurement, x.input, f(x.gain), f(x.ti_s), f(x.td_s), x.action, f(x.step), f(x.iae),
-                     f"{100 * x.overshoot:.0f} %", f(x.settles_s)] for x in p.loops]
+    return header, [[x.measurement, x.input, f(x.gain), gain_in_units(x.gain, spans.get(x.measurement), spans.get(x.input)), f(x.ti_s), f(x.td_s),
+                     x.action, f(x.step), f(x.iae), f"{100 * x.overshoot:.0f} %", f(x.settles_s)] for x in p.loops]
+
+
+def gain_in_units(gain: float, measurement: tuple[float, str] | None, output: tuple[float, str] | None) -> str:
+    """What an engineer compares with a gain of their own."""
+    if not (measurement and output):
+        return "-"
+    return f"{table.figure(gain * output[0] / measurement[0])} {output[1]} per {measurement[1]}"
 
 
 def trial_rows(loops: list[TrialLoop]) -> tuple[list[str], list[list[str]]]:
@@ -99,7 +113,7 @@ def left_words(p: Pairing) -> list[str]:
 
 def reasons(p: Pairing) -> list[str]:
     """Why these pairs."""
-    return [f"{m} by {i}: when the other loops close, the gain of this one changes from 1 to {1 / x:.2g} of what it was"
+    return [f"{m} by {i}: when the other loops close, the plant's gain of this pair becomes {1 / x:.2g} times what it was"
             for m, i, x, _ in p.pairs if x > 0]
 
 
@@ -111,7 +125,7 @@ def structure_words(s: Structure) -> list[str]:
     for k, b in enumerate(s.blocks, 1):
         loops = ", ".join(f"{m} by {i}" for m, i, _ in b.members)
         poor = [m for m, _, served in b.members if not served]
-        words = f"block {k}: {loops}; relative gain furthest from 1 {table.figure(b.worst_lambda)}"
+        words = f"block {k}: {loops}; relative gain furthest from 1: {table.figure(b.worst_lambda)}"
         words += f"; single loops will not serve {', '.join(poor)} well" if poor else "; single loops serve"
         if k in s.multivariable:
             words += f": it wants a multivariable controller, and gets {s.multivariable[k]}"

@@ -289,7 +289,9 @@ class Startup:
         for words in results_text.proposal_words(proposal):
             say(words)
         if proposal.loops:
-            say(table.columns(*results_text.loop_rows(proposal)))
+            spans = {v.channel.name: (v.values["hi"] - v.values["lo"], v.channel.unit) for v in (*answers.measurements, *answers.inputs)}
+            say(table.columns(*results_text.loop_rows(proposal, spans)))
+            say("\n" + results_text.LOOPS_NOTE)
         if not proposal.loops:
             heading("What to do next")
             self.show_advice()
@@ -389,6 +391,8 @@ class Startup:
 
     def trial(self, answers: Answers) -> None:
         heading("Trial")
+        if answers.edits:
+            say("The prediction is still that of the proposed settings: a loop that was edited to be much slower misses it, and is rolled back.")
         self.await_event("TRIAL_BEGUN", "CONFIG_REFUSED")
         self.pending = False
         p = follow(self.board, answers, self.keyboard, self.alive, ("kept", "returned", "ended", "idle"), ("abort",))
