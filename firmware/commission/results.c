@@ -255,10 +255,11 @@ static bool more_would_help(const struct analysis *a)
 }
 
 /* The settings are slow only because of what is not known of the plant, dead times above all: the worst of the plants drawn is at its
- * bound while the model itself is far from it. Not where a paired element climbs for ever, because no test makes it surer. */
-static bool slowed_by_doubts(const struct analysis *a)
+ * bound while the model itself is far from it. Asks for one more round, because a third one costs days on a slow column and gains
+ * little; and not where a paired element climbs for ever, because no test makes it surer. */
+static bool slowed_by_doubts(const struct analysis *a, uint8_t round)
 {
-    if (!a->designed || a->sensitivity.s_nominal > SLOWED_NOMINAL ||
+    if (round > 1u || !a->designed || a->sensitivity.s_nominal > SLOWED_NOMINAL ||
         a->sensitivity.s_worst < SLOWED_WORST)
         return false;
     for (uint8_t k = 0; k < a->pairs.n; k++)
@@ -278,12 +279,12 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                        empty ? REAL_C(0.0) : (real_t)err);
         return;
     }
-    /* Surer gains may have settings that serve all plants that the true one may be. */
-    bool open = a->verdict != PAIRING_DETERMINED ||
-                (!a->designed && a->design_error == ERR_TIMEOUT &&
-                 inputs_round(&c->inputs) < s->plan->config.test.rounds) ||
-                slowed_by_doubts(a);
     uint8_t round = inputs_round(&c->inputs);
+    /* Surer gains may have settings that serve all plants that the true one may be. */
+    bool open =
+        a->verdict != PAIRING_DETERMINED ||
+        (!a->designed && a->design_error == ERR_TIMEOUT && round < s->plan->config.test.rounds) ||
+        slowed_by_doubts(a, round);
     /* With one round in the settings each input gets one test, and there is no test of a direction. */
     if (open && s->plan->config.test.rounds > 1u && direction_is_wanted(c)) {
         want_longer_tests(c);

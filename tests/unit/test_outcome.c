@@ -456,14 +456,17 @@ static void settings_that_doubts_alone_make_slow_ask_for_another_round(void)
     TEST_ASSERT_FALSE(asks_for_more());
 }
 
-static void but_not_in_the_last_round_nor_for_what_climbs_for_ever(void)
+static void but_not_twice_nor_in_the_last_round_nor_for_what_climbs_for_ever(void)
 {
     proposed(1.24, 1.9)->flags[1][1] = IDENTIFIED_RAMP;
     TEST_ASSERT_FALSE(asks_for_more());
     proposed(1.24, 1.9)->flags[1][0] = IDENTIFIED_RAMP; /* of no pair */
     TEST_ASSERT_TRUE(asks_for_more());
     proposed(1.24, 1.9);
-    c.inputs.round = (uint8_t)bench.plan[bench.current].config.test.rounds;
+    c.inputs.round = 2;
+    TEST_ASSERT_FALSE(asks_for_more());
+    proposed(1.24, 1.9);
+    bench.plan[bench.current].config.test.rounds = 1;
     TEST_ASSERT_FALSE(asks_for_more());
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_PROPOSAL, NULL));
 }
@@ -502,7 +505,7 @@ int main(void)
     RUN_TEST(where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_tested_again);
     RUN_TEST(a_pairing_that_is_determined_is_proposed);
     RUN_TEST(settings_that_doubts_alone_make_slow_ask_for_another_round);
-    RUN_TEST(but_not_in_the_last_round_nor_for_what_climbs_for_ever);
+    RUN_TEST(but_not_twice_nor_in_the_last_round_nor_for_what_climbs_for_ever);
     RUN_TEST(an_analysis_that_fails_ends_it);
     return UNITY_END();
 }
