@@ -28,10 +28,7 @@
 #define SMALLER_LEAST    REAL_C(0.2)
 #define SMALLER_SHARE    REAL_C(0.5)  /* share of the room that the response to it may use */
 #define SMALLEST         REAL_C(2e-6) /* of span: the fits refuse an input below 1e-6 */
-/* Largest sensitivity of the model below which, with one of a plant drawn above the other, settings are slow because of doubts. */
-#define SLOWED_NOMINAL REAL_C(1.25)
-#define SLOWED_WORST   REAL_C(1.8)
-#define UNSEEN_MUCH    REAL_C(0.1) /* share of a response that a cut test may miss */
+#define UNSEEN_MUCH      REAL_C(0.1)  /* share of a response that a cut test may miss */
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
 static void analyse(struct commission *c, const struct supervisor *s)
@@ -254,21 +251,6 @@ static bool more_would_help(const struct analysis *a)
     return false;
 }
 
-/* The settings are slow only because of what is not known of the plant, dead times above all: the worst of the plants drawn is at its
- * bound while the model itself is far from it. Asks for one more round, because a third one costs days on a slow column and gains
- * little; and not where a paired element climbs for ever, because no test makes it surer. */
-static bool slowed_by_doubts(const struct analysis *a, uint8_t round)
-{
-    if (round > 1u || !a->designed || a->sensitivity.s_nominal > SLOWED_NOMINAL ||
-        a->sensitivity.s_worst < SLOWED_WORST)
-        return false;
-    for (uint8_t k = 0; k < a->pairs.n; k++)
-        if (a->flags[a->pairs.output[k]][a->pairs.input[k]] &
-            (IDENTIFIED_INTEGRATING | IDENTIFIED_RAMP))
-            return false;
-    return true;
-}
-
 static void take_analysis(struct commission *c, struct supervisor *s)
 {
     const struct analysis *a = &c->work->analysis;
@@ -279,12 +261,11 @@ static void take_analysis(struct commission *c, struct supervisor *s)
                        empty ? REAL_C(0.0) : (real_t)err);
         return;
     }
-    uint8_t round = inputs_round(&c->inputs);
     /* Surer gains may have settings that serve all plants that the true one may be. */
-    bool open =
-        a->verdict != PAIRING_DETERMINED ||
-        (!a->designed && a->design_error == ERR_TIMEOUT && round < s->plan->config.test.rounds) ||
-        slowed_by_doubts(a, round);
+    bool open = a->verdict != PAIRING_DETERMINED ||
+                (!a->designed && a->design_error == ERR_TIMEOUT &&
+                 inputs_round(&c->inputs) < s->plan->config.test.rounds);
+    uint8_t round = inputs_round(&c->inputs);
     /* With one round in the settings each input gets one test, and there is no test of a direction. */
     if (open && s->plan->config.test.rounds > 1u && direction_is_wanted(c)) {
         want_longer_tests(c);

@@ -424,53 +424,6 @@ static void a_pairing_that_is_determined_is_proposed(void)
     TEST_ASSERT_FALSE(commission_has_proposal(&c));
 }
 
-/* A proposal whose worst plant drawn is near its bound; the model itself has a largest sensitivity of s_nominal. */
-static struct analysis *proposed(double s_nominal, double s_worst)
-{
-    struct analysis *a = analysed();
-    a->verdict = PAIRING_DETERMINED;
-    a->certainty.doubts = 0;
-    a->designed = true;
-    a->plant.gain_sd[0][0] = 1;
-    a->pairs = (struct pairs){.n = 2, .output = {0, 1}, .input = {0, 1}};
-    a->sensitivity.s_nominal = (real_t)s_nominal;
-    a->sensitivity.s_worst = (real_t)s_worst;
-    return a;
-}
-
-static bool asks_for_more(void)
-{
-    goes_on();
-    return c.status.phase == COMMISSION_TESTING;
-}
-
-static void settings_that_doubts_alone_make_slow_ask_for_another_round(void)
-{
-    proposed(1.24, 1.9);
-    TEST_ASSERT_TRUE(asks_for_more());
-    TEST_ASSERT_EQUAL_UINT8(2, c.inputs.round);
-    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_PROPOSAL, NULL));
-    proposed(1.26, 1.9); /* the plant itself */
-    TEST_ASSERT_FALSE(asks_for_more());
-    proposed(1.24, 1.79); /* the plants drawn are not at their bound */
-    TEST_ASSERT_FALSE(asks_for_more());
-}
-
-static void but_not_twice_nor_in_the_last_round_nor_for_what_climbs_for_ever(void)
-{
-    proposed(1.24, 1.9)->flags[1][1] = IDENTIFIED_RAMP;
-    TEST_ASSERT_FALSE(asks_for_more());
-    proposed(1.24, 1.9)->flags[1][0] = IDENTIFIED_RAMP; /* of no pair */
-    TEST_ASSERT_TRUE(asks_for_more());
-    proposed(1.24, 1.9);
-    c.inputs.round = 2;
-    TEST_ASSERT_FALSE(asks_for_more());
-    proposed(1.24, 1.9);
-    bench.plan[bench.current].config.test.rounds = 1;
-    TEST_ASSERT_FALSE(asks_for_more());
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_PROPOSAL, NULL));
-}
-
 static void an_analysis_that_fails_ends_it(void)
 {
     analysed();
@@ -504,8 +457,6 @@ int main(void)
     RUN_TEST(inputs_that_a_longer_test_may_resolve_are_remembered);
     RUN_TEST(where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_tested_again);
     RUN_TEST(a_pairing_that_is_determined_is_proposed);
-    RUN_TEST(settings_that_doubts_alone_make_slow_ask_for_another_round);
-    RUN_TEST(but_not_twice_nor_in_the_last_round_nor_for_what_climbs_for_ever);
     RUN_TEST(an_analysis_that_fails_ends_it);
     return UNITY_END();
 }
