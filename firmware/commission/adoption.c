@@ -273,7 +273,7 @@ static real_t carried(const struct adoption *a, const struct supervisor *s, uint
     if (!c->drifts)
         return REAL_C(0.0);
     real_t by = c->slope_per_s * (real_t)a->since * s->plan->tick_s, most = DRIFT_MOST * c->limit;
-    return by > most ? most : by < -most ? -most : by;
+    return real_clamp(by, -most, most);
 }
 
 /* Inner loops follow a tick later than the others, because outer loops, which may be new, must first have followed the inner
@@ -310,7 +310,7 @@ static real_t within_setpoint_limits(const struct supervisor *s, uint8_t i, real
     float lo, hi;
     plan_setpoint_limits(s->plan, i, &lo, &hi);
     real_t least = (lo - m->lo) / (m->hi - m->lo), most = (hi - m->lo) / (m->hi - m->lo);
-    return at < least ? least : at > most ? most : at;
+    return real_clamp(at, least, most);
 }
 
 /* Setpoints follow the drift; that of the loop under trial is a step away from it. */

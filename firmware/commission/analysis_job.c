@@ -22,11 +22,6 @@
 #define SQUARE_MOST (LAG_MOST * LAG_MOST)
 #define DAMPING_LOW REAL_C(0.02)
 
-static real_t bounded_time(real_t x, real_t most)
-{
-    return x > most ? most : x < -most ? -most : x;
-}
-
 static real_t put_shape(struct interact_plant *plant, uint8_t j, uint8_t n, struct shape s)
 {
     REFLUX_ASSERT(j < INTERACT_MAX && n < INTERACT_MAX);
@@ -39,11 +34,12 @@ static real_t put_shape(struct interact_plant *plant, uint8_t j, uint8_t n, stru
     real_t damped_s = REAL_C(2.0) * DAMPING_LOW * real_sqrt(square_s2);
     if (lag_s < damped_s)
         lag_s = damped_s;
-    plant->element[j][n] = (struct fopdt){.gain = part * s.gain,
-                                          .dead_time_s = bounded_time(s.dead_time_s, LAG_MOST),
-                                          .time_constant_s = lag_s};
-    plant->shape[j][n] =
-        (struct interact_shape){.square_s2 = square_s2, .zero_s = bounded_time(s.zero_s, LAG_MOST)};
+    plant->element[j][n] =
+        (struct fopdt){.gain = part * s.gain,
+                       .dead_time_s = real_clamp(s.dead_time_s, REAL_C(0.0), LAG_MOST),
+                       .time_constant_s = lag_s};
+    plant->shape[j][n] = (struct interact_shape){
+        .square_s2 = square_s2, .zero_s = real_clamp(s.zero_s, -LAG_MOST, LAG_MOST)};
     return part;
 }
 

@@ -71,7 +71,7 @@ real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s)
 {
     REFLUX_ASSERT(j < CHANNEL_MAX);
     real_t most = o->channel[j].slope_most;
-    return slope_per_s > most ? most : slope_per_s < -most ? -most : slope_per_s;
+    return real_clamp(slope_per_s, -most, most);
 }
 
 real_t origin_fastest(const struct origin *o, uint32_t j)

@@ -62,19 +62,13 @@ static void restore_settings(struct robust *r)
         r->part.tuning[k] = r->loops.tuning[r->place[k]];
 }
 
-static real_t limited_setting(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 /* Lowers the gain of a loop by e^-by. Its integral time rises by half as much, without which a lag-dominant loop would swing. */
 static void slow_loop(struct robust *r, size_t k, real_t by)
 {
     REFLUX_ASSERT(k < INTERACT_MAX);
     struct tuning *t = &r->part.tuning[k];
-    t->gain = limited_setting(t->gain * real_exp(-by), ROBUST_GAIN_LEAST, r->part_gain_most[k]);
-    t->ti_s =
-        limited_setting(t->ti_s * real_exp(REAL_C(0.5) * by), ROBUST_TI_LEAST_S, ROBUST_TI_MOST_S);
+    t->gain = real_clamp(t->gain * real_exp(-by), ROBUST_GAIN_LEAST, r->part_gain_most[k]);
+    t->ti_s = real_clamp(t->ti_s * real_exp(REAL_C(0.5) * by), ROBUST_TI_LEAST_S, ROBUST_TI_MOST_S);
 }
 
 static void retreat(struct robust *r, real_t by)
@@ -430,7 +424,7 @@ enum err robust_begin(struct robust *r, const struct interact_plant *plant,
     r->factor = REAL_C(1.0);
     for (size_t k = 0; k < start->pairs.n; k++)
         r->loops.tuning[k].gain =
-            limited_setting(start->tuning[k].gain, ROBUST_GAIN_LEAST, config->gain_most[k]);
+            real_clamp(start->tuning[k].gain, ROBUST_GAIN_LEAST, config->gain_most[k]);
     return begin_search(r) == ERR_BUSY ? ERR_OK : ERR_STATE;
 }
 

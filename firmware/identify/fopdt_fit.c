@@ -124,11 +124,6 @@ enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t o
     return ERR_OK;
 }
 
-static real_t clip(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : (x > hi ? hi : x);
-}
-
 /* Model of gain 1 at lag and dead, line taken out, into a column; its derivative by the dead time into another. */
 static void evaluate_model(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model,
                            real_t *by_dead)
@@ -175,7 +170,7 @@ static void consider_start(struct fopdt_fit *f, real_t lag, real_t dead)
 /* Not from a lag so short that nothing depends on it: no step leads out of there. */
 static real_t shortest_to_begin_from(const struct fopdt_fit *f)
 {
-    return REAL_C(0.5) * clip(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
+    return REAL_C(0.5) * real_clamp(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
 }
 
 static void grid(struct fopdt_fit *f)
@@ -185,7 +180,7 @@ static void grid(struct fopdt_fit *f)
     real_t lo = TWO * shortest_to_begin_from(f);
     real_t time = lo * real_pow(f->lag_max / lo, step), share = shares[f->next % GRID_SHARES];
     f->next++;
-    real_t lag = clip(time * (ONE - share), REAL_C(0.5) * lo, f->lag_max);
+    real_t lag = real_clamp(time * (ONE - share), REAL_C(0.5) * lo, f->lag_max);
     if (time * share <= f->dead_max)
         consider_start(f, lag, time * share);
     else
@@ -241,8 +236,8 @@ static void begin_with_bend(struct fopdt_fit *f)
     static const real_t parts[BEND_STARTS] = {REAL_C(4.0), REAL_C(4.0), REAL_C(12.0), REAL_C(32.0),
                                               REAL_C(96.0)};
     REFLUX_ASSERT(f->next < BEND_STARTS);
-    real_t lag = clip((real_t)(f->points * f->block) / parts[f->next], shortest_to_begin_from(f),
-                      f->lag_max);
+    real_t lag = real_clamp((real_t)(f->points * f->block) / parts[f->next],
+                            shortest_to_begin_from(f), f->lag_max);
     real_t dead = REAL_C(0.3) * lag;
     if (f->next == 0) {
         dead = f->bend_dead;
@@ -251,7 +246,7 @@ static void begin_with_bend(struct fopdt_fit *f)
         dead = f->straight_dead;
         lag = f->straight_lag < lag ? f->straight_lag : lag;
     }
-    consider_start(f, lag, clip(dead, ZERO, f->dead_max));
+    consider_start(f, lag, real_clamp(dead, ZERO, f->dead_max));
     if (++f->next < BEND_STARTS)
         return;
     f->tries = TRIES - BEND_TRIES;
@@ -334,9 +329,9 @@ static void attempt(struct fopdt_fit *f)
         by_lag = a > ZERO ? f->right[0] / a : ZERO;
     else if (stuck_lag)
         by_dead = c > ZERO ? f->right[1] / c : ZERO;
-    by_lag = clip(by_lag, -ONE, ONE);
-    real_t lag = clip(f->lag * real_exp(by_lag), f->shortest, f->lag_max);
-    real_t dead = clip(f->dead + by_dead, ZERO, f->dead_max);
+    by_lag = real_clamp(by_lag, -ONE, ONE);
+    real_t lag = real_clamp(f->lag * real_exp(by_lag), f->shortest, f->lag_max);
+    real_t dead = real_clamp(f->dead + by_dead, ZERO, f->dead_max);
     real_t moved = real_abs(lag - f->lag) + real_abs(dead - f->dead), gain;
     evaluate_model(f, lag, dead, f->column[0], NULL);
     real_t squares = residual_squares(f, &gain);
@@ -346,7 +341,7 @@ static void attempt(struct fopdt_fit *f)
     if (better) {
         f->lag = lag;
         f->dead = dead;
-        f->damping = clip(f->damping * REAL_C(0.2), DAMPING_LEAST, DAMPING_MOST);
+        f->damping = real_clamp(f->damping * REAL_C(0.2), DAMPING_LEAST, DAMPING_MOST);
     } else {
         f->damping *= REAL_C(8.0);
     }
@@ -369,8 +364,8 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
                 f->phase = f->has_start ? PHASE_START : PHASE_SLOPES;
             break;
         case PHASE_START:
-            consider_start(f, clip(f->start_lag, shortest_to_begin_from(f), f->lag_max),
-                           clip(f->start_dead, ZERO, f->dead_max));
+            consider_start(f, real_clamp(f->start_lag, shortest_to_begin_from(f), f->lag_max),
+                           real_clamp(f->start_dead, ZERO, f->dead_max));
             f->phase = PHASE_SLOPES;
             break;
         case PHASE_SLOPES:
@@ -389,8 +384,8 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
         case PHASE_PLAIN: {
             /* no lag at all: a valley without slope, between two samples, where no step leads */
             real_t middle = (real_t)(uint32_t)(f->dead + f->lag) + REAL_C(0.5);
-            consider_start(f, f->shortest, clip(middle, ZERO, f->dead_max));
-            consider_start(f, f->shortest, clip(middle - ONE, ZERO, f->dead_max));
+            consider_start(f, f->shortest, real_clamp(middle, ZERO, f->dead_max));
+            consider_start(f, f->shortest, real_clamp(middle - ONE, ZERO, f->dead_max));
             f->phase = PHASE_JUDGE;
             break;
         }

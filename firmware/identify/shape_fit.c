@@ -162,11 +162,6 @@ static void take_record(struct shape_fit *f, const struct record *r, uint32_t ou
         f->noise_variance = rounding;
 }
 
-static real_t held_within(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : (x > hi ? hi : x);
-}
-
 enum err shape_fit_begin(struct shape_fit *f, const struct record *r, uint32_t output,
                          const struct fopdt_fit_options *options,
                          const struct fopdt_fit_result *one)
@@ -186,8 +181,8 @@ enum err shape_fit_begin(struct shape_fit *f, const struct record *r, uint32_t o
     f->time_max = o->time_max_s > ZERO ? o->time_max_s / r->h_s : REAL_C(4.0) * horizon;
     f->time_max = f->time_max > ONE ? f->time_max : ONE;
     f->dead_max = REAL_C(0.8) * horizon < f->time_max ? REAL_C(0.8) * horizon : f->time_max;
-    f->one.time = held_within(one->element.time_constant_s / r->h_s, REAL_C(0.25), f->time_max);
-    f->one.dead = held_within(one->element.dead_time_s / r->h_s, ZERO, f->dead_max);
+    f->one.time = real_clamp(one->element.time_constant_s / r->h_s, REAL_C(0.25), f->time_max);
+    f->one.dead = real_clamp(one->element.dead_time_s / r->h_s, ZERO, f->dead_max);
     f->one.ratio = REAL_C(0.1);
     for (unsigned k = 0; k < SHAPE_STARTS; k++) {
         f->start[k] = f->one;
@@ -215,7 +210,7 @@ static void keep_start(struct shape_fit *f, unsigned k, const struct shape_place
 /* The largest dead time that is tried: that of one lag takes in what further lags delay, or what a zero does. */
 static real_t dead_to_try(const struct shape_fit *f)
 {
-    real_t dead = f->one.dead + REAL_C(0.15) * held_within(f->one.time, ZERO, f->level) +
+    real_t dead = f->one.dead + REAL_C(0.15) * real_clamp(f->one.time, ZERO, f->level) +
                   REAL_C(0.25) * (real_t)f->block;
     return dead < f->dead_max ? dead : f->dead_max;
 }

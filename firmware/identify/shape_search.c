@@ -31,11 +31,6 @@ static bool has_ratio(enum shape_formula formula)
     return formula == SHAPE_FORMULA_TWO || formula == SHAPE_FORMULA_ZERO;
 }
 
-static real_t limited(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : (x > hi ? hi : x);
-}
-
 uint32_t shape_search_columns(enum shape_formula formula, uint8_t *columns)
 {
     uint32_t n = 0;
@@ -268,12 +263,12 @@ static struct shape_place stepped(const struct shape_fit *f)
         held[2] = held[2] || ratio;
     }
     struct shape_place p = f->place;
-    p.dead = limited(p.dead + step[0], ZERO, f->dead_max);
-    p.time *= real_exp(limited(step[1], -LOG_STEP_MAX, LOG_STEP_MAX));
-    p.time = limited(p.time, TIME_MIN, time_max);
+    p.dead = real_clamp(p.dead + step[0], ZERO, f->dead_max);
+    p.time *= real_exp(real_clamp(step[1], -LOG_STEP_MAX, LOG_STEP_MAX));
+    p.time = real_clamp(p.time, TIME_MIN, time_max);
     if (has_ratio(formula)) {
-        p.ratio *= real_exp(limited(step[2], -TWO * LOG_STEP_MAX, TWO * LOG_STEP_MAX));
-        p.ratio = limited(p.ratio, SHAPE_RATIO_MIN, SHAPE_RATIO_MAX);
+        p.ratio *= real_exp(real_clamp(step[2], -TWO * LOG_STEP_MAX, TWO * LOG_STEP_MAX));
+        p.ratio = real_clamp(p.ratio, SHAPE_RATIO_MIN, SHAPE_RATIO_MAX);
     }
     return p;
 }
@@ -295,7 +290,7 @@ bool shape_search_step(struct shape_fit *f, bool *better)
         f->squares = squares[zero];
         f->gain = linear[zero];
         f->gain_zero = zero ? linear[2] : ZERO;
-        f->damping = limited(f->damping * REAL_C(0.2), DAMPING_LEAST, DAMPING_MOST);
+        f->damping = real_clamp(f->damping * REAL_C(0.2), DAMPING_LEAST, DAMPING_MOST);
     } else {
         f->damping *= REAL_C(8.0);
     }

@@ -131,17 +131,12 @@ enum err steady_look(const struct steady *s, uint32_t output, struct steady_resu
 
 real_t steady_away(real_t away, real_t carried, real_t most)
 {
-    if (real_abs(carried) > most)
-        carried = carried > ZERO ? most : -most;
+    carried = real_clamp(carried, -most, most);
     return real_abs(away - carried) < real_abs(away) ? away - carried : away;
 }
 
 real_t steady_beyond(real_t away, real_t carried, real_t most)
 {
-    carried = real_abs(carried);
-    if (carried > most)
-        carried = most;
-    if (real_abs(away) <= carried)
-        return ZERO;
-    return away > ZERO ? away - carried : away + carried;
+    carried = real_abs(real_clamp(carried, -most, most));
+    return away - real_clamp(away, -carried, carried);
 }

@@ -3,11 +3,6 @@
 #define ZERO REAL_C(0.0)
 #define TWO  REAL_C(2.0)
 
-static real_t drive_between(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 static real_t at_least_zero(real_t x)
 {
     return x > ZERO ? x : ZERO;
@@ -24,10 +19,10 @@ void column_drive_take(const struct column_table *table, struct column_inputs *i
         break;
     case DRIVE_FEED_TEMPERATURE:
         inputs->feed_temperature =
-            drive_between(value, config->temperature_min, config->temperature_max);
+            real_clamp(value, config->temperature_min, config->temperature_max);
         break;
     case DRIVE_FEED_QUALITY:
-        inputs->feed_quality = drive_between(value, ZERO, TWO);
+        inputs->feed_quality = real_clamp(value, ZERO, TWO);
         break;
     case DRIVE_REFLUX:
         inputs->reflux_flow = at_least_zero(value);
@@ -39,7 +34,7 @@ void column_drive_take(const struct column_table *table, struct column_inputs *i
         inputs->boilup = at_least_zero(value);
         break;
     default:
-        inputs->pressure_top = drive_between(value, pressure / TWO, pressure * TWO);
+        inputs->pressure_top = real_clamp(value, pressure / TWO, pressure * TWO);
         break;
     }
 }

@@ -49,4 +49,10 @@ static inline bool real_within(real_t x, real_t lo, real_t hi)
     return x >= lo && x <= hi;
 }
 
+/* Returns x, or the bound that it is beyond; lo must not be above hi. NaN stays. */
+static inline real_t real_clamp(real_t x, real_t lo, real_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
 #endif

@@ -186,14 +186,14 @@ real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size
         weight += x * c[i].molar_mass;
     }
     real_t others = rest > ZERO ? weight / rest : c[j].molar_mass;
-    real_t own = ahead_between(mass, ZERO, ONE) / c[j].molar_mass;
-    return own / (own + (ONE - ahead_between(mass, ZERO, ONE)) / others);
+    real_t own = real_clamp(mass, ZERO, ONE) / c[j].molar_mass;
+    return own / (own + (ONE - real_clamp(mass, ZERO, ONE)) / others);
 }
 
 /* A place's own mole fraction, off its ends. */
 static real_t inside(real_t x)
 {
-    return ahead_between(x, LEAST, ONE - LEAST);
+    return real_clamp(x, LEAST, ONE - LEAST);
 }
 
 static real_t component_at(const struct ahead_model *m, size_t stage, size_t j)
@@ -208,7 +208,7 @@ static real_t wanted_move(const struct ahead_model *m, const struct ahead_readin
     real_t off = reading->value - ahead_model_value(m, m->x, reading->stage, reading->is_fraction,
                                                     reading->component);
     if (reading->is_fraction)
-        return ahead_between(off, -MOVE_MOST, MOVE_MOST);
+        return real_clamp(off, -MOVE_MOST, MOVE_MOST);
     size_t n = m->table.config.components, s = reading->stage;
     real_t full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX],
         dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
@@ -217,8 +217,7 @@ static real_t wanted_move(const struct ahead_model *m, const struct ahead_readin
     vle_full_slopes(&m->column.vle, m->column.temperature[s], full, &m->column.k[s * n],
                     &m->column.dk[s * n], dt, dy);
     real_t slope = dt[reading->component];
-    return real_abs(slope) > REAL_C(1e-3) ? ahead_between(off / slope, -MOVE_MOST, MOVE_MOST)
-                                          : ZERO;
+    return real_abs(slope) > REAL_C(1e-3) ? real_clamp(off / slope, -MOVE_MOST, MOVE_MOST) : ZERO;
 }
 
 /* Returns the same of ln(x/(1 - x)). */

@@ -16,11 +16,6 @@ struct ahead_reading {
     real_t value;
 };
 
-static inline real_t ahead_between(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 #define AHEAD_READINGS_MOST (BLOCK_INPUTS_MAX + AHEAD_LOOPS)
 
 struct ahead_model;

@@ -145,11 +145,6 @@ static real_t reading_si(const struct composition_block *b, const struct block_i
     return column_drive_factor(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
 }
 
-static real_t kept_between(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 /* Takes the readings t[sensors] and the inputs; an input that is missing keeps its last value. */
 static void take_inputs(struct composition_block *b, const struct block_io *io, real_t *t)
 {
@@ -196,7 +191,7 @@ static real_t mole_fraction_at(const struct composition_block *b, size_t stage, 
 {
     unsigned i = composition_analyses_find(&b->analyses, stage, j);
     real_t correction = i < ANALYSES_MAX ? composition_analyses_correction(&b->analyses, i) : ZERO;
-    return kept_between(composition_model_fraction(&b->model, stage, j) + correction, ZERO, ONE);
+    return real_clamp(composition_model_fraction(&b->model, stage, j) + correction, ZERO, ONE);
 }
 
 /* The same by mass: the others share the rest as they do in the model. */

@@ -182,11 +182,6 @@ const char *composition_model_describe(const struct composition_model *m, size_t
 
 /* ---- inputs ---- */
 
-static real_t kept_within(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 void composition_model_drive(struct composition_model *m, enum column_drive drive, real_t value)
 {
     column_drive_take(&m->table, &m->inputs, drive, value);
@@ -200,7 +195,7 @@ void composition_model_inputs(const struct composition_model *m, struct column_i
         real_t room = ONE;
         for (size_t j = 0; j < fractions; j++) {
             inputs->feed_fraction[j] =
-                kept_within(inputs->feed_fraction[j] + m->extra[j], ZERO, room);
+                real_clamp(inputs->feed_fraction[j] + m->extra[j], ZERO, room);
             room -= inputs->feed_fraction[j];
         }
         inputs->feed_fraction[fractions] = room;
@@ -430,10 +425,10 @@ static void keep_feed_possible(struct composition_model *m)
     size_t fractions = m->table.config.components - 1;
     for (size_t j = 0; m->has_feed && j < fractions; j++)
         m->extra[j] =
-            kept_within(m->extra[j], -m->inputs.feed_fraction[j], ONE - m->inputs.feed_fraction[j]);
+            real_clamp(m->extra[j], -m->inputs.feed_fraction[j], ONE - m->inputs.feed_fraction[j]);
     if (m->has_flow)
         m->extra[m->feed - 1u] =
-            kept_within(m->extra[m->feed - 1u], FEED_LEAST - ONE, FEED_MOST - ONE);
+            real_clamp(m->extra[m->feed - 1u], FEED_LEAST - ONE, FEED_MOST - ONE);
 }
 
 static void move_extras(struct composition_model *m, const real_t *gain, real_t e)

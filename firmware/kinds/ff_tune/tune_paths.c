@@ -85,24 +85,19 @@ static struct fopdt for_rules(const struct tune_context *c, struct fopdt m)
     return m;
 }
 
-static real_t bounded_number(real_t x, real_t least, real_t most)
-{
-    return x < least ? least : x > most ? most : x;
-}
-
 /* The element that comes nearest to the rule: no lead below 0, no more than `kick`, and what the search is allowed. A lag is made longer before
  * a lead is cut. */
 static struct feedforward_shape element_from(const struct tune_context *c,
                                              const struct feedforward_rule *r, real_t dead_most)
 {
-    real_t h = c->tick_s, kick = c->s.kick, lead = bounded_number(r->lead_s, ZERO, REAL_C(1e6));
-    real_t lag = bounded_number(r->lag_s, bounded_number((lead + h) / kick - h, ZERO, REAL_C(1e6)),
-                                REAL_C(1e6));
-    lag = bounded_number(lag, ZERO, c->s.lag_most_s);
-    return (struct feedforward_shape){.k = bounded_number(r->gain, REAL_C(-100.0), REAL_C(100.0)),
-                                      .lead = bounded_number(lead, ZERO, kick * (lag + h) - h),
+    real_t h = c->tick_s, kick = c->s.kick, lead = real_clamp(r->lead_s, ZERO, REAL_C(1e6));
+    real_t lag =
+        real_clamp(r->lag_s, real_clamp((lead + h) / kick - h, ZERO, REAL_C(1e6)), REAL_C(1e6));
+    lag = real_clamp(lag, ZERO, c->s.lag_most_s);
+    return (struct feedforward_shape){.k = real_clamp(r->gain, REAL_C(-100.0), REAL_C(100.0)),
+                                      .lead = real_clamp(lead, ZERO, kick * (lag + h) - h),
                                       .lag = lag,
-                                      .dead = bounded_number(r->dead_s, ZERO, dead_most)};
+                                      .dead = real_clamp(r->dead_s, ZERO, dead_most)};
 }
 
 static void make_rule(struct tune_paths *p, const struct tune_context *c,
