@@ -93,13 +93,7 @@ def bench_of(name: str, plant: str | None) -> Bench:
     found = scenario_of(path)
     if found is None:
         raise UserError(f"{shown(path)}: no scenario beside it says which plant it is for; name one with --plant")
-    options: list[str] = ["--tick", f"{found.tick_s:.17g}"] if found.tick_s is not None else []
-    for channel in found.measure:
-        options += ["--measure", channel]
-    for channel, value in found.start:
-        options += ["--start", f"{channel}={value:.17g}"]
-    plant_name = str(found.file.parent / found.plant) if found.plant.endswith(".json") else found.plant
-    return Bench(plant_name, tuple(options), tuple(line.text for line in found.config))
+    return Bench(found.plant_argument, tuple(found.plant_options()), tuple(line.text for line in found.config))
 
 
 def scenario_of(path: Path) -> Scenario | None:
@@ -145,14 +139,13 @@ def operate(talk: Session, bench: Bench) -> list[str]:
 
     A plant that a sequence starts is left to the sequence."""
     values = scenario_settings.values_of(bench.lines)
-    if any(value not in (UNUSED, "") for name, value in values.items() if re.fullmatch(r"step\d+\.seq", name)):
+    if scenario_settings.has_sequence(values):
         return ["seq start", "seq", "status"]
     at_rest = simulator.at_rest(bench.plant)
-    for k in scenario_settings.numbered(values, "mv"):
-        name = values.get(f"{k}.name", UNUSED)
+    for name in scenario_settings.in_use(values, "mv"):
         if name in at_rest:
             tell(talk, f"out {name} {at_rest[name]:.7g}")
-    numbers = {values[f"{k}.name"]: k for k in scenario_settings.numbered(values, "loop") if values.get(f"{k}.name", UNUSED) != UNUSED}
+    numbers = scenario_settings.in_use(values, "loop")
     loops = {name: values.get(f"{k}.out", UNUSED) for name, k in numbers.items()}
     setpoints = {name: at_rest[pv] for name, k in numbers.items()
                  if (pv := values.get(f"{k}.pv", UNUSED)) in at_rest and name not in loops.values()}
@@ -162,14 +155,21 @@ def operate(talk: Session, bench: Bench) -> list[str]:
         if tell(talk, f"mode {loops[name]} cascade" if inner else f"mode {name} auto") and (not inner or tell(talk, f"mode {name} auto")):
             hints.append(name)
     end = time.monotonic() + READY_S  # modes are taken at the plant's next tick
-    while time.monotonic() < end and not all(any(re.match(rf"{re.escape(name)} (auto|cascade)\b", line) for line in talk.ask("loop")) for name in hints):
-        time.sleep(0.05)
-    asked = [f"{name} {setpoints[name]:.4g}" for name in hints if name in setpoints and tell(talk, f"sp {name} {setpoints[name]:.4g}")]
-    while time.monotonic() < end and not all(any(re.match(rf"{re.escape(name)} .*\bsp {re.escape(value)} ", line) for line in talk.ask("loop"))
-                                             for name, _, value in (words.partition(" ") for words in asked)):
-        time.sleep(0.05)
+    await_loops(talk, [rf"{re.escape(name)} (auto|cascade)\b" for name in hints], end)
+    asked = {name: f"{setpoints[name]:.4g}" for name in hints if name in setpoints}
+    taken = [name for name, value in asked.items() if tell(talk, f"sp {name} {value}")]
+    await_loops(talk, [rf"{re.escape(name)} .*\bsp {re.escape(asked[name])} " for name in taken], end)
     return ["status", "loop"] + [f"sp {name} {setpoint}" for name in hints[-1:]
                                  if (setpoint := above(setpoints[name]) if name in setpoints else near(talk, name))]
+
+
+def await_loops(talk: Session, patterns: list[str], end: float) -> None:
+    """Until a line of `loop` matches each pattern, or the time is over."""
+    while time.monotonic() < end:
+        lines = talk.ask("loop")
+        if all(any(re.match(pattern, line) for line in lines) for pattern in patterns):
+            return
+        time.sleep(0.05)
 
 
 def tell(talk: Session, line: str) -> bool:

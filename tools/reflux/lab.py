@@ -125,8 +125,8 @@ class Lab:
     def _find_channels(self, settings: Sequence[str]) -> None:
         values = scenario_settings.values_of(tuple(settings))
         for group, names in (("meas", self._measured), ("mv", self._outputs)):
-            names += [values[f"{k}.name"] for k in scenario_settings.numbered(values, group) if values.get(f"{k}.name", "-") != "-"]
-        self._sequences = any(value not in ("-", "") for name, value in values.items() if re.fullmatch(r"step\d+\.seq", name))
+            names += scenario_settings.in_use(values, group)
+        self._sequences = scenario_settings.has_sequence(values)
 
     def _operate(self) -> None:
         """Outputs to the plant's operating point; a plant that a sequence starts is left to the sequence."""
@@ -409,13 +409,8 @@ def _beginning(what: str | Path | Scenario | Plant) -> Beginning:
     s = what if isinstance(what, Scenario) else _scenario(what)
     if s is None:
         return _beginning(_plant(str(what)))
-    options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}"]
-    options += ["--tick", f"{s.tick_s:.17g}"] if s.tick_s is not None else []
-    for name in s.measure:
-        options += ["--measure", name]
-    for name, value in s.start:
-        options += ["--start", f"{name}={value:.17g}"]
-    return Beginning(runner.plant_argument(s), tuple(options), tuple(line.text for line in s.config), s)
+    options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}", *s.plant_options()]
+    return Beginning(s.plant_argument, tuple(options), tuple(line.text for line in s.config), s)
 
 
 def _check_csv(csv: Any) -> None:

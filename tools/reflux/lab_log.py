@@ -146,10 +146,9 @@ def together(curves: dict[str, np.ndarray]) -> list[list[str]]:
 
 
 def drawn_values(log: Any, name: str) -> np.ndarray:
-    """The column; of a setpoint only where its loop acts on it, because in manual it follows the measurement."""
-    values = np.asarray(log[name], dtype=float)
-    mode = name.removesuffix(".sp") + ".mode"
-    return np.where(np.asarray(log[mode]) == 0, np.nan, values) if name.endswith(".sp") and mode in log.columns else values
+    """The column; of a setpoint only where its loop acts on it."""
+    values, mode = np.asarray(log[name], dtype=float), logs.mode_of(name)
+    return np.array(logs.acted_on(values, log[mode])) if name.endswith(".sp") and mode in log.columns else values
 
 
 def draw(log: Any, wanted: Sequence[str]) -> Any:

@@ -8,6 +8,7 @@ import re
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Iterable
 
 from reflux import textfile
 from reflux.errors import RunFailed, UserError
@@ -57,6 +58,16 @@ class Log:
         library prints of them."""
         read = number32 if name.startswith(FIRMWARE_PREFIX) else number
         return [read(cell) for cell in self.text(name)]
+
+
+def mode_of(setpoint: str) -> str:
+    """The column with the mode of the loop that has this column of setpoints."""
+    return setpoint.removesuffix(".sp") + ".mode"
+
+
+def acted_on(setpoint: Iterable[float], mode: Iterable[float]) -> list[float]:
+    """The setpoint where its loop acts on it, else NaN: in manual it follows the measurement, and would hide it in a picture."""
+    return [math.nan if m == 0 else float(r) for r, m in zip(setpoint, mode)]
 
 
 def bare(column: str) -> str:

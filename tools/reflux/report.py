@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflux import margins, markup, metrics, run_margins, run_plots, runner, table
+from reflux import margins, markup, metrics, run_margins, run_plots, table
 from reflux import plots as plotting
 from reflux.markup import Content, Markup, element, join
 from reflux.page_style import CSS, PHONE_PX, badge, grid, listed, note
@@ -125,7 +125,7 @@ def write(result: Result) -> Path:
     plots = run_plots.scenario_plots(result.log, result.scenario, events_in(result.out / "transcript.txt"))
     plotting.write_pngs(plots, result.out)
     path = result.out / "report.html"
-    found = run_margins.of_scenario(result.scenario, runner.plant_argument(result.scenario)) if result.scenario.loops else None
+    found = run_margins.of_scenario(result.scenario, result.scenario.plant_argument) if result.scenario.loops else None
     path.write_text(page(result, plots, found), encoding="utf-8")
     return path
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from reflux import logs
 from reflux.logs import FIRMWARE_PREFIX, Log, bare, channel_unit
 from reflux.metrics import trace
 from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, hours, plt, thinned
@@ -103,9 +104,8 @@ def near(measured: list[float], real: list[float], setpoint: list[float]) -> tup
 
 
 def acted_on(log: Log, loop: Loop, setpoint: list[float]) -> list[float]:
-    """The setpoint where the loop acts on it; in manual it follows the measurement and would hide it."""
     mode = f"{FIRMWARE_PREFIX}{loop.name}.mode"
-    return [math.nan if m == 0 else r for m, r in zip(log.numbers(mode), setpoint)] if log.has(mode) else setpoint
+    return logs.acted_on(setpoint, log.numbers(mode)) if log.has(mode) else setpoint
 
 
 def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> Plot:

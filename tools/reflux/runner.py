@@ -73,18 +73,12 @@ def write_script(scenario: Scenario, path: Path) -> None:
 
 
 def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) -> list[str]:
-    command = [str(build.find_program("host", firmware.simulator)), "--plant", plant_argument(scenario),
+    command = [str(build.find_program("host", firmware.simulator)), "--plant", scenario.plant_argument,
                "--port", firmware.link, "--console", firmware.console, "--script", str(out / "script.txt"),
                "--transcript", str(out / "transcript.txt"), "--telemetry", str(out / "telemetry.csv"),
                "--log", str(out / "simulator.csv"), "--speed", scenario.speed, "--seed", str(scenario.seed),
                "--noise", f"{scenario.noise:.17g}", "--duration", f"{scenario.duration_s:.17g}",
-               "--timeout", f"{scenario.timeout_s:.17g}", "--progress"]
-    if scenario.tick_s is not None:
-        command += ["--tick", f"{scenario.tick_s:.17g}"]
-    for name in scenario.measure:
-        command += ["--measure", name]
-    for name, value in scenario.start:
-        command += ["--start", f"{name}={value:.17g}"]
+               "--timeout", f"{scenario.timeout_s:.17g}", "--progress", *scenario.plant_options()]
     for event in scenario.events:
         command += ["--event", f"{event.at_s:.17g}:{event.name}={event.value:.17g}"]
     return command
@@ -240,14 +234,9 @@ def _read(path: Path) -> list[str]:
         return []
 
 
-def plant_argument(scenario: Scenario) -> str:
-    """A plant file is looked for from the scenario's folder; anything else is a name."""
-    return str(scenario.file.parent / scenario.plant) if scenario.plant.endswith(".json") else scenario.plant
-
-
 def check_plant(scenario: Scenario) -> None:
     """Refuses the plant of a scenario before anything is started."""
     try:
-        simulator.check_plant(plant_argument(scenario))
+        simulator.check_plant(scenario.plant_argument)
     except UserError as error:
         raise UserError(f"{shown(scenario.file)}: {error}") from None

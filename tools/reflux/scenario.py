@@ -84,6 +84,20 @@ class Scenario:
         """The same scenario with what the command line gave; None leaves a value as written."""
         return replace(self, **{k: v for k, v in options.items() if v is not None})
 
+    @property
+    def plant_argument(self) -> str:
+        """For --plant of reflux-sim: a plant file is looked for from the scenario's folder; anything else is a name."""
+        return str(self.file.parent / self.plant) if self.plant.endswith(".json") else self.plant
+
+    def plant_options(self) -> list[str]:
+        """Options of reflux-sim that say which plant it is: its tick, what is measured, and where it begins."""
+        out = ["--tick", f"{self.tick_s:.17g}"] if self.tick_s is not None else []
+        for name in self.measure:
+            out += ["--measure", name]
+        for name, value in self.start:
+            out += ["--start", f"{name}={value:.17g}"]
+        return out
+
 
 def find(name: str | Path) -> Path:
     """A path as given, or the name of a scenario in host_sim/scenarios."""

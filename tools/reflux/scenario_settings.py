@@ -53,6 +53,15 @@ def numbered(values: dict[str, str], group: str) -> list[str]:
     return [f"{group}{k}" for k in sorted(found)]
 
 
+def in_use(values: dict[str, str], group: str) -> dict[str, str]:
+    """Channels or loops that have a name, in order: the name, and the parameters' prefix, such as loop1."""
+    return {name: k for k in numbered(values, group) if (name := values.get(f"{k}.name", "-")) != "-"}
+
+
+def has_sequence(values: dict[str, str]) -> bool:
+    return any(value not in ("-", "") for name, value in values.items() if re.fullmatch(r"step\d+\.seq", name))
+
+
 def interlocks(scenario: Scenario) -> list[Interlock]:
     values = values_of(lines_of(scenario))
     found = [Interlock(values.get(f"{k}.meas", "-"), values.get(f"{k}.mv", "-"), values.get(f"{k}.side", "above"), number(values.get(f"{k}.limit")))

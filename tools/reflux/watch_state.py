@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, field
 
 from reflux.logs import TELEMETRY_VERSION, bare, unit
-from reflux.scenario_settings import numbered
+from reflux.scenario_settings import in_use
 
 MODES = {0: "manual", 1: "auto", 2: "cascade"}
 QUALITIES = {1: "uncertain", 2: "bad", 3: "missing"}
@@ -42,8 +42,7 @@ class BoardState:
     def configuration(self, lines: list[str]) -> None:
         """The reply to `list`."""
         values = {name: value.split()[0] if value.split() else "-" for name, _, value in (line.partition(" = ") for line in lines)}
-        found = [(values.get(f"{k}.name", "-"), values.get(f"{k}.pv", "-"), values.get(f"{k}.out", "-")) for k in numbered(values, "loop")]
-        self.loops = [loop for loop in found if loop[0] != "-"]
+        self.loops = [(name, values.get(f"{k}.pv", "-"), values.get(f"{k}.out", "-")) for name, k in in_use(values, "loop").items()]
 
     def lines(self, width: int) -> list[str]:
         """As many for the same configuration and number of alarms, so that the screen does not jump."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from reflux import logs
 from reflux.commission import closed_loops, frequency
 from reflux.commission.record import Experiment, Record
 from reflux.commission.results import Element
@@ -283,9 +284,7 @@ def trial(r: Record) -> Plot | None:
             if y.name in model:
                 left.plot(*thinned(x, model[y.name], size.points), color=DARK, linewidth=1.1, linestyle="--", label="predicted")
             for name in _setpoints(r, loop.measurement, loop.input):
-                mode = name.removesuffix(".sp") + ".mode"
-                acts = np.array(r.column(mode))[rows] != 0 if r.log.has(mode) else np.ones(len(x), dtype=bool)
-                setpoint = np.where(acts, np.array(r.column(name))[rows], math.nan)  # in manual it follows the measurement and would hide it
+                setpoint = logs.acted_on(r.column(name)[rows], _modes(r, name)[rows])
                 left.step(*thinned(x, setpoint, size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
             left.set_ylabel(f"{y.name}\n[{y.unit}]")
             left.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=7.5)
@@ -314,8 +313,7 @@ def _predicted(r: Record, rows: slice) -> dict[str, np.ndarray]:
     closed = [np.flatnonzero(np.isfinite(sp)) for sp in setpoints]
     if not all(len(k) for k in closed) or len(closed) == 0:
         return {}
-    modes = [np.array(r.column(found[0].removesuffix(".sp") + ".mode"))[rows] if r.log.has(found[0].removesuffix(".sp") + ".mode") else sp * 0 + 1
-             for found, sp in zip(names, setpoints)]
+    modes = [_modes(r, found[0])[rows] for found in names]
     ready = np.flatnonzero(np.all([np.isfinite(sp) & (mode > 0) for sp, mode in zip(setpoints, modes)], axis=0))
     if not len(ready) or abs(np.diff(np.array(r.time)[rows][ready[0]:]) - r.plant.tick_s).max(initial=0.0) > 1e-3 * r.plant.tick_s:
         return {}
@@ -324,6 +322,12 @@ def _predicted(r: Record, rows: slice) -> dict[str, np.ndarray]:
     found = closed_loops.predicted(r, [sp[at:] for sp in setpoints], inputs)
     return {} if found is None else {x.measurement: np.concatenate([np.full(at, math.nan), y[:count - at]])
                                      for x, y in zip(r.proposal.loops, found)}
+
+
+def _modes(r: Record, setpoint: str) -> np.ndarray:
+    """Modes of the loop with this column of setpoints; 1 where the log has none."""
+    mode = logs.mode_of(setpoint)
+    return np.array(r.column(mode) if r.log.has(mode) else [1.0] * len(r.time))
 
 
 def _setpoints(r: Record, measurement: str, input_name: str) -> list[str]:
