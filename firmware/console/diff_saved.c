@@ -2,8 +2,8 @@
 
 #include "console/parameter_words.h"
 
-/* Of a parameter that differs two lines at once, because a second call would search the stored set again: the present value as `set` line,
- * the stored one as a remark. */
+/* Prints two lines of a parameter that differs: the present value as a `set` line, the stored one as a remark. Both come at once, because a
+ * second call would search the stored set again. */
 static bool diff_saved_line(struct client *c, unsigned n, struct text *line)
 {
     char value[BLOCK_NAMES_SIZE];

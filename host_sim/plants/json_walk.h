@@ -47,7 +47,7 @@ double walk_number(struct json_walk *w, const json_t *object, const char *key, d
 /* The same with the limits and the default that the row of the key has. */
 double walk_field(struct json_walk *w, const json_t *object, const struct file_key *keys,
                   const char *key);
-/* How many elements the list of a key holds, within the limits of its row. The path is that of the list. */
+/* Returns the number of elements in the list of a key; the row of the key has its limits. The path is that of the list. */
 size_t walk_list(struct json_walk *w, const json_t *list, const struct file_key *keys,
                  const char *key, const char *what);
 /* The value at the path as a number from lo to hi. */

@@ -95,7 +95,7 @@ static void the_stored_set_is_searched_once_for_each_parameter(void)
     parameters_defaults(&defaults);
     unsigned parameters = parameter_count(&defaults);
     TEST_ASSERT_GREATER_THAN_UINT(parameters / 2u, looks / reads);
-    /* Of mv.max also mv.hi is searched for, which its default follows. */
+    /* The default of mv.max follows mv.hi, so mv.hi is searched for as well. */
     TEST_ASSERT_LESS_OR_EQUAL_UINT(parameters + CHANNEL_MAX, looks / reads);
 }
 

@@ -144,12 +144,12 @@ class Installed(unittest.TestCase):
         if said.returncode and re.search(r"[Pp]ermission denied|not permitted|unshare failed", said.stderr):
             raise unittest.SkipTest(f"this system does not let a process have a root of its own: {said.stderr.strip()}")
         shutil.copy(wheel(), cls.root.folder / "tmp")
-        cls.must("/usr/bin/python3", "-m", "venv", "/root/reflux")
+        cls.must("/usr/bin/python3", "-m", "venv", "/opt/reflux")
         before, begun = processor_s(), time.monotonic()
-        cls.must("/root/reflux/bin/pip", "install", "--no-cache-dir", f"/tmp/{wheel().name}")
+        cls.must("/opt/reflux/bin/pip", "install", "--no-cache-dir", f"/tmp/{wheel().name}")
         installed = time.monotonic()
         (cls.root.folder / "tmp" / "first.py").write_text(ten_lines(), encoding="utf-8")
-        cls.must("/root/reflux/bin/python", "/tmp/first.py", MPLBACKEND="Agg")
+        cls.must("/opt/reflux/bin/python", "/tmp/first.py", MPLBACKEND="Agg")
         took_s, cls.processor_s = time.monotonic() - begun, processor_s() - before
         print(f"from pip install to the first plot: {took_s:.1f} s ({installed - begun:.1f} s of it pip), {cls.processor_s:.1f} s of processor "
               f"time; the wheel has {wheel().stat().st_size / 1e6:.1f} MB", flush=True)
@@ -186,20 +186,20 @@ class Installed(unittest.TestCase):
         for name in ("reflux-sim", "reflux-sim-memory", "libreflux_lab.so"):
             said = self.must(self.within(loader), "--list", self.within(place / name))
             self.assertNotIn("not found", said)
-            self.assertEqual(len(re.findall(r"=> /root/reflux/\S*/reflux\.libs/lib", said)), len(LIBRARIES), said)
+            self.assertEqual(len(re.findall(r"=> /opt/reflux/\S*/reflux\.libs/lib", said)), len(LIBRARIES), said)
 
     def test_the_command_has_the_tools_of_users_and_the_rest_is_refused(self) -> None:
-        said = self.must("/root/reflux/bin/reflux", "--help")
+        said = self.must("/opt/reflux/bin/reflux", "--help")
         for name in ("run", "demo", "play", "commission", "console", "column"):
             self.assertRegex(said, rf"(?m)^  {name} ")
         self.assertNotIn("development", said)
-        self.assertIn("usage: reflux commission", self.must("/root/reflux/bin/reflux", "commission", "--help"))
-        refused = self.root.run("/root/reflux/bin/reflux", "test")
+        self.assertIn("usage: reflux commission", self.must("/opt/reflux/bin/reflux", "commission", "--help"))
+        refused = self.root.run("/opt/reflux/bin/reflux", "test")
         self.assertEqual(refused.returncode, 2)
         self.assertIn("an installed package does not have it", refused.stderr)
 
     def test_a_run_has_the_log_of_the_repository_bit_for_bit(self) -> None:
-        said = self.must("/root/reflux/bin/reflux", "run", "demo", "--out", "/tmp/demo")
+        said = self.must("/opt/reflux/bin/reflux", "run", "demo", "--out", "/tmp/demo")
         self.assertIn("the host build runs the scenario", said)
         with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
             here = subprocess.run([str(ROOT / "tools" / "run"), "demo", "--firmware", "host", "--out", folder, "--no-report"], capture_output=True, check=False)
@@ -210,13 +210,13 @@ class Installed(unittest.TestCase):
         self.assertIn("reflux run demo --firmware host", (self.root.folder / "tmp" / "demo" / "report.html").read_text(encoding="utf-8"))
 
     def test_a_start_up_keeps_its_loops(self) -> None:
-        said = self.must("/root/reflux/bin/reflux", "commission", "--plant", "wood-berry", "--yes", "--out", "/tmp/start-up")
+        said = self.must("/opt/reflux/bin/reflux", "commission", "--plant", "wood-berry", "--yes", "--out", "/tmp/start-up")
         self.assertRegex(said, r"(?m)^xD auto .*\nxB auto ")
         self.assertNotIn("tools/", said)
 
     def test_the_console_of_a_board_in_a_process_answers(self) -> None:
         script = "from reflux import Lab; import reflux; lab = Lab('wood-berry'); print(lab.command('status')); print(reflux.rga([[2, 1], [1, 2]]))"
-        self.assertIn("1.333", self.must("/root/reflux/bin/python", "-c", script))
+        self.assertIn("1.333", self.must("/opt/reflux/bin/python", "-c", script))
 
 
 def processor_s() -> float:

@@ -12,7 +12,7 @@ from pathlib import Path
 from reflux import build, launch, scenario_settings, session, simulator, textfile, watch
 from reflux import scenario as scenarios
 from reflux.errors import Ended, RunFailed, UserError
-from reflux.paths import SCENARIOS, named, shown, tool
+from reflux.paths import SCENARIOS, shown, tool
 from reflux.ports import Port
 from reflux.scenario import Scenario, check_speed
 from reflux.schema import load_toml
