@@ -85,7 +85,7 @@ class Liquid:
 
 
 def activity_coefficients(activity: dict[str, Any], x: Sequence[float], t: float) -> list[float]:
-    """docs/use/columns.md, Activity."""
+    """tests/reference/column-equations.md, Activity."""
     n, total = range(len(x)), sum(x)
     x = [xj / total for xj in x]
     a, b = activity["a"], activity.get("b") or [[0.0] * len(x) for _ in n]
