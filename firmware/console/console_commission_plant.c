@@ -26,7 +26,7 @@ bool commission_plant_line(struct client *c, unsigned n, struct text *line)
         bool manipulated = n > outputs;
         uint8_t i = (uint8_t)(n - 1u - (manipulated ? outputs : 0u));
         struct io_channel channel = s->io.channel(s->io.context, manipulated, i);
-        text_str(line, manipulated ? "input " : "output ");
+        text_str(line, manipulated ? "output " : "measurement ");
         text_str(line, channel.name);
         text_named_str(line, "unit", channel.unit);
         text_named_float(line, "lo", channel.lo);

@@ -17,8 +17,8 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
 {
     wood_berry(NULL);
     SHOWS("commission", "phase idle");
-    SHOWS("commission plant", "plant tick s 60", "output xD unit %w lo 80 hi 112",
-          "input R unit lb/min");
+    SHOWS("commission plant", "plant tick s 60", "measurement xD unit %w lo 80 hi 112",
+          "output R unit lb/min");
     /* 60 samples of a minute in all that is known least, 1000 at most, both inputs, 4 rounds and 3 tests again; nothing has
      * moved. */
     SHOWS("commission plan", "plan inputs 2 outputs 2 rounds 4 hours at least 10 at most 991.6667",
@@ -61,9 +61,9 @@ static void before_it_begins_every_listing_says_so_and_no_more(void)
     static const char *const later[] = {"commission gains", "commission pairing",
                                         "commission proposal"};
     ANSWERS("commission", "phase idle");
-    ANSWERS("commission plant", "plant tick s 60 name handmade", "output xD unit %w lo 80 hi 112",
-            "output xB unit %w lo -20 hi 20", "input R unit lb/min lo 0 hi 4 safe 1.95",
-            "input S unit lb/min lo 0 hi 4 safe 0");
+    ANSWERS("commission plant", "plant tick s 60 name handmade",
+            "measurement xD unit %w lo 80 hi 112", "measurement xB unit %w lo -20 hi 20",
+            "output R unit lb/min lo 0 hi 4 safe 1.95", "output S unit lb/min lo 0 hi 4 safe 0");
     for (unsigned i = 0; i < sizeof later / sizeof later[0]; i++)
         answers_with(later[i], nothing);
     ANSWERS("commission structure", "structure none: the pairing must be determined first");

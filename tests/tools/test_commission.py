@@ -8,13 +8,13 @@ from unittest import mock
 
 from support import FolderTest, call
 
-from reflux import session
+from reflux import cmd_commission, session
 from reflux.commission import answers, answers_board, answers_file, board, dialogue, figures, next_steps, progress, record, results, results_text
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
 
-PLANT = ["plant tick s 60 name oven", "output T unit degC lo 0 hi 200", "output x unit - lo 0 hi 1",
-         "input h unit kW lo 0 hi 4 safe 0", "input c unit l/h lo 0 hi 10 safe 5"]
+PLANT = ["plant tick s 60 name oven", "measurement T unit degC lo 0 hi 200", "measurement x unit - lo 0 hi 1",
+         "output h unit kW lo 0 hi 4 safe 0", "output c unit l/h lo 0 hi 10 safe 5"]
 PARAMETERS = {"test.guard": "model", "test.blank": "0", "test.noise": "20", "test.window": "30", "test.longest": "0",
               "test.confidence": "0.975", "test.rounds": "4", "test.pairs": "found",
               "test.probe": "1.5"}
@@ -70,6 +70,22 @@ class Commands(FolderTest):
                 self.assertEqual(err.count("\n"), 1)
 
 
+class Folders(FolderTest):
+    def test_the_files_of_a_start_up_that_began_are_kept_once_another_comes(self) -> None:
+        for begun, plots in (("! 60 COMMISSION_BEGUN", 2), ("nobody said yes", 1), ("! 90 COMMISSION_BEGUN", 1)):
+            (self.folder / "transcript.txt").write_text(begun, encoding="utf-8")
+            for n in range(plots):
+                (self.folder / f"plot-{n}.png").write_text(begun, encoding="utf-8")
+            cmd_commission.set_aside(self.folder)
+            self.assertEqual([f.name for f in self.folder.iterdir()], ["before"])
+            kept = {f.name: f.read_text(encoding="utf-8") for f in (self.folder / "before").iterdir()}
+            if "90" in begun:
+                self.assertEqual(kept, {"transcript.txt": begun, "plot-0.png": begun})
+            else:
+                first = "! 60 COMMISSION_BEGUN"
+                self.assertEqual(kept, {"transcript.txt": first, "plot-0.png": first, "plot-1.png": first})
+
+
 class Lines(unittest.TestCase):
     def test_the_plant_as_announced(self) -> None:
         plant = board.plant_of(PLANT)
@@ -77,6 +93,11 @@ class Lines(unittest.TestCase):
         self.assertEqual([c.name for c in plant.measurements], ["T", "x"])
         self.assertEqual(plant.inputs[1], board.Channel("c", "l/h", 0.0, 10.0, 5.0))
         self.assertIsNone(board.plant_of(["no plant is connected"]))
+
+    def test_older_records_call_measurements_outputs_and_outputs_inputs(self) -> None:
+        old = [line.replace("output", "input").replace("measurement", "output") for line in PLANT]
+        self.assertEqual(old[1:4:2], ["output T unit degC lo 0 hi 200", "input h unit kW lo 0 hi 4 safe 0"])
+        self.assertEqual(board.plant_of(old), board.plant_of(PLANT))
 
     def test_status(self) -> None:
         state = board.state_of(["state run, plant link ready oven, plant time 240.000 s, base tick 60 s ticks 5, "

@@ -59,7 +59,7 @@ class Units(FolderTest):
                 self.assertIn("$.outputs[0].unit: ", err)
 
     def test_a_unit_with_a_blank_from_a_board_is_shown_as_it_is(self) -> None:
-        found = board.plant_of(["plant tick s 5 name heater", "output T unit deg C lo 0 hi 100", "input Q unit % lo 0 hi 100 safe 10"])
+        found = board.plant_of(["plant tick s 5 name heater", "measurement T unit deg C lo 0 hi 100", "output Q unit % lo 0 hi 100 safe 10"])
         assert found is not None
         self.assertEqual([(c.name, c.unit, c.lo, c.hi, c.safe) for c in (*found.measurements, *found.inputs)],
                          [("T", "deg C", 0, 100, 0), ("Q", "%", 0, 100, 10)])

@@ -64,7 +64,7 @@ class Reports(FolderTest):
 
     def test_nothing_that_a_board_calls_itself_becomes_markup(self) -> None:
         (self.folder / "telemetry.csv").write_text("H,1,number,time[s]\nT,1,0,0.000\n")
-        said = [f"> version\n0 < {HOSTILE}\n0 < ok", f"> commission plant\n0 < plant tick s 60 name {HOSTILE}\n0 < input h unit kW lo 0 hi 4 safe 0\n0 < ok",
+        said = [f"> version\n0 < {HOSTILE}\n0 < ok", f"> commission plant\n0 < plant tick s 60 name {HOSTILE}\n0 < output h unit kW lo 0 hi 4 safe 0\n0 < ok",
                 f"< ! 1.0 alarm COMMISSION_ENDED - 1 {HOSTILE}", f"< ! 1.0 info {HOSTILE} {HOSTILE} 1 {HOSTILE}"]
         (self.folder / "transcript.txt").write_text("".join(f"0.000 {line}\n" for line in said))
         (self.folder / "answers.toml").write_text(HOSTILE)

@@ -7,6 +7,7 @@ import contextlib
 import csv
 import math
 import re
+import shutil
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -77,8 +78,7 @@ def main(arguments: list[str]) -> int:
     if options.file:
         load_toml(options.file)  # what is no file at all is told before anything is started
     with runner.locked(out), contextlib.ExitStack() as stack:
-        for old in (*(out / file for file in FILES), *out.glob("plot-*.png")):
-            old.unlink(missing_ok=True)
+        set_aside(out)
         bench = stack.enter_context(simulated(options)) if options.plant else Bench(options.port)
         port = stack.enter_context(contextlib.closing(Port(bench.console)))
         transcript = stack.enter_context(contextlib.closing(Transcript(out)))
@@ -92,6 +92,25 @@ def main(arguments: list[str]) -> int:
     for words in left:
         print(words, flush=True)
     return LEFT_OVER if left else 0
+
+
+def set_aside(out: Path) -> None:
+    """An earlier start-up's files go to OUT/before: hours on a plant are not thrown away for an answer that may be no. One that never
+    began leaves what is there."""
+    old = [*(out / file for file in FILES), *out.glob("plot-*.png")]
+    try:
+        began = (out / "transcript.txt").exists() and "COMMISSION_BEGUN" in (out / "transcript.txt").read_text()
+        if began:
+            before = out / "before"
+            shutil.rmtree(before, ignore_errors=True)
+            before.mkdir()
+            print(f"files of the start-up before: {shown(before)}", flush=True)
+        for file in old:
+            if began and file.exists():
+                file.rename(out / "before" / file.name)
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise UserError(f"{shown(out)} cannot be written: {error.strerror}") from None
 
 
 def check(options: argparse.Namespace) -> None:

@@ -108,19 +108,21 @@ def pairs_of(words: list[str]) -> dict[str, str]:
 
 
 def plant_of(lines: list[str]) -> Plant | None:
-    """Reply to `commission plant`; None where no plant is connected."""
+    """Reply to `commission plant`; None where no plant is connected. Older records say output and input, as seen from the
+    plant; only what the board moves has a safe value."""
     name, tick = "", 0.0
-    kinds: dict[str, list[Channel]] = {"output": [], "input": []}
+    measurements: list[Channel] = []
+    moved: list[Channel] = []
     for line in lines:
         words = line.split()
         if words[0] == "plant" and len(words) > 4:
             tick, name = float(words[3]), " ".join(words[5:])
-        elif channel := re.fullmatch(r"(output|input) (\S+) unit (.+) lo (\S+) hi (\S+)(?: safe (\S+))?", line):
-            kind, channel_name, unit, lo, hi, safe = channel.groups(default="0")
-            kinds[kind].append(Channel(channel_name, unit, float(lo), float(hi), float(safe)))
-    if not kinds["output"] and not kinds["input"]:
+        elif channel := re.fullmatch(r"(?:measurement|output|input) (\S+) unit (.+) lo (\S+) hi (\S+)(?: safe (\S+))?", line):
+            channel_name, unit, lo, hi, safe = channel.groups()
+            (moved if safe else measurements).append(Channel(channel_name, unit, float(lo), float(hi), float(safe or 0)))
+    if not measurements and not moved:
         return None
-    return Plant(name, tick, tuple(kinds["output"]), tuple(kinds["input"]))
+    return Plant(name, tick, tuple(measurements), tuple(moved))
 
 
 def state_of(lines: list[str]) -> State:
