@@ -12,10 +12,11 @@
 #define WATCH_SDS   REAL_C(3.0) /* the same in whole tests, of extremes that count twice */
 #define HARD_NOISE  REAL_C(4.0) /* standard deviations of the noise past a limit */
 #define NOISE_SHARE REAL_C(0.1) /* share of the limit that is subtracted from them */
-#define AHEAD       REAL_C(2.0) /* samples until a passed limit is detected */
+#define AHEAD       REAL_C(2.0) /* samples until a passed limit is detected, or a move shows */
 #define LINE_SDS    REAL_C(3.0) /* standard deviations of a slope that are noise */
 /* Time constants after which a response has shown its wrong-way reach and its end but for a tenth. */
 #define SEEN_LAGS  REAL_C(2.3)
+#define NEAR_SHARE REAL_C(0.5) /* of the room, within which a step leaves the rest to a drift */
 #define ENDS_SHARE REAL_C(0.9) /* of the room, where nothing can restore the output */
 #define RUNS_SHARE REAL_C(0.5) /* of the room */
 
@@ -45,16 +46,6 @@ real_t limits_away(const struct experiment *e, uint8_t j, const real_t *y)
     real_t slope = o ? origin_drift(o, j, experiment_slope(e, j)) : experiment_slope(e, j);
     return steady_away(y[j] - experiment_rest(e, j), slope * rest_age_s(e),
                        DRIFT_SHARE * experiment_settings(e)->limit[j]);
-}
-
-/* Distance of output j from where drifts may have carried it since rest, however often they have turned. */
-static real_t away_at_least(const struct experiment *e, uint8_t j, const real_t *y)
-{
-    REFLUX_ASSERT(j < CHANNEL_MAX);
-    const struct origin *o = experiment_settings(e)->origin;
-    real_t fastest = o ? origin_fastest(o, j) : experiment_slope(e, j);
-    return steady_beyond(y[j] - experiment_rest(e, j), fastest * rest_age_s(e),
-                         DRIFT_SHARE * experiment_settings(e)->limit[j]);
 }
 
 int limits_spent(const struct experiment *e)
@@ -176,7 +167,7 @@ static real_t peak_by_model(const struct experiment *e, uint8_t j, real_t away)
         return away;
     real_t sure = real_abs(f->gain) - f->gain_sd;
     real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * experiment_amplitude(e);
-    real_t waits = f->dead_time_s + REAL_C(2.0) * c->h_s;
+    real_t waits = f->dead_time_s + AHEAD * c->h_s;
     return away + (ends - away) * (REAL_C(1.0) - real_exp(-waits / f->time_constant_s));
 }
 
@@ -251,6 +242,18 @@ enum err limits_judge(struct experiment *e, const real_t *y, enum limits_verdict
     return ERR_OK;
 }
 
+/* Speed of output j away from its rest per sample, by the two latest points of the record; 0 where it comes nearer. */
+static real_t leaving(const struct experiment *e, uint8_t j, real_t away)
+{
+    const struct record *r = experiment_record(e);
+    if (r->points < 2u)
+        return REAL_C(0.0);
+    real_t way = (r->y[j][r->points - 1u] - r->y[j][r->points - 2u]) / (real_t)r->block;
+    way = away > REAL_C(0.0) ? way : -way;
+    real_t noise = TWO_SAMPLES * experiment_before(e, j)->noise_sd / (real_t)r->block;
+    return way > noise ? way - noise : REAL_C(0.0);
+}
+
 bool limits_far_enough(const struct experiment *e, const real_t *y)
 {
     const struct record *r = experiment_record(e);
@@ -265,12 +268,14 @@ bool limits_far_enough(const struct experiment *e, const real_t *y)
                     (apart_s * (real_t)apart);
         real_t to_come = slope * experiment_settings(e)->dead_time_s[j];
         real_t away = limits_away(e, j, y), room = limits_room(e, j);
+        /* A move takes two samples to show. */
+        real_t coasts = leaving(e, j, away) * AHEAD;
         /* An output that still returns from the other side comes nearer; but a drift may carry it on. */
         bool other_side = away * experiment_at_turn(e, j) > REAL_C(0.0) &&
                           experiment_waited(e) <= experiment_half(e) / 2u;
         real_t noise = REAL_C(2.0) * experiment_before(e, j)->noise_sd;
         if (other_side ? real_abs(away) > room + noise
-                       : real_abs(away + to_come) > TURN_SHARE * room)
+                       : real_abs(away + to_come) + coasts > TURN_SHARE * room)
             return true;
     }
     return false;
@@ -285,18 +290,6 @@ static bool runs(const struct experiment *e, uint8_t j, real_t away, real_t room
     uint32_t waits = experiment_is_pausing(e) ? 2u * experiment_half(e) : experiment_half(e) / 2u;
     return (same_side || experiment_phase(e) == EXPERIMENT_BACK) && experiment_waited(e) >= waits &&
            real_abs(away) > RUNS_SHARE * room;
-}
-
-/* Speed of output j away from its rest per sample, by the two latest points of the record; 0 where it comes nearer. */
-static real_t leaving(const struct experiment *e, uint8_t j, real_t away)
-{
-    const struct record *r = experiment_record(e);
-    if (r->points < 2u)
-        return REAL_C(0.0);
-    real_t way = (r->y[j][r->points - 1u] - r->y[j][r->points - 2u]) / (real_t)r->block;
-    way = away > REAL_C(0.0) ? way : -way;
-    real_t noise = TWO_SAMPLES * experiment_before(e, j)->noise_sd / (real_t)r->block;
-    return way > noise ? way - noise : REAL_C(0.0);
 }
 
 /* Noise beyond a limit that is no excursion, where noise is large beside the room. */
@@ -326,13 +319,39 @@ int limits_strayed(struct experiment *e, const real_t *y)
     return -1;
 }
 
+/* By the latest interim fit, the step alone takes output j no farther than a share of its room that leaves the rest to a drift. */
+static bool stays_near(const struct experiment *e, uint8_t j)
+{
+    const struct identified *f = experiment_found(e, j);
+    if (!experiment_has_model(e) || f->flags & IDENTIFIED_INTEGRATING)
+        return false;
+    bool none = f->flags & IDENTIFIED_NO_GAIN;
+    if (!none && !interim_fit_is_known(f))
+        return false;
+    real_t reach = limits_reach(e, j, none ? REAL_C(0.0) : f->gain) * experiment_amplitude(e);
+    return reach <= NEAR_SHARE * limits_room(e, j);
+}
+
+/* Distance of output j from where drifts may have carried it since rest. Once the drift may have turned it counts as far as the
+ * test knows that the step does not explain the deviation. */
+static real_t away_at_least(const struct experiment *e, uint8_t j, const real_t *y)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct origin *o = experiment_settings(e)->origin;
+    real_t limit = experiment_settings(e)->limit[j], from = limits_away(e, j, y);
+    if (experiment_phase(e) <= EXPERIMENT_UP)
+        return from;
+    real_t speed = o ? origin_drift(o, j, experiment_slope(e, j)) : experiment_slope(e, j);
+    if (o && stays_near(e, j))
+        speed = origin_fastest(o, j);
+    return steady_beyond(y[j] - experiment_rest(e, j), speed * rest_age_s(e), DRIFT_SHARE * limit);
+}
+
 int limits_past(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         real_t limit = experiment_settings(e)->limit[j], room = limits_room(e, j);
-        real_t from =
-            experiment_phase(e) > EXPERIMENT_UP ? away_at_least(e, j, y) : limits_away(e, j, y);
-        real_t away = real_abs(from);
+        real_t from = away_at_least(e, j, y), away = real_abs(from);
         real_t used = (away + limit - room) / limit;
         if (used > experiment_guards(e)->worst) {
             experiment_guards(e)->worst = used;

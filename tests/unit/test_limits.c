@@ -369,7 +369,7 @@ static void recorded(const double *points, unsigned n)
 static void on_the_way_down_what_comes_in_a_dead_time_counts(void)
 {
     /* Over half of 20 s, in points of 4 s: three of them. */
-    static const double points[] = {0.3, -0.3, 0.2, 0, 0, 0.1, -0.04, 0.3, 0.5, -0.10};
+    static const double points[] = {0.3, -0.3, 0.2, 0, 0, 0.1, -0.04, -0.10, -0.10, -0.10};
     e.phase = EXPERIMENT_DOWN;
     e.config.dead_time_s[1] = 20;
     e.half = 21;
@@ -386,7 +386,6 @@ static void on_the_way_down_what_comes_in_a_dead_time_counts(void)
     is(1, 0.0995 + 0.2);
     TEST_ASSERT_FALSE(limits_far_enough(&e, y)); /* it comes nearer: 0.1995 */
     e.config.dead_time_s[1] = 0;
-    recorded(points, 10);
     is(1, 0.1995);
     TEST_ASSERT_FALSE(limits_far_enough(&e, y));
     is(1, 0.2005);
@@ -396,6 +395,23 @@ static void on_the_way_down_what_comes_in_a_dead_time_counts(void)
     is(1, 0.0);
     is(0, -0.2005);
     TEST_ASSERT_TRUE(limits_far_enough(&e, y));
+}
+
+static void on_the_way_down_two_samples_at_the_present_speed_count_less_noise(void)
+{
+    /* Away by 0.0178125 in two samples, of which two deviations are noise. */
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const double points[] = {0.1, 0.1 + sign * (0.01 + 2.0 / 256)};
+        setUp();
+        e.phase = EXPERIMENT_DOWN;
+        recorded(points, 2);
+        is(1, sign * 0.1895); /* and 0.01, of 0.8 times 0.25 */
+        TEST_ASSERT_FALSE(limits_far_enough(&e, y));
+        is(1, sign * 0.1905);
+        TEST_ASSERT_TRUE(limits_far_enough(&e, y));
+        is(1, sign * -0.1995); /* it comes nearer */
+        TEST_ASSERT_FALSE(limits_far_enough(&e, y));
+    }
 }
 
 static void for_half_a_level_it_may_still_be_on_its_way_from_the_other_side(void)
@@ -520,17 +536,40 @@ static void after_the_first_half_a_drift_may_have_turned(void)
     }
 }
 
-static void the_fastest_drift_of_any_rest_may_have_come_back(void)
+static void nothing_excuses(void)
 {
+    TEST_ASSERT_TRUE(past(0.2501));
+    TEST_ASSERT_FALSE(past(0.2499));
+}
+
+static void the_fastest_drift_of_any_rest_counts_where_the_step_stays_near(void)
+{
+    struct identified *f = &e.interim_fit.found[1];
     with_origin();
     origin.channel[1].drift_per_s = REAL_C(1.0) / 1024; /* the latest rest shows none */
     e.half = 1000;
-    TEST_ASSERT_TRUE(past(0.2501));
+    e.interim_fitted = true;
+    *f = (struct identified){.gain = REAL_C(0.99), .gain_sd = REAL_C(0.25), .time_constant_s = 9};
+    nothing_excuses(); /* the positive half */
     e.phase = EXPERIMENT_DOWN;
+    f->gain = REAL_C(1.01); /* more than half of 0.25 by a step of 0.125 */
+    nothing_excuses();
+    f->gain = REAL_C(0.99);
+    f->gain_sd = REAL_C(0.5); /* not known */
+    nothing_excuses();
+    f->gain_sd = REAL_C(0.25);
+    f->flags = IDENTIFIED_INTEGRATING;
+    nothing_excuses();
+    f->flags = 0;
+    e.interim_fitted = false;
+    nothing_excuses();
+    e.interim_fitted = true;
     TEST_ASSERT_FALSE(past(0.281));
     TEST_ASSERT_FALSE(past(-0.281));
     TEST_ASSERT_TRUE(past(0.2815));
     TEST_ASSERT_TRUE(past(-0.2815));
+    *f = (struct identified){.flags = IDENTIFIED_NO_GAIN};
+    TEST_ASSERT_FALSE(past(0.281));
 }
 
 static void what_runs_away_is_stopped_before_its_limit(void)
@@ -593,11 +632,12 @@ int main(void)
     RUN_TEST(a_response_is_seen_after_dead_time_and_23_time_constants);
     RUN_TEST(a_line_that_trips_is_counted_from_rest);
     RUN_TEST(on_the_way_down_what_comes_in_a_dead_time_counts);
+    RUN_TEST(on_the_way_down_two_samples_at_the_present_speed_count_less_noise);
     RUN_TEST(for_half_a_level_it_may_still_be_on_its_way_from_the_other_side);
     RUN_TEST(before_the_step_it_may_stray_for_nine_tenths_of_the_room);
     RUN_TEST(a_limit_is_passed_where_two_samples_are_beyond_it);
     RUN_TEST(after_the_first_half_a_drift_may_have_turned);
-    RUN_TEST(the_fastest_drift_of_any_rest_may_have_come_back);
+    RUN_TEST(the_fastest_drift_of_any_rest_counts_where_the_step_stays_near);
     RUN_TEST(what_runs_away_is_stopped_before_its_limit);
     return UNITY_END();
 }
