@@ -16,7 +16,6 @@
 #define LINE_SDS    REAL_C(3.0) /* standard deviations of a slope that are noise */
 /* Time constants after which a response has shown its wrong-way reach and its end but for a tenth. */
 #define SEEN_LAGS  REAL_C(2.3)
-#define NEAR_SHARE REAL_C(0.5) /* of the room, within which a step leaves the rest to a drift */
 #define ENDS_SHARE REAL_C(0.9) /* of the room, where nothing can restore the output */
 #define RUNS_SHARE REAL_C(0.5) /* of the room */
 
@@ -46,6 +45,16 @@ real_t limits_away(const struct experiment *e, uint8_t j, const real_t *y)
     real_t slope = o ? origin_drift(o, j, experiment_slope(e, j)) : experiment_slope(e, j);
     return steady_away(y[j] - experiment_rest(e, j), slope * rest_age_s(e),
                        DRIFT_SHARE * experiment_settings(e)->limit[j]);
+}
+
+/* Distance of output j from where drifts may have carried it since rest, however often they have turned. */
+static real_t away_at_least(const struct experiment *e, uint8_t j, const real_t *y)
+{
+    REFLUX_ASSERT(j < CHANNEL_MAX);
+    const struct origin *o = experiment_settings(e)->origin;
+    real_t fastest = o ? origin_fastest(o, j) : experiment_slope(e, j);
+    return steady_beyond(y[j] - experiment_rest(e, j), fastest * rest_age_s(e),
+                         DRIFT_SHARE * experiment_settings(e)->limit[j]);
 }
 
 int limits_spent(const struct experiment *e)
@@ -319,39 +328,13 @@ int limits_strayed(struct experiment *e, const real_t *y)
     return -1;
 }
 
-/* By the latest interim fit, the step alone takes output j no farther than a share of its room that leaves the rest to a drift. */
-static bool stays_near(const struct experiment *e, uint8_t j)
-{
-    const struct identified *f = experiment_found(e, j);
-    if (!experiment_has_model(e) || f->flags & IDENTIFIED_INTEGRATING)
-        return false;
-    bool none = f->flags & IDENTIFIED_NO_GAIN;
-    if (!none && !interim_fit_is_known(f))
-        return false;
-    real_t reach = limits_reach(e, j, none ? REAL_C(0.0) : f->gain) * experiment_amplitude(e);
-    return reach <= NEAR_SHARE * limits_room(e, j);
-}
-
-/* Distance of output j from where drifts may have carried it since rest. Once the drift may have turned it counts as far as the
- * test knows that the step does not explain the deviation. */
-static real_t away_at_least(const struct experiment *e, uint8_t j, const real_t *y)
-{
-    REFLUX_ASSERT(j < CHANNEL_MAX);
-    const struct origin *o = experiment_settings(e)->origin;
-    real_t limit = experiment_settings(e)->limit[j], from = limits_away(e, j, y);
-    if (experiment_phase(e) <= EXPERIMENT_UP)
-        return from;
-    real_t speed = o ? origin_drift(o, j, experiment_slope(e, j)) : experiment_slope(e, j);
-    if (o && stays_near(e, j))
-        speed = origin_fastest(o, j);
-    return steady_beyond(y[j] - experiment_rest(e, j), speed * rest_age_s(e), DRIFT_SHARE * limit);
-}
-
 int limits_past(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < experiment_settings(e)->outputs; j++) {
         real_t limit = experiment_settings(e)->limit[j], room = limits_room(e, j);
-        real_t from = away_at_least(e, j, y), away = real_abs(from);
+        real_t from =
+            experiment_phase(e) > EXPERIMENT_UP ? away_at_least(e, j, y) : limits_away(e, j, y);
+        real_t away = real_abs(from);
         real_t used = (away + limit - room) / limit;
         if (used > experiment_guards(e)->worst) {
             experiment_guards(e)->worst = used;
