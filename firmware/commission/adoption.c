@@ -4,6 +4,7 @@
 #include "commission/adoption_state.h"
 #include "commission/margin_probe.h"
 #include "commission/swing.h"
+#include "commission/trial_line.h"
 #include "commission/trial_step.h"
 
 #include <string.h>
@@ -18,14 +19,9 @@ enum stage {
 #define NOISE_MULTIPLE REAL_C(4.0)
 #define AUTO_TICKS     3u /* until a requested mode is in force */
 #define LISTEN_TICK    2u /* in which inner loops follow; the first may be that of the beginning */
-#define DRIFT_SDS      REAL_C(3.0) /* standard deviations of a slope from which it is a drift */
-/* Share of a step that a drift may carry in its time without being relevant. */
-#define DRIFT_SHARE REAL_C(0.05)
-#define DRIFT_MOST  REAL_C(0.5) /* largest share of a limit by which setpoints follow a drift */
-#define PATIENCE    3u          /* further windows where the line is bent */
-#define BEND_SDS    REAL_C(4.0)
-#define BEND_SHARE  REAL_C(0.1) /* of a step */
-#define MOVED_LEAST REAL_C(1e-5)
+#define DRIFT_MOST     REAL_C(0.5) /* largest share of a limit by which setpoints follow a drift */
+#define PATIENCE       3u          /* further windows where the line is bent */
+#define MOVED_LEAST    REAL_C(1e-5)
 
 static void ask(struct supervisor *s, uint8_t i, enum loop_mode mode)
 {
@@ -141,24 +137,19 @@ static uint8_t channel_of(const struct adoption *a, const struct supervisor *s, 
     return at;
 }
 
-static real_t hypotenuse(real_t x, real_t y)
+/* Time since the lines were fitted, s. */
+static real_t age_s(const struct adoption *a, const struct supervisor *s)
 {
-    return real_sqrt(x * x + y * y);
+    return (real_t)a->since * s->plan->tick_s;
 }
 
-/* The plant has left its line, or climbs differently: the loops did not cause what happened since. */
+/* At the end of a rest after a doubtful step: measurement k did not stay on its line. */
 static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8_t k,
                      const struct steady_result *now)
 {
     REFLUX_ASSERT(k < a->channels && a->turn < a->n);
-    const struct adoption_channel *c = &a->channel[k];
-    real_t h = s->plan->tick_s, step = real_abs(a->loop[a->turn].step) * BEND_SHARE;
-    real_t since = (real_t)a->since * h - now->age_s, lasts = a->loop[a->turn].duration_s;
-    real_t away = real_abs(now->mean - c->rest - c->slope_per_s * since);
-    real_t steeper = real_abs(now->slope_per_s - c->slope_per_s) * lasts;
-    real_t away_sd = hypotenuse(hypotenuse(now->mean_sd, c->rest_sd), c->slope_sd_per_s * since);
-    real_t steeper_sd = hypotenuse(now->slope_sd_per_s, c->slope_sd_per_s) * lasts;
-    return away > step + BEND_SDS * away_sd || steeper > step + BEND_SDS * steeper_sd;
+    const struct adoption_loop *loop = &a->loop[a->turn];
+    return trial_line_has_bent(&a->channel[k].line, now, age_s(a, s), loop->step, loop->duration_s);
 }
 
 /* Takes a new line for the measurement. */
@@ -166,18 +157,12 @@ static void take_line(struct adoption *a, const struct supervisor *s, uint8_t k,
                       const struct steady_result *now)
 {
     REFLUX_ASSERT(k < a->channels);
-    struct adoption_channel *c = &a->channel[k];
     real_t most = (real_t)longest(a, s) * s->plan->tick_s, least = INFINITY;
     for (uint8_t i = 0; i < a->n; i++)
         if (real_abs(a->loop[i].step) < least)
             least = real_abs(a->loop[i].step);
-    c->slope_per_s = now->slope_per_s;
-    c->slope_sd_per_s = now->slope_sd_per_s;
-    c->rest_sd = now->mean_sd;
-    c->drifts = real_abs(now->slope_per_s) > DRIFT_SDS * now->slope_sd_per_s &&
-                real_abs(now->slope_per_s) * most > DRIFT_SHARE * least;
-    c->rest = c->drifts ? now->mean + now->slope_per_s * now->age_s : now->mean;
-    if (c->drifts)
+    trial_line_take(&a->channel[k].line, now, most, least);
+    if (trial_line_drifts(&a->channel[k].line))
         a->drifting = true;
 }
 
@@ -213,7 +198,7 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
         if (a->doubt != ADOPTION_RUNNING && has_bent(a, s, k, &now))
             bent = true;
         take_line(a, s, k, &now);
-        origin_take(a->origin, a->channel[k].output, &now, a->channel[k].rest);
+        origin_take(a->origin, a->channel[k].output, &now, trial_line_rest(&a->channel[k].line));
         if (origin_spent(a->origin, a->channel[k].output, a->channel[k].limit) > REAL_C(1.0))
             return fail_trial(a, ADOPTION_LEFT, k);
     }
@@ -269,11 +254,9 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
 /* Distance that channel k has drifted since the line was fitted. */
 static real_t carried(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
+    REFLUX_ASSERT(k < a->channels);
     const struct adoption_channel *c = &a->channel[k];
-    if (!c->drifts)
-        return REAL_C(0.0);
-    real_t by = c->slope_per_s * (real_t)a->since * s->plan->tick_s, most = DRIFT_MOST * c->limit;
-    return real_clamp(by, -most, most);
+    return trial_line_carried(&c->line, age_s(a, s), DRIFT_MOST * c->limit);
 }
 
 /* Inner loops follow a tick later than the others, because outer loops, which may be new, must first have followed the inner
@@ -297,7 +280,8 @@ static enum adoption_result watch_trial(struct adoption *a, const struct supervi
     }
     for (uint8_t k = 0; k < a->channels; k++) {
         const struct adoption_channel *c = &a->channel[k];
-        real_t away = steady_away(measured(a, s, k) - c->rest, carried(a, s, k), c->limit);
+        real_t away =
+            steady_away(measured(a, s, k) - trial_line_rest(&c->line), carried(a, s, k), c->limit);
         if (real_abs(away) > c->limit - left_of(a, k) + NOISE_MULTIPLE * c->noise_sd)
             return fail_trial(a, ADOPTION_PAST_LIMIT, k);
     }
@@ -321,7 +305,7 @@ static void place_setpoints(struct adoption *a, struct supervisor *s)
             return; /* not there yet */
     for (uint8_t k = 0; k < a->n; k++) {
         struct loop_state *l = &s->loop[a->loop[k].loop];
-        real_t at = a->channel[k].rest + carried(a, s, k);
+        real_t at = trial_line_rest(&a->channel[k].line) + carried(a, s, k);
         if (k == a->turn && a->stage == STAGE_STEP)
             at += a->loop[k].step;
         l->target = num_from_float(within_setpoint_limits(s, a->loop[k].loop, at));

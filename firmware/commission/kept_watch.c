@@ -136,7 +136,7 @@ bool kept_watch_is_near(const struct kept_watch *w, const struct adoption *a,
 {
     for (uint8_t k = 0; k < adoption_loops(a); k++) {
         real_t target = num_to_float(s->loop[adoption_loop(a, k)->loop].target);
-        if (real_abs(target - adoption_channel(a, k)->rest) > w->loop[k].limit)
+        if (real_abs(target - trial_line_rest(&adoption_channel(a, k)->line)) > w->loop[k].limit)
             return false;
     }
     return true;

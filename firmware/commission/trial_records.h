@@ -2,6 +2,7 @@
 #ifndef REFLUX_COMMISSION_TRIAL_RECORDS_H
 #define REFLUX_COMMISSION_TRIAL_RECORDS_H
 
+#include "commission/trial_line_state.h"
 #include "design/trial.h"
 
 /* Bounds for a deviation from the prediction. */
@@ -12,13 +13,11 @@
 
 /* A measurement; that of loop k is the k-th, and after those come the ones that no loop holds. */
 struct adoption_channel {
-    uint8_t measurement; /* index in the configuration */
-    uint8_t output;      /* index in the tests */
-    real_t noise_sd;     /* fraction of span */
-    real_t limit;        /* farthest from the operating point, fraction of span */
-    /* The line at the end of the rest in which the outputs were held. */
-    real_t rest, rest_sd, slope_per_s, slope_sd_per_s;
-    bool drifts; /* significantly and by a relevant amount */
+    uint8_t measurement;    /* index in the configuration */
+    uint8_t output;         /* index in the tests */
+    real_t noise_sd;        /* fraction of span */
+    real_t limit;           /* farthest from the operating point, fraction of span */
+    struct trial_line line; /* of the rest in which the outputs were held */
 };
 
 /* Prediction for the step of a loop whose gain is raised: its way back in the trial. */

@@ -2,6 +2,7 @@
 
 #include "base/assertion.h"
 #include "commission/swing.h"
+#include "commission/trial_line.h"
 #include "commission/trial_step_state.h"
 
 #include <string.h>
@@ -30,9 +31,7 @@ void trial_step_watch_output(struct trial_step *t, const struct supervisor *s, u
 static real_t lag_behind_drift(const struct adoption_loop *loop,
                                const struct adoption_channel *channel)
 {
-    real_t unforeseen = REAL_C(2.0) * channel->slope_sd_per_s;
-    if (!channel->drifts)
-        unforeseen += real_abs(channel->slope_per_s);
+    real_t unforeseen = trial_line_unforeseen(&channel->line);
     return REAL_C(2.0) * unforeseen * loop->predicted.iae / real_abs(loop->size);
 }
 

@@ -382,7 +382,7 @@ static void a_drift_matters_beside_the_smallest_step(void)
             a.loop[k].step = REAL_C(0.005);
         while (a.stage == 0)
             TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
-        TEST_ASSERT_EQUAL(k < 2, a.channel[0].drifts);
+        TEST_ASSERT_EQUAL(k < 2, a.channel[0].line.drifts);
         TEST_ASSERT_EQUAL(k < 2, a.drifting);
     }
 }

@@ -69,7 +69,7 @@ static void the_line_at_rest_counts_from_its_end_where_it_matters(void)
             setUp();
             TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, line(WINDOW, slope));
             TEST_ASSERT_EQUAL_INT(ERR_OK, steady_look(&rest, 0, &now));
-            const struct adoption_channel *c = &a.channel[0];
+            const struct trial_line *c = &a.channel[0].line;
             TEST_ASSERT_EQUAL(drifts, c->drifts);
             TEST_ASSERT_EQUAL(drifts, a.drifting);
             RATE(slope, c->slope_per_s);
@@ -77,7 +77,7 @@ static void the_line_at_rest_counts_from_its_end_where_it_matters(void)
             TEST_ASSERT_EQUAL_FLOAT((float)now.mean_sd, (float)c->rest_sd);
             TEST_ASSERT_EQUAL_FLOAT((float)now.slope_sd_per_s, (float)c->slope_sd_per_s);
             TEST_ASSERT_TRUE(c->rest_sd > 0 && c->slope_sd_per_s > 0);
-            TEST_ASSERT_FALSE(a.channel[1].drifts);
+            TEST_ASSERT_FALSE(a.channel[1].line.drifts);
             /* It is the operating point, by its place in the tests. */
             TEST_ASSERT_TRUE(operating.fixed);
             TEST_ASSERT_EQUAL_FLOAT((float)c->rest, (float)operating.channel[1].level);
@@ -116,9 +116,9 @@ static void doubted(double was, double slope, uint32_t since)
     setUp();
     a.doubt = ADOPTION_SLOW;
     a.since = since;
-    a.channel[0].rest = (real_t)was;
-    a.channel[0].slope_per_s = (real_t)slope;
-    a.channel[1].rest = REAL_C(0.4);
+    a.channel[0].line.rest = (real_t)was;
+    a.channel[0].line.slope_per_s = (real_t)slope;
+    a.channel[1].line.rest = REAL_C(0.4);
 }
 
 static void is_bent(bool bent)
@@ -144,19 +144,19 @@ static void a_plant_that_is_not_where_its_line_led_is_to_blame(void)
             doubted(0.4 + sign * (bent ? 0.0052 : 0.0048), 0, 0);
             is_bent(bent != 0);
             doubted(0.4 + sign * (bent ? 0.0092 : 0.0088), 0, 0);
-            a.channel[0].rest_sd = REAL_C(0.001); /* four of those more */
+            a.channel[0].line.rest_sd = REAL_C(0.001); /* four of those more */
             is_bent(bent != 0);
             /* 1000 s on, less the 47 to the middle of the window, by 2e-5 a second */
             doubted(0.4 - 953 * 2e-5 + sign * (bent ? 0.0053 : 0.0047), 2e-5, 452);
             is_bent(bent != 0);
             doubted(0.4 + sign * (bent ? 0.0091 : 0.0086), 0, 452);
-            a.channel[0].slope_sd_per_s = REAL_C(1e-6); /* 0.000953, four times */
+            a.channel[0].line.slope_sd_per_s = REAL_C(1e-6); /* 0.000953, four times */
             is_bent(bent != 0);
             /* Steeper by so much in the 200 s of the step; it has gone for 49 s. */
             doubted(0.4 - sign * 49 * 2.5e-5, sign * (bent ? 2.6e-5 : 2.4e-5), 0);
             is_bent(bent != 0);
             doubted(0.4 - sign * 49 * 6.5e-5, sign * (bent ? 6.6e-5 : 6.4e-5), 0);
-            a.channel[0].slope_sd_per_s = REAL_C(1e-5); /* 0.002, four times */
+            a.channel[0].line.slope_sd_per_s = REAL_C(1e-5); /* 0.002, four times */
             is_bent(bent != 0);
         }
 }
@@ -199,8 +199,8 @@ static void setpoints_go_with_a_drift_as_far_as_half_of_the_limit(void)
         line(WINDOW, 0);
         a.since = cases[n].since;
         a.stage_ticks = 100;
-        a.channel[0].slope_per_s = (real_t)cases[n].slope;
-        a.channel[0].drifts = cases[n].drifts;
+        a.channel[0].line.slope_per_s = (real_t)cases[n].slope;
+        a.channel[0].line.drifts = cases[n].drifts;
         TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, adoption_tick(&a, &bench.s));
         TEST_ASSERT_TRUE(a.placed);
         NEAR(0.4 + cases[n].carried, a.asked[0]);
@@ -221,9 +221,9 @@ static void overshoots(bool too_far, double peak, bool drifts)
     a.loop[0].peak = (real_t)peak;
     a.loop[0].predicted.peak = REAL_C(0.1);
     a.loop[0].predicted.iae = 2;
-    a.channel[0].drifts = drifts;
-    a.channel[0].slope_per_s = REAL_C(-3e-5);
-    a.channel[0].slope_sd_per_s = REAL_C(1e-5);
+    a.channel[0].line.drifts = drifts;
+    a.channel[0].line.slope_per_s = REAL_C(-3e-5);
+    a.channel[0].line.slope_sd_per_s = REAL_C(1e-5);
     TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, adoption_tick(&a, &bench.s));
     TEST_ASSERT_EQUAL_INT(too_far ? ADOPTION_OVERSHOOT : ADOPTION_RUNNING, a.doubt);
 }

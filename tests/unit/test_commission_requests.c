@@ -321,8 +321,10 @@ static void strays(unsigned far)
     bench_forget_events();
     c.adoption.stage = 1; /* in automatic, nothing asked yet */
     c.adoption.stage_ticks = 100;
-    c.adoption.channel[0].rest = (real_t)(D(bench.s.measurement[T1].value) + (far == 0 ? 0.3 : 0));
-    c.adoption.channel[1].rest = (real_t)(D(bench.s.measurement[T5].value) + (far == 1 ? 0.3 : 0));
+    c.adoption.channel[0].line.rest =
+        (real_t)(D(bench.s.measurement[T1].value) + (far == 0 ? 0.3 : 0));
+    c.adoption.channel[1].line.rest =
+        (real_t)(D(bench.s.measurement[T5].value) + (far == 1 ? 0.3 : 0));
     c.adoption.loop[0].peak = REAL_C(0.4);
     commission_acceptance(&c, &bench.s);
 }
@@ -349,8 +351,8 @@ static void a_trial_that_has_passed_is_kept(void)
     c.adoption.stage = 1;
     c.adoption.stage_ticks = 1;
     c.adoption.turn = 1;
-    c.adoption.channel[0].rest = (real_t)D(bench.s.measurement[T1].value);
-    c.adoption.channel[1].rest = (real_t)D(bench.s.measurement[T5].value);
+    c.adoption.channel[0].line.rest = (real_t)D(bench.s.measurement[T1].value);
+    c.adoption.channel[1].line.rest = (real_t)D(bench.s.measurement[T5].value);
     bench.s.time_ms = 55000;
     commission_acceptance(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_KEPT, c.status.phase);

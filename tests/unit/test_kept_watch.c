@@ -41,7 +41,7 @@ static void kept(void)
     a->n = a->channels = 1;
     a->loop[0] = (struct adoption_loop){.loop = TOP, .duration_s = 100, .test_base = REAL_C(0.5)};
     a->channel[0] = (struct adoption_channel){
-        .limit = REAL_C(0.1), .noise_sd = REAL_C(0.001), .rest = REAL_C(0.25)};
+        .limit = REAL_C(0.1), .noise_sd = REAL_C(0.001), .line.rest = REAL_C(0.25)};
     out(TOP, 5);
     sample(AT);
     mode(TOP, LOOP_AUTO);
