@@ -10,7 +10,8 @@
 #include "settings/parameters.h"
 #include "supervise/alarms.h"
 
-#define WORD_SIZE 32
+#define WORD_SIZE          32
+#define PARAMETER_NAME_MAX 39u /* characters: longer than any */
 
 struct typed {
     unsigned position; /* of the word under way; 0 is the command */
@@ -51,6 +52,28 @@ static bool is(const char *kind, size_t n, const char *name)
     return strlen(name) == n && memcmp(kind, name, n) == 0;
 }
 
+/* Writes parameter p under the name typed before the dot: "bottom.gain" for "loop2.gain". Returns false where p is of nothing with that
+ * name. */
+static bool named_choice(const struct config *config, const struct parameter *p, const char *typed,
+                         struct text *word)
+{
+    char group[PARAMETER_NAME_MAX + 1u], name[PARAMETER_NAME_MAX + 1u];
+    for (unsigned k = 0; k < PARAMETER_OWNERS; k++) {
+        struct text numbered = text_on(group, sizeof group), full = text_on(name, sizeof name);
+        if (!parameter_numbered_name(config, typed, k, &numbered))
+            continue;
+        size_t n = strcspn(group, ".") + 1u;
+        parameter_name(p, &full);
+        if (strncmp(group, name, n) != 0)
+            continue;
+        for (const char *c = typed; *c != '.'; c++)
+            text_char(word, *c);
+        text_str(word, name + n - 1u);
+        return true;
+    }
+    return false;
+}
+
 /* Without a dot so far: "loop1." for all its fields. */
 static void parameter_choice(const struct config *config, unsigned n, const char *typed,
                              struct text *word)
@@ -61,7 +84,8 @@ static void parameter_choice(const struct config *config, unsigned n, const char
     if (strchr(typed, '.')) {
         if (is_further_row(&p)) /* the first stands for all of a table */
             return;
-        parameter_name(&p, word);
+        if (!named_choice(config, &p, typed, word))
+            parameter_name(&p, word);
         return;
     }
     if (p.field != p.group->fields)
@@ -102,6 +126,15 @@ static unsigned name_choice(const struct config *config, unsigned kinds, unsigne
     return CONFIG_LOOPS + 2u * CHANNEL_MAX;
 }
 
+/* "bottom." for all fields of what has that name. */
+static unsigned owner_choice(const struct config *names, unsigned n, struct text *word)
+{
+    unsigned all = name_choice(names, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+    if (word->n > 0)
+        text_char(word, '.');
+    return all;
+}
+
 /* Puts the n-th choice of a kind into *word; returns how many there are. */
 static unsigned kind_choice(const struct client *c, const char *kind, size_t size,
                             const struct typed *t, unsigned n, struct text *word)
@@ -132,8 +165,12 @@ static unsigned kind_choice(const struct client *c, const char *kind, size_t siz
         return console_command_count;
     }
     if (is(kind, size, "PARAMETER") || is(kind, size, "PREFIX")) {
+        unsigned parameters = parameter_count(view);
+        if (CONFIG_PEOPLE && n >= parameters && is(kind, size, "PARAMETER") &&
+            !strchr(t->word, '.'))
+            return parameters + owner_choice(names, n - parameters, word);
         parameter_choice(view, n, t->word, word);
-        return parameter_count(view);
+        return parameters;
     }
     if (is(kind, size, "VALUE") && parameter_find_in(view, t->before, &p) == ERR_OK) {
         if ((p.field->type == PARAMETER_NAME && !parameter_is_secret(&p)) ||

@@ -35,7 +35,7 @@ static unsigned number_in(const char *name)
 }
 
 /* Weighs the parameters whose group has the number that was typed, because another number is another thing and no slip. */
-static void weigh_parameters(struct search *s, const struct config *config)
+static void weigh_numbered(struct search *s, const struct config *config)
 {
     char name[WORD_MAX + 1u];
     struct parameter p;
@@ -46,6 +46,22 @@ static void weigh_parameters(struct search *s, const struct config *config)
         struct text t = text_on(name, sizeof name);
         parameter_name(&p, &t);
         weigh_word(s, name);
+    }
+}
+
+/* Weighs parameters by their groups' names, and by the names of loops and channels. */
+static void weigh_parameters(struct search *s, const struct config *config)
+{
+    const char *typed = s->typed;
+    char numbered[WORD_MAX + 1u];
+    weigh_numbered(s, config);
+    for (unsigned k = 0; k < PARAMETER_OWNERS; k++) {
+        struct text t = text_on(numbered, sizeof numbered);
+        if (!parameter_numbered_name(config, typed, k, &t))
+            continue;
+        s->typed = numbered;
+        weigh_numbered(s, config);
+        s->typed = typed;
     }
 }
 

@@ -155,7 +155,7 @@ class Alone(Tool):
         self.assertIn("not begun: nothing has moved", err)
         self.assertIn("R: +/-0.008 lb/min around 1.95, growing to +/-1 at most", out)
         self.assertIn("xD: the test stops beyond +/-6.4 %w", out)
-        self.assertRegex(out, r"take 10 h if the plant is fast; 1558 h if every test, round and repeat hits its limit")
+        self.assertRegex(out, r"take 10 h at least\. .*If each response takes 60000 s and every test is repeated, they take 1558 h")
         said = (self.out / "transcript.txt").read_text()
         self.assertNotRegex(said, r"(?m)> (out|apply|commission begin)")
 

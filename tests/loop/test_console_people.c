@@ -50,6 +50,9 @@ static void parameters_complete_by_their_parts(void)
     completes("get loop2.inh\t", "get loop2.inhibit ");
     completes("set dec\t8\t", "set decouple8.");
     completes("list tick\t", "list tick.");
+    completes("set bott\t", "set bottom.");
+    completes("get bottom.inh\t", "get bottom.inhibit ");
+    offers("get T10.test_l\t\t", "T10.test_limit");
     offers("set loop1.sp_\t\t", "loop1.sp_lo  loop1.sp_hi  loop1.sp_ramp  loop1.sp_filter  ");
 }
 

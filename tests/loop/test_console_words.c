@@ -58,6 +58,8 @@ static void a_mistyped_parameter_is_answered_with_the_nearest(void)
     suggests("get meas1.nmae", "meas1.name");
     suggests("help loop1.actoin", "loop1.action");
     suggests("set loop1.Gain 2", "loop1.gain");
+    suggests("set bottom.gian 2", "loop2.gain");
+    suggests("get T1.nmae", "meas1.name");
     suggests_nothing("get nothing");
     suggests_nothing("get far.away");
     suggests_nothing("set block1.kind gmw"); /* a value: its refusal has no subject */

@@ -230,8 +230,9 @@ def expectations(answers: Answers) -> list[str]:
         lines.append(f"{v.channel.name}: +/-{first:.3g} {v.channel.unit} around {v.values['at']:.4g}{grows}")
     lines += [f"{v.channel.name}: the test stops beyond +/-{limit(v):.3g} {v.channel.unit}" for v in tested(answers.measurements)]
     least, most = test_hours(answers)
-    lines.append(f"The tests take {least:.3g} h if the plant is fast; {most:.4g} h if every test, round and repeat hits its limit. "
-                 "Expect eleven times the slowest dead time and time constant together for each input and round. The trial is extra.")
+    longest = answers.test["longest"] or LONGEST_SAMPLES * answers.tick_s
+    lines.append(f"The tests take {least:.3g} h at least. Expect about 20 times the slowest dead time and time constant together for each "
+                 f"input. If each response takes {longest:g} s and every test is repeated, they take {most:.4g} h. The trial is extra.")
     return lines
 
 
