@@ -84,7 +84,7 @@ static void parameter_choice(const struct config *config, unsigned n, const char
     if (strchr(typed, '.')) {
         if (is_further_row(&p)) /* the first stands for all of a table */
             return;
-        if (!named_choice(config, &p, typed, word))
+        if (!CONFIG_PEOPLE || !named_choice(config, &p, typed, word))
             parameter_name(&p, word);
         return;
     }
