@@ -70,9 +70,10 @@ def pair(gain: ArrayLike, *, gain_sd: ArrayLike = 0.0, **settings: float) -> dic
 
 def design(gain: ArrayLike, dead_time: ArrayLike, time_constant: ArrayLike, *, interval_s: float, gain_sd: ArrayLike = 0.0,
            pairs: Sequence[tuple[int, int]] | None = None, **settings: float) -> Design:
-    """Pairs outputs with inputs and finds PI settings that keep their distance from instability together, as automatic start-up does.
+    """Pairs outputs with inputs and finds PI settings: SIMC, slowed until all loops together keep their distance from instability.
 
-    Gains in spans, times in s. pairs: keeps these. settings: those of libreflux.detune(), as gain_margin=3.
+    Automatic start-up uses another method (docs/methods/tuning.md). Gains in spans, times in s. pairs: keeps these. settings: those of
+    libreflux.detune(), as gain_margin=3.
     """
     plant = _plant(gain, dead_time, time_constant, gain_sd)
     found = libreflux.pairing(plant) if pairs is None else {"pairs": _pairs(pairs, plant), "verdict": "determined"}
