@@ -88,6 +88,41 @@ class Shapes(unittest.TestCase):
                 self.assertLess(float(np.abs(np.array(y) - step_response(element(square_s2=square, time_s=time, zero_s=zero), t)).max()), 2e-3)
 
 
+class Doubts(unittest.TestCase):
+    """Two loops with the margins given, of elements that settle within 200 s by themselves."""
+
+    GOOD = margins.Margins(4.0, 60.0, 1.4, 1.5, True)
+
+    def words(self, *found: margins.Margins, settles_s: float = 150.0, answers: str = "") -> list[str]:
+        from types import SimpleNamespace as Bag
+        from reflux.commission.results import Loop, Model, Proposal
+        names = ["T", "x"][:len(found)]
+        loops = [Loop(name, "h", 2.0, 60.0, 0.0, "reverse", 1.0, 0.0, 0.0, settles_s) for name in names]
+        record = Bag(model=Model(elements={(name, "h"): element() for name in names}), proposal=Proposal(loops=loops), answers=answers)
+        said = closed_loops.doubts(record, list(zip(names, found)))
+        self.cells = {name: [x.cells for x in doubts] for name, doubts in said.items()}
+        return [x.words for doubts in said.values() for x in doubts]
+
+    def test_a_loop_near_its_limit_is_named_and_its_cells_are_marked(self) -> None:
+        self.assertEqual(self.words(self.GOOD, self.GOOD), [])
+        (words,) = self.words(self.GOOD, margins.Margins(1.25, 20.0, 5.06, 1.8, True))
+        self.assertEqual(words, "x: with the other loops in manual its Ms is 5.06 (up to 2 is usual) and its gain margin is 1.25 (less than 1.7): it may "
+                         "oscillate while they are in manual. Lower its gain, or keep them in automatic.")
+        self.assertEqual(self.cells, {"x": [(2, 0)]})
+        (words,) = self.words(margins.Margins(1.6, 60.0, 2.4, 2.4, True), answers='[proposal.set]\n"loop1.gain" = "1"\n')
+        self.assertEqual(words, "T: its gain margin is 1.6 (less than 1.7): it may oscillate. Lower its gain. These are the margins as proposed, before "
+                         "the edits.")
+        (words,) = self.words(self.GOOD, margins.Margins(math.inf, 0.0, 9.0, 1.8, False))
+        self.assertIn("x: with the other loops in manual it is unstable on the model", words)
+
+    def test_a_loop_far_slower_than_its_plant_is_named_where_it_settles_later_than_the_plant(self) -> None:
+        slow = margins.Margins(25.0, 80.0, 1.05, 1.1, True)
+        self.assertEqual(self.words(slow, self.GOOD), [])  # 150 s: faster than 20 s and three times 60 s
+        (words,) = self.words(slow, self.GOOD, settles_s=900.0)
+        self.assertIn("T: its gain margin is 25, so it is far slower than its plant: the doubts of the tests made it slow.", words)
+        self.assertEqual(self.cells, {"T": [(0,)]})
+
+
 class Trial(unittest.TestCase):
     """predicted(), with a record that has only what it asks for."""
 

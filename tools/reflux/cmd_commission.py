@@ -89,7 +89,7 @@ def main(arguments: list[str]) -> int:
             transcript.telemetry.flush()
             if transcript.rows and not options.no_report:
                 write_report(out)
-    for words in left:
+    for words in (*margin_doubts(out), *left):
         print(words, flush=True)
     return LEFT_OVER if left else 0
 
@@ -207,6 +207,15 @@ def write_report(out: Path) -> None:
         print(f"\nReport: {shown(reports.write(out))}", flush=True)
     except (RunFailed, UserError) as error:  # the reason of the end is told last
         print(f"\nno report: {error}", flush=True)
+
+
+def margin_doubts(out: Path) -> list[str]:
+    """A sentence for each kept loop whose margins need one. The loops run all the same where nothing was logged or a package is missing."""
+    with contextlib.suppress(RunFailed, UserError, ModuleNotFoundError):
+        from reflux.commission import closed_loops, record  # numpy takes a part of a second to load
+        r = record.load(out)
+        return [doubt.words for said in closed_loops.doubts(r, closed_loops.of_proposal(r)).values() for doubt in said]
+    return []
 
 
 def report(options: argparse.Namespace) -> int:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from reflux import margins, scenario_settings
+from reflux import margins, scenario_settings, table
 from reflux.commission import frequency
 from reflux.commission.record import Record
 from reflux.commission.results import Element, Loop
 
 
 STEP_SHARE = 0.5  # of the largest move of a setpoint: what counts as a step of the trial
+SENSITIVITY_MOST = 2.5  # above it, and below the gain margin, a loop is named to whoever keeps it
+GAIN_MARGIN_LEAST = 1.7
+GAIN_MARGIN_SLOW = 20.0  # from here on a loop is far slower than its plant, where it also settles later than the plant by itself
+SETTLED_TIMES = 3.0  # time constants until a first-order response is within 5 % of its end
 
 
 @dataclass
@@ -67,6 +72,49 @@ def of_proposal(r: Record) -> list[tuple[str, margins.Margins]]:
                 dead = np.array([[e.dead_s if e.has_gain else 0.0]])
                 plant[:, i, j] = frequency.in_spans(r, e) * margins.sampled(s.a, s.b, s.c, np.array([[s.d]]), dead, h, omega)[:, 0, 0]
     return [(loop.measurement, m) for loop, m in zip(loops, margins.of_loops(omega, plant, [law(x, h) for x in loops]))]
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why a loop is named. cells: columns of its row of margins."""
+
+    words: str
+    cells: tuple[int, ...]
+
+
+def doubts(r: Record, found: list[tuple[str, margins.Margins]]) -> dict[str, list[Doubt]]:
+    """What there is to say about margins of proposed loops, by measurement."""
+    edited = " These are the margins as proposed, before the edits." if "[proposal.set]" in r.answers else ""
+    manual = "with the other loops in manual " if len(found) > 1 else ""
+    out = {}
+    for (name, m), loop in zip(found, r.proposal.loops, strict=True):
+        said = [x for x in (_too_near(name, m, manual), _too_slow(name, m, loop, r.model.elements[loop.measurement, loop.input])) if x]
+        if said:
+            out[name] = [Doubt(x.words + edited, x.cells) for x in said]
+    return out
+
+
+def _too_near(name: str, m: margins.Margins, manual: str) -> Doubt | None:
+    advice = ": it may oscillate while they are in manual. Lower its gain, or keep them in automatic." if manual else ": it may oscillate. Lower its gain."
+    if not m.stable:
+        return Doubt(f"{name}: {manual}it is unstable on the model{advice}", (0,))
+    poor, cells = [], []
+    if m.sensitivity > SENSITIVITY_MOST:
+        poor.append(f"its Ms is {table.figure(m.sensitivity)} (up to 2 is usual)")
+        cells.append(2)
+    if m.gain < GAIN_MARGIN_LEAST:
+        poor.append(f"its gain margin is {table.figure(m.gain)} (less than {GAIN_MARGIN_LEAST:g})")
+        cells.append(0)
+    return Doubt(f"{name}: {manual}{' and '.join(poor)}{advice}", tuple(cells)) if poor else None
+
+
+def _too_slow(name: str, m: margins.Margins, loop: Loop, e: Element) -> Doubt | None:
+    """A plant of one lag bears any gain, so that its loop is slow only where it settles later than the plant by itself."""
+    alone_s = e.dead_s + SETTLED_TIMES * e.time_s
+    if not (m.stable and GAIN_MARGIN_SLOW < m.gain < math.inf and loop.settles_s > alone_s):
+        return None
+    return Doubt(f"{name}: its gain margin is {table.figure(m.gain)}, so it is far slower than its plant: the doubts of the tests made it slow. "
+                 "Another start-up, or `commission repeat` during it, may help.", (0,))
 
 
 def predicted(r: Record, setpoints: list[np.ndarray], inputs: list[np.ndarray]) -> list[np.ndarray] | None:

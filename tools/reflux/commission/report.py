@@ -125,7 +125,13 @@ def margins_part(r: Record) -> list[Content]:
     found = closed_loops.of_proposal(r)
     if not found:
         return [note(f"No margins: {closed_loops.why_not(r) or 'the model has no loops'}.")]
-    return [grid(["loop", *margins.HEADER], [[name, *m.cells()] for name, m in found], text_columns=1),
+    doubts = closed_loops.doubts(r, found)
+    rows: list[list[Content]] = []
+    for name, m in found:
+        marked = {cell for doubt in doubts.get(name, []) for cell in doubt.cells}
+        rows.append([name, *(badge(False, no=cell) if k in marked else cell for k, cell in enumerate(m.cells()))])
+    return [grid(["loop", *margins.HEADER], rows, text_columns=1),
+            listed([doubt.words for said in doubts.values() for doubt in said]),
             note("Of the model above, without its uncertainty. The list above the loops has Ms of the worst of the plants drawn: models whose gains and times "
                  "differ from the fitted ones as their standard deviations allow. Both of its values are with the other loops closed; with them in manual "
                  "Ms may be larger. ", margins.NOTE)]
