@@ -78,7 +78,7 @@ class Reports(FolderTest):
 
     def result(self, rows: int = 40) -> runner.Result:
         """A run whose loop is stepped at 100 s, and whose output cannot follow from then on."""
-        self.file("trial.conf", "set lock1.meas T1\nset lock1.mv Lr\nset lock1.side above\nset lock1.limit 88.5\n")
+        self.file("trial.conf", "set meas1.name T1\nset meas1.unit degC\nset lock1.meas T1\nset lock1.mv Lr\nset lock1.side above\nset lock1.limit 88.5\n")
         trial = scenario.load(self.file("trial.toml", GOOD + """console = ["trial.conf"]
 [[loop]]
 name = "top"
@@ -153,6 +153,20 @@ send = "sp top 90"
         on, off = ("alarm", "INTERLOCK_ON", "Qrb 121 interlock holds"), ("info", "INTERLOCK_OFF", "Qrb 118 interlock released")
         self.assertEqual(run_plots.trips_of([(10.0, *on), (40.0, *off), (70.0, *on)], 100.0),
                          [run_plots.Trip("Qrb", 10.0, 40.0), run_plots.Trip("Qrb", 70.0, 100.0)])
+
+    def test_a_trip_lasts_until_no_interlock_holds_the_output(self) -> None:
+        on, off = ("alarm", "INTERLOCK_ON", "Qrb 121 interlock holds"), ("info", "INTERLOCK_OFF", "Qrb 118 interlock released")
+        other = ("alarm", "INTERLOCK_ON", "Lr 5 interlock holds")
+        self.assertEqual(run_plots.trips_of([(10.0, *on), (20.0, *on), (25.0, *other), (30.0, *off), (40.0, *off), (60.0, *off), (70.0, *on)], 100.0),
+                         [run_plots.Trip("Qrb", 10.0, 40.0), run_plots.Trip("Lr", 25.0, 100.0), run_plots.Trip("Qrb", 70.0, 100.0)])
+        self.assertEqual(run_plots.trips_of([(10.0, *on), (20.0, *on), (50.0, "info", "STARTED", "watchdog 0 started"), (50.0, *on), (80.0, *off)], 100.0),
+                         [run_plots.Trip("Qrb", 10.0, 50.0), run_plots.Trip("Qrb", 50.0, 80.0)])
+
+    def test_what_happened_is_told_in_the_sentences_of_the_console(self) -> None:
+        text = report.page(self.result(), [])
+        self.assertIn("interlock holds Lr, T1 121 degC (INTERLOCK_ON)", text)
+        self.assertIn("interlock releases Lr, T1 118 degC", text)
+        self.assertNotIn("interlock released; measurement", text)
 
     def test_a_curve_with_fewer_points_keeps_its_extremes_and_its_ends(self) -> None:
         y = [math.sin(k / 50) for k in range(5000)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflux import margins, markup, metrics, run_margins, run_plots, table
+from reflux import event_sentences, logs, margins, markup, metrics, run_margins, run_plots, scenario_settings, table
 from reflux import plots as plotting
 from reflux.markup import Content, Markup, element, join
 from reflux.page_style import CSS, PHONE_PX, badge, grid, listed, note
@@ -73,9 +73,11 @@ def never_settled(result: Result) -> list[str]:
 
 def events_table(result: Result) -> Markup:
     """Actions and the firmware's answers, in order of plant time."""
+    names = event_sentences.names_of(scenario_settings.values_of(scenario_settings.lines_of(result.scenario)),
+                                     lambda channel: logs.channel_unit(result.log, channel))
     rows = [(e.at_s, "plant", "", f"{e.name} = {e.value:g}") for e in result.scenario.events]
     rows += [(line.at_s, "console", "", line.text) for line in result.scenario.lines]
-    rows += [(t, "firmware", level, table.rounded(f"{code} {text}".strip()))
+    rows += [(t, "firmware", level, event_sentences.sentence(level, code, text, names))
              for t, level, code, text in events_in(result.out / "transcript.txt")]
     rows.sort(key=lambda row: row[0])
     if not rows:

@@ -31,16 +31,24 @@ class Trip:
 
 
 def trips_of(events: list[tuple[float, str, str, str]], end_s: float) -> list[Trip]:
-    """From the events of a transcript: time, level, code, subject and the rest."""
-    held: dict[str, float] = {}
+    """From the events of a transcript: time, level, code, subject and the rest. An event names the output and not the entry; each entry that holds has said
+    ON and not yet OFF, so an output is free when as many have said OFF as ON. After a start the board says ON again for those that hold."""
+    held: dict[str, list[float]] = {}
     out = []
     for at_s, _level, code, text in events:
         output = text.split(" ")[0]
         if code == "INTERLOCK_ON":
-            held.setdefault(output, at_s)
+            held.setdefault(output, []).append(at_s)
         elif code == "INTERLOCK_OFF" and output in held:
-            out.append(Trip(output, held.pop(output), at_s))
-    return sorted([*out, *(Trip(output, at_s, end_s) for output, at_s in held.items())], key=lambda trip: trip.from_s)
+            began = held[output][0]
+            held[output].pop()
+            if not held[output]:
+                out.append(Trip(output, began, at_s))
+                del held[output]
+        elif code == "STARTED":
+            out += [Trip(output, began[0], at_s) for output, began in held.items()]
+            held.clear()
+    return sorted([*out, *(Trip(output, began[0], end_s) for output, began in held.items())], key=lambda trip: trip.from_s)
 
 
 def scenario_plots(log: Log, scenario: Scenario, events: list[tuple[float, str, str, str]] | None = None) -> list[Plot]:

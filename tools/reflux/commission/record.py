@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflux import logs, textfile
+from reflux import event_sentences, logs, textfile
 from reflux.commission import results
 from reflux.commission.board import Event, Plant, event_of, number, plant_of, progress_of
 from reflux.errors import RunFailed
@@ -58,6 +58,7 @@ class Record:
     proposal: results.Proposal
     trial: list[results.TrialLoop]
     answers: str
+    names: event_sentences.Names = field(default_factory=event_sentences.Names)
     probe: float = 1.0  # factor on a loop's gain on the way back of its step in the trial
     experiments: list[Experiment] = field(default_factory=list)
     time: list[float] = field(default_factory=list)
@@ -111,6 +112,7 @@ def load(folder: Path) -> Record:
                results.pairing_of(last("commission pairing")), results.structure_of(last("commission structure")),
                results.proposal_of(last("commission proposal")), results.trial_of(last("commission trial")),
                textfile.read(answers) if answers.is_file() else "")
+    r.names = event_sentences.names_of(values_of(said.get("list", [])))
     r.probe = probe_of(said.get("list", []))
     r.time = r.column("time")
     r.experiments = experiments_of(r)
@@ -120,13 +122,19 @@ def load(folder: Path) -> Record:
     return r
 
 
-def channels_of(lists: list[list[str]]) -> dict[str, Channel]:
-    """Configured channels by name, from the last `list` that has any."""
+def values_of(lists: list[list[str]]) -> dict[str, str]:
+    """The last value of each parameter."""
     values: dict[str, str] = {}
     for lines in lists:
         for line in lines:
             name, _, value = line.partition(" = ")
             values[name] = value.split()[0] if value.split() else "-"
+    return values
+
+
+def channels_of(lists: list[list[str]]) -> dict[str, Channel]:
+    """Configured channels by name, from the last `list` that has any."""
+    values = values_of(lists)
     out = {}
     for key, name in values.items():
         match = re.match(r"((meas|mv)\d+)\.name$", key)

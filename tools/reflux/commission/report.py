@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflux import margins, markup
+from reflux import event_sentences, margins, markup
 from reflux import plots as plotting
 from reflux.commission import closed_loops, figures, results_text, second_opinions
 from reflux.commission.record import Record, load
@@ -138,9 +138,8 @@ def margins_part(r: Record) -> list[Content]:
 
 
 def events_part(r: Record) -> Markup:
-    rows = [[f"{e.at_s:.10g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:.4g}", e.text]
-            for e in r.events]
-    return grid(["plant time [s]", "level", "event", "of", "value", ""], rows, text_columns=6)
+    rows = [[f"{e.at_s:.10g}", e.level, event_sentences.sentence(e.level, e.code, f"{e.subject} {e.value!r} {e.text}", r.names)] for e in r.events]
+    return grid(["plant time [s]", "level", "what"], rows, text_columns=3)
 
 
 def page(r: Record, pictures: list[plotting.Plot]) -> str:
