@@ -43,6 +43,25 @@ class Page(HTMLParser):
         self.text += data
 
 
+def rgb(text: str) -> tuple[float, ...]:
+    return tuple(int(text[k:k + 2], 16) / 255 for k in (1, 3, 5))
+
+
+def turned_by_half(colour: tuple[float, ...]) -> tuple[float, ...]:
+    """hue-rotate(180deg)"""
+    grey = 2 * (0.213 * colour[0] + 0.715 * colour[1] + 0.072 * colour[2])
+    return tuple(min(max(grey - c, 0.0), 1.0) for c in colour)
+
+
+def contrast(one: tuple[float, ...], other: tuple[float, ...]) -> float:
+    def luminance(colour: tuple[float, ...]) -> float:
+        linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in colour]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
 class Reports(FolderTest):
     def harmless(self, text: str, times: int) -> None:
         page = Page(text)
@@ -153,6 +172,49 @@ send = "sp top 90"
         on, off = ("alarm", "INTERLOCK_ON", "Qrb 121 interlock holds"), ("info", "INTERLOCK_OFF", "Qrb 118 interlock released")
         self.assertEqual(run_plots.trips_of([(10.0, *on), (40.0, *off), (70.0, *on)], 100.0),
                          [run_plots.Trip("Qrb", 10.0, 40.0), run_plots.Trip("Qrb", 70.0, 100.0)])
+
+    def test_curves_stand_out_from_the_page_in_both_schemes(self) -> None:
+        """WCAG's contrast of 3:1 for parts of a picture, with the filter of the dark scheme as Filter Effects 1 defines it."""
+        paper = re.findall(r"--paper: (#\w+)", page_style.CSS)
+        self.assertEqual(len(paper), 2)
+        self.assertIn("filter: invert(.9) hue-rotate(180deg)", page_style.CSS)
+        for name in ("BLUE", "ORANGE", "GREY", "GREEN", "RED", "PALE_BLUE", "PALE_GREEN"):
+            colour = rgb(getattr(plots, name))
+            self.assertGreater(contrast(colour, rgb(paper[0].replace("#fff", "#ffffff"))), 3.0, name)
+            self.assertGreater(contrast(turned_by_half(tuple(0.9 - 0.8 * c for c in colour)), rgb(paper[1])), 3.0, name)
+        result = self.result()
+        drawn = run_plots.scenario_plots(result.log, result.scenario)[0]
+        for colour in (plots.PALE_BLUE, plots.PALE_GREEN):  # measured, commanded
+            for picture in (drawn.svg, drawn.narrow):
+                self.assertIn(f"stroke: {colour}; stroke-", picture)
+                self.assertNotIn("stroke-opacity", picture)
+
+    def test_a_legend_lies_outside_of_all_axes_and_within_the_picture(self) -> None:
+        for size in (plots.WIDE, plots.NARROW):
+            for above in (False, True):
+                with plots.plt.rc_context(plots.STYLE):
+                    figure, axes = plots.plt.subplots(2, 1, figsize=(size.inches, 5.0), sharex=True)
+                    for ax in axes:
+                        for name in ("Qrb applied", "Qrb trips above 121", "interlock holds"):
+                            ax.plot([0, 1], [0, 1], label=name)
+                    axes[1].set_xlabel("plant time [h]")
+                    for ax in axes:
+                        plots.legend_beside(ax, size, above=above, labelled=ax is axes[1])
+                    figure.draw_without_rendering()
+                    boxes = [ax.get_legend().get_window_extent() for ax in axes]
+                    label = axes[1].xaxis.label.get_window_extent()
+                    for box in boxes:
+                        self.assertFalse(any(box.overlaps(ax.bbox) for ax in axes))
+                        self.assertFalse(box.overlaps(label))
+                        self.assertTrue(figure.bbox.y0 <= box.y0 and box.y1 <= figure.bbox.y1 and box.x1 <= figure.bbox.x1, (size, above))
+                    self.assertFalse(boxes[0].overlaps(boxes[1]))
+                    plots.plt.close(figure)
+
+    def test_a_limit_has_the_unit_of_what_it_limits(self) -> None:
+        result = self.result()
+        for metric, told in (("iae", "IAE [degC s]"), ("settling_s", "settling time [s]"), ("tv", "total variation [l/h]"), ("overshoot_percent", "overshoot [%]")):
+            result.checks[:] = [limits.Check("top", None, metric, 2.0, 1.0, False)]
+            self.assertIn(f'<td data-label="metric">{told}</td>', report.page(result, []))
 
     def test_a_trip_lasts_until_no_interlock_holds_the_output(self) -> None:
         on, off = ("alarm", "INTERLOCK_ON", "Qrb 121 interlock holds"), ("info", "INTERLOCK_OFF", "Qrb 118 interlock released")

@@ -13,10 +13,15 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  the backend has to be chosen first
+from matplotlib.transforms import ScaledTranslation  # noqa: E402
 
 from reflux.logs import FIRMWARE_PREFIX, Log, bare, label, unit  # noqa: E402
 
 BLUE, ORANGE, GREY, GREEN, RED = "#1f5fa8", "#d2691e", "#8a929c", "#2e7d4f", "#b3261e"
+# Beside a stronger line of the same colour. Curves are opaque, so that each stands out from the page by 3:1, also where a dark page inverts it.
+PALE_BLUE, PALE_GREEN = "#6a8fbf", "#659a7b"
+UNDER_TICKS_PT = 30.0  # ticks and label of an axis
+LEGEND_WIDE = 20       # characters of a name that take half of a phone's width
 STYLE = {
     "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "#e4e7eb", "grid.linewidth": 0.8, "axes.edgecolor": "#5c6670", "axes.titlesize": 10,
@@ -85,6 +90,19 @@ def thinned(t: Sequence[float], y: Sequence[float], most: int) -> tuple[list[flo
         known = [k for k in inside if math.isfinite(y[k])]
         kept |= {min(known, key=lambda k: y[k]), max(known, key=lambda k: y[k])} if known else {first}
     return [t[k] for k in sorted(kept)], [y[k] for k in sorted(kept)]
+
+
+def legend_beside(ax: Any, size: Size, above: bool = False, labelled: bool = True, columns: int = 4, points: float = 8.0) -> None:
+    """A legend outside of the axes, where no curve is: below them, or above. labelled: the axis of time has its numbers and its label here."""
+    names = ax.get_legend_handles_labels()[1]
+    if not names:
+        return
+    if size.narrow:
+        columns = 1 if max(map(len, names)) > LEGEND_WIDE else 2 if max(map(len, names)) > LEGEND_WIDE // 2 else 3
+    down = 2.0 if above else -UNDER_TICKS_PT if labelled else -2.0
+    place = ax.transAxes + ScaledTranslation(0, down / 72, ax.figure.dpi_scale_trans)
+    ax.legend(loc="lower left" if above else "upper left", bbox_to_anchor=(0.0, 1.0 if above else 0.0), bbox_transform=place, borderaxespad=0.0,
+              ncols=columns, fontsize=points)
 
 
 def from_to(name: str, values: Sequence[float], unit_name: str) -> str:

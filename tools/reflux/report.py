@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflux import event_sentences, logs, margins, markup, metrics, run_margins, run_plots, scenario_settings, table
+from reflux import event_sentences, limits, logs, margins, markup, metrics, run_margins, run_plots, scenario_settings, table
 from reflux import plots as plotting
 from reflux.markup import Content, Markup, element, join
 from reflux.page_style import CSS, PHONE_PX, badge, grid, listed, note
@@ -32,15 +32,17 @@ def limits_table(result: Result) -> Markup:
     if not result.checks:
         return element("p", "This scenario sets no limits.")
     rows: list[list[Content]] = []
+    units = result.units()
     for c in result.checks:
         when = "whole run" if c.at_s is None else f"from {c.at_s:g} s"
-        rows.append([c.loop, when, _metric(c.metric), table.figure(c.value), table.figure(c.most), badge(c.passed)])
+        rows.append([c.loop, when, _metric(c, units), table.figure(c.value), table.figure(c.most), badge(c.passed)])
     return grid(["loop", "window", "metric", "measured", "at most", ""], rows, text_columns=3)
 
 
-def _metric(name: str) -> str:
-    return {"iae": "IAE", "overshoot_percent": "overshoot [%]", "settling_s": "settling time [s]",
-            "tv": "total variation", "max_error": "largest error"}[name]
+def _metric(c: limits.Check, units: dict[str, tuple[str, str]]) -> str:
+    y, u = (unit.strip("-") for unit in units.get(c.loop, ("", "")))
+    unit = limits.UNITS[c.metric].format(y=y, u=u).strip()
+    return f"{limits.TITLES[c.metric]} [{unit}]" if unit else limits.TITLES[c.metric]
 
 
 def drawing(plot: plotting.Plot) -> Markup:

@@ -10,7 +10,7 @@ from typing import Any
 from reflux import logs
 from reflux.logs import FIRMWARE_PREFIX, Log, bare, channel_unit
 from reflux.metrics import trace
-from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, hours, plt, thinned
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, PALE_BLUE, PALE_GREEN, RED, Plot, Size, drawn, from_to, hours, legend_beside, plt, thinned
 from reflux.scenario import Loop, Scenario, is_stimulus
 from reflux.scenario_settings import Interlock, interlocks
 
@@ -126,9 +126,9 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
     mine = [trip for trip in trips if trip.output == loop.mv]
 
     def draw(size: Size) -> Any:
-        figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 4.8 if size.narrow else 5.2), sharex=True, height_ratios=(3, 2))
+        figure, (upper, lower) = plt.subplots(2, 1, figsize=(size.inches, 5.4 if size.narrow else 5.6), sharex=True, height_ratios=(3, 2))
         if seen:
-            upper.plot(*thinned(t, seen, size.points), color=BLUE, alpha=0.3, linewidth=0.8, label=f"{loop.pv} measured")
+            upper.plot(*thinned(t, seen, size.points), color=PALE_BLUE, linewidth=1.0, label=f"{loop.pv} measured")
         upper.plot(*thinned(t, data.y, size.points), color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if has_true else loop.pv)
         upper.step(*thinned(t, acted_on(log, loop, data.r), size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
         known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
@@ -136,9 +136,9 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
         _trip_marks(upper, lower, loop, interlocks(scenario), trips, (min(known), max(known)))
         upper.set_ylabel(f"{loop.pv} [{y_unit}]")
         lower.set_ylabel(f"{loop.mv} [{u_unit}]")
-        upper.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=8)
-        lower.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=8)
         lower.set_xlabel("plant time [h]")
+        legend_beside(upper, size, labelled=False)
+        legend_beside(lower, size)
         lower.set_xlim(t[0], t[-1])
         _mark([upper, lower], scenario, size)
         return figure
@@ -154,7 +154,7 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
 
 def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float], size: Size) -> None:
     if log.has(f"{loop.mv}.cmd"):
-        ax.step(*thinned(t, log.numbers(f"{loop.mv}.cmd"), size.points), where="post", color=GREEN, alpha=0.45, linewidth=0.9,
+        ax.step(*thinned(t, log.numbers(f"{loop.mv}.cmd"), size.points), where="post", color=PALE_GREEN, linewidth=1.1,
                 label="commanded")
     # The log's applied value is the mean over the interval before its sample.
     ax.step(*thinned(t, applied, size.points), where="pre", color=GREEN, linewidth=1.4, label=f"{loop.mv} applied")
@@ -175,14 +175,14 @@ def _estimates_plot(log: Log, scenario: Scenario, found: list[tuple[str, str, st
     t = hours(log)
 
     def draw(size: Size) -> Any:
-        figure, axes = plt.subplots(len(found), 1, figsize=(size.inches, 1.0 + 1.6 * len(found)), sharex=True, squeeze=False)
+        figure, axes = plt.subplots(len(found), 1, figsize=(size.inches, 1.0 + 1.8 * len(found)), sharex=True, squeeze=False)
         rows = [row[0] for row in axes]
         for ax, (name, column, real) in zip(rows, found):
             if real:
                 ax.plot(*thinned(t, log.numbers(real), size.points), color=BLUE, linewidth=1.3, label=f"{name.removesuffix(ESTIMATE)} true")
             ax.plot(*thinned(t, log.numbers(column), size.points), color=ORANGE, linewidth=1.1, label="estimated")
             ax.set_ylabel(f"{name.removesuffix(ESTIMATE)} [{log.unit(column)}]")
-            ax.legend(loc="best", ncols=2, fontsize=8)
+            legend_beside(ax, size, labelled=ax is rows[-1])
         rows[-1].set_xlabel("plant time [h]")
         rows[-1].set_xlim(t[0], t[-1])
         _mark(rows, scenario, size)

@@ -12,7 +12,7 @@ from reflux import logs
 from reflux.commission import closed_loops, frequency
 from reflux.commission.record import Experiment, Record
 from reflux.commission.results import Element
-from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, plt, thinned
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, RED, Plot, Size, drawn, from_to, legend_beside, plt, thinned
 
 DARK = "#22292f"
 AFTER_TRIAL = 0.15  # of its time, drawn after it
@@ -108,8 +108,8 @@ def overview(r: Record) -> Plot:
             lower.step(*thinned((t[first:last] - t[first]) / by, 100 * (u - u[0]) / c.span, size.points), where="post", linewidth=1.1,
                        color=COLOURS[k % 20], label=name if k < LEGEND_MOST else None)
         lower.set_ylabel("input, from where\nit was held [% of span]")
-        lower.legend(**legend)
         lower.set_xlabel(f"plant time since the first step [{unit}]")
+        legend_beside(lower, size, columns=6, points=7.5)
         for e in r.experiments:
             for ax in (upper, lower):
                 ax.axvline((t[e.step] - t[first]) / by, color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
@@ -141,7 +141,7 @@ def experiment(r: Record, e: Experiment) -> Plot:
             for k, (name, u) in enumerate(moves.items()):
                 axes[0].step(x, 100 * (u - u[0]) / r.channels[name].span, where="post", color=COLOURS[k % 20], linewidth=1.3, label=name)
             axes[0].set_ylabel("inputs\n[% of span]")
-            axes[0].legend(loc="best", ncols=3, fontsize=7.5)
+            legend_beside(axes[0], size, above=True, points=7.5)
         else:
             axes[0].step(x, moves[e.input], where="post", color=GREEN, linewidth=1.3)
             axes[0].set_ylabel(f"{e.input}\n[{r.channels[e.input].unit}]")
@@ -224,7 +224,7 @@ def rga(r: Record) -> Plot | None:
             ax.set_yscale("log")
         else:
             ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
-        ax.legend(loc="best", ncols=2 if size.narrow else 4, fontsize=7.5)
+        legend_beside(ax, size, above=True, points=7.5)
         return figure
 
     pairs = [from_to(f"{m} by {i}", table[:, outputs.index(m), inputs.index(i)], "") for m, i in shown if (m, i) in paired]
@@ -243,7 +243,7 @@ def singular(r: Record) -> Plot:
             upper.loglog(omega, np.maximum(values[:, k], 1e-12), color=COLOURS[k % 20], linewidth=1.2, label=f"{k + 1}")
         upper.set_ylim(bottom=max(upper.get_ylim()[0], 1e-6 * float(values.max())))
         upper.set_ylabel("singular values\n[span per span]")
-        upper.legend(loc="best", ncols=4 if size.narrow else 8, fontsize=7.5)
+        legend_beside(upper, size, above=True, columns=8, points=7.5)
         lower.loglog(omega, condition, color=BLUE, linewidth=1.3)
         lower.set_ylabel("condition number")
         lower.set_xlabel("frequency [rad/s]")
@@ -287,7 +287,7 @@ def trial(r: Record) -> Plot | None:
                 setpoint = logs.acted_on(r.column(name)[rows], _modes(r, name)[rows])
                 left.step(*thinned(x, setpoint, size.points), where="post", color=ORANGE, linewidth=1.1, label="setpoint")
             left.set_ylabel(f"{y.name}\n[{y.unit}]")
-            left.legend(loc="best", ncols=1 if size.narrow else 3, fontsize=7.5)
+            legend_beside(left, size, above=True, points=7.5)
             right.step(*thinned(x, np.array(r.column(f"{u.name}.cmd"))[rows], size.points), where="post", color=GREEN, linewidth=1.1)
             right.set_ylabel(f"{u.name}\n[{u.unit}]")
         for ax in grid[-1]:
