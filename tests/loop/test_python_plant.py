@@ -4,6 +4,7 @@
 import os
 import pty
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -59,6 +60,18 @@ class PythonPlantTest(unittest.TestCase):
         finally:
             os.close(ours)
             os.close(theirs)
+
+    def test_a_second_program_on_a_line_is_refused_by_the_name_of_the_first(self) -> None:
+        ours, theirs = pty.openpty()
+        first = python_plant.Link(os.ttyname(theirs))
+        try:
+            script = board.ROOT / "tests" / "support" / "python_plant.py"
+            second = subprocess.run([sys.executable, str(script), os.ttyname(theirs)], capture_output=True, text=True, check=False)
+            self.assertEqual((second.returncode, second.stdout), (1, ""))
+            self.assertRegex(second.stderr, rf"^{os.ttyname(theirs)} is in use by \S.* \(process {os.getpid()}\); end that first, or name another port\n$")
+        finally:
+            for descriptor in (first.fd, ours, theirs):
+                os.close(descriptor)
 
     def test_a_plant_in_python_is_brought_to_its_setpoints(self) -> None:
         with board.start("host") as firmware, board.console(firmware) as console:
@@ -116,8 +129,9 @@ class PythonPlantTest(unittest.TestCase):
             script.write_text(program, encoding="utf-8")
             for line in BRIDGE.splitlines():
                 console.do(line)
-            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, text=True)
-            assert plant.stdout
+            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                     text=True)
+            assert plant.stdout and plant.stderr
             try:
                 console.event("LINK_UP")
                 console.event("MEASUREMENT_BAD")
@@ -125,12 +139,14 @@ class PythonPlantTest(unittest.TestCase):
                 console.event("OUTPUT")
                 rows = [plant.stdout.readline().split() for _ in range(8)]
                 self.assertNotIn("LINK_DOWN", "\n".join(console.ask("events")))
-                plant.terminate()
+                plant.send_signal(signal.SIGINT)
                 rows += [line.split() for line in plant.stdout.read().splitlines()]
+                self.assertEqual(plant.stderr.read(), "ended: the outputs are at their safe values\n")
             finally:
                 plant.kill()
                 plant.wait()
                 plant.stdout.close()
+                plant.stderr.close()
             self.assertIn(["set", "20.0", "0.0"], rows)
             self.assertEqual(rows[-1], ["set", "0.0", "0.0"])
             console.event("SAFE_STATE")

@@ -4,7 +4,7 @@
 usage: python_plant.py WHERE [SAMPLES]     WHERE: a unix socket to connect to, a serial device (115200 8N1), or a pseudo-terminal
 Prints one CSV row a sample; exit status 0 when all samples were answered.
 """
-import math, os, select, socket, stat, struct, sys, termios, time, tty, zlib
+import fcntl, math, os, select, socket, stat, struct, sys, termios, time, tty, zlib
 
 HELLO, PAGE_REQUEST, PAGE, READY, SAMPLE, COMMAND, KEEP_ALIVE = range(1, 8)
 NAME, TICK_MS = "python tanks", 10000
@@ -28,6 +28,13 @@ def unstuff(piece):
     return b"\0".join(groups)
 
 
+def in_use(where):
+    """The words of the tools, which take the same lock."""
+    sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools"))
+    from reflux import port_lock
+    return port_lock.in_use(where)
+
+
 class Link:
     """Frames over a file descriptor, with keep-alive and silence on this side's own clock."""
 
@@ -38,6 +45,10 @@ class Link:
             self.fd = self.socket.fileno()
         else:
             self.fd = os.open(where, os.O_RDWR | os.O_NOCTTY)
+            try:  # two programs on one line would each take a part of what the board says
+                fcntl.flock(self.fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise SystemExit(in_use(where)) from None
             tty.setraw(self.fd)
             line = termios.tcgetattr(self.fd)
             line[4] = line[5] = termios.B115200

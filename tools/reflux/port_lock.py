@@ -77,7 +77,7 @@ def openers(device: str) -> list[int]:
 
 
 def name_of(pid: int) -> str:
-    """tools/NAME or reflux NAME for one of these tools, else the program's name."""
+    """tools/NAME or reflux NAME for one of these tools, a script's name, else the program's."""
     try:
         words = (PROC / str(pid) / "cmdline").read_bytes().decode(errors="replace").split("\0")
     except OSError:
@@ -86,4 +86,6 @@ def name_of(pid: int) -> str:
         return f"tools/{words[3]}"
     if [os.path.basename(word)[:6] for word in words[:2]] == ["python", "reflux"] and len(words) > 2:
         return f"reflux {words[2]}".rstrip()
+    if os.path.basename(words[0]).startswith("python") and len(words) > 1 and words[1].endswith(".py"):
+        return os.path.basename(words[1])
     return os.path.basename(words[0]) or "a process"
