@@ -93,7 +93,7 @@ class Alone(Tool):
                      "Q is not an input; there are R, S", "rounds is 2.5; it must be a whole number",
                      "guard is circle; it must be model or line", "accpt is not an answer", "Type the whole word",
                      "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops matched the prediction and stay",
-                     "Nothing is stored: `save`"):
+                     "The simulated plant and its board end with this command.", f"board.conf` puts it into force, and `save` stores it."):
             self.assertIn(told, out)
         # The critical input comes first.
         self.assertLess(out.index("S: at rest; step"), out.index("R: at rest; step"))
@@ -306,7 +306,8 @@ class OnABoard(Tool):
         path = str(self.file("a.toml", self.OPERATING))
         _out, err = self.tool(self.firmware.console, "--file", path, "--no-report", expect=2)
         self.assertIn("the board's engineer level is locked; --key KEY opens it", err)
-        self.tool(self.firmware.console, "--file", path, "--no-report", "--key", "secret")
+        out, _err = self.tool(self.firmware.console, "--file", path, "--no-report", "--key", "secret")
+        self.assertIn("The loops stay in automatic. Nothing is stored: `save` at the board's console", out)
         self.assertNotIn("secret", (self.out / "transcript.txt").read_text())
 
 

@@ -121,6 +121,12 @@ class Lines(unittest.TestCase):
         self.assertEqual(progress.status_words(p), "19 min  fitting; left about 90 min of this round, 25 h 00 min if all rounds "
                          "are needed")
 
+    def test_a_first_step_and_the_most_that_the_next_test_may_reach_are_not_taken_for_each_other(self) -> None:
+        """firmware/commission: a test begins with the amplitude of TEST_STEP and grows; TEST_SMALLER names the most of the test that follows."""
+        self.assertEqual([progress.in_words(board.Event(60.0, "info", code, "h", share, ""), oven()) for code, share in
+                          (("TEST_STEP", 0.02), ("TEST_SMALLER", 0.1))],
+                         ["h: at rest; step of 0.08 kW to begin with", "h: the steps grew too large; testing again with steps up to about 0.4 kW"])
+
     def test_listings(self) -> None:
         m = results.model_of(MODEL)
         e = m.elements["T", "h"]

@@ -139,7 +139,7 @@ def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse
     keyboard = Keyboard(board, listens=not unattended)
     if unattended and not keyboard.terminal:
         keyboard = None
-    run = Startup(board, Options(options.file, options.yes, options.write_file, out), bench.operating, bench.alive,
+    run = Startup(board, Options(options.file, options.yes, options.write_file, out, options.plant is not None), bench.operating, bench.alive,
                   keyboard)
     try:
         run.run()

@@ -36,11 +36,11 @@ def in_words(event: Event, answers: Answers) -> str | None:
     name, x = event.subject, event.value
     words: dict[str, Callable[[], str]] = {
         "COMMISSION_BEGUN": lambda: f"begun: {x:g} input{'s' if x != 1 else ''} to test, once the plant is at rest",
-        "TEST_STEP": lambda: f"{name}: at rest; step of {amount(x)}",
+        "TEST_STEP": lambda: f"{name}: at rest; step of {amount(x)} to begin with",
         "TEST_CUT": lambda: f"{name} would go {amount(x)} from rest: the step turns round",
         "TEST_DONE": lambda: f"{name}: tested, half a double step took {span_of_time(x)}",
         "TEST_LONGER": lambda: f"{name}: an output was not at rest; testing again, {span_of_time(x)} for each half",
-        "TEST_SMALLER": lambda: f"{name}: the step was too large; testing again with about {amount(x)}",
+        "TEST_SMALLER": lambda: f"{name}: the steps grew too large; testing again with steps up to about {amount(x)}",
         "TEST_EXTENDED": lambda: f"not sure enough yet (probability of the pairing {x:.2g}): testing {what_next(name)}",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"no proposal: {reason(event)}; probability of the pairing {x:.3g}",

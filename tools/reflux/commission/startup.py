@@ -17,7 +17,7 @@ from reflux.commission.dialogue import heading, say
 from reflux.commission.keyboard import KEYS, Keyboard
 from reflux.commission.progress import follow
 from reflux.errors import RunFailed, UserError
-from reflux.paths import tool
+from reflux.paths import shown, tool
 from reflux.session import Refused
 
 GREETING_S = 5.0
@@ -33,6 +33,7 @@ class Options:
     yes: bool
     write_file: Path | None
     out: Path
+    simulated: bool = False  # the board ends with the tool
 
     @property
     def unattended(self) -> bool:
@@ -408,5 +409,9 @@ class Startup:
         self.board.ask("list")
         saved = self.options.out / "board.conf"
         saved.write_text("\n".join(session.dump(self.board.session)) + "\n", encoding="latin-1")
+        if self.options.simulated:
+            say(f"\nThe simulated plant and its board end with this command. {shown(saved)} holds the configuration; on a board with such a plant\n"
+                f"`{tool('console')} PORT --restore {shown(saved)}` puts it into force, and `save` stores it.")
+            return
         say("\nThe loops stay in automatic. Nothing is stored: `save` at the board's console keeps the configuration over "
-            f"a restart\n({tool('console')} PORT, then save); {saved.name} holds it too ({tool('console')} PORT --restore).")
+            f"a restart\n({tool('console')} PORT, then save); {shown(saved)} holds it too ({tool('console')} PORT --restore {shown(saved)}).")
