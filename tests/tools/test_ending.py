@@ -1,5 +1,7 @@
 """What a tool leaves when somebody ends it: no process, no temporary file; and a run that is refused leaves no folder."""
 
+import contextlib
+import io
 import os
 import pty
 import select
@@ -10,6 +12,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from support import GOOD, ROOT, FolderTest, call
 
@@ -74,6 +77,40 @@ class Signals(FolderTest):
         done = subprocess.run([str(ROOT / "tools" / "plot"), "none.csv"], capture_output=True, text=True, check=False,
                               env={**os.environ, "TMPDIR": str(self.folder)})
         self.assertEqual((done.returncode, list(self.folder.iterdir())), (2, []))
+
+
+class Earlier(FolderTest):
+    """Runs in one folder, made of what a run writes."""
+
+    def run_once(self, words: str, ends: bool = True, quiet: bool = False) -> str:
+        def made(_scenario, _options, out: Path) -> str:
+            for name in ("script.txt", "transcript.txt") + (("result.json", "report.html", "plot-loop-top.png") if ends else ()):
+                (out / name).write_text(words)
+            if not ends:
+                raise KeyboardInterrupt
+            return words
+
+        said = io.StringIO()
+        with mock.patch.object(runner, "_run_in", made), contextlib.redirect_stdout(said), contextlib.suppress(KeyboardInterrupt):
+            runner.run(mock.Mock(), runner.Options(self.folder, quiet=quiet))
+        return said.getvalue()
+
+    def texts(self, folder: Path) -> dict[str, str]:
+        return {file.name: file.read_text() for file in folder.iterdir() if file.is_file() and file.name != ".lock"}
+
+    def test_runs_that_are_interrupted_leave_the_last_one_that_ended(self) -> None:
+        whole = ("script.txt", "transcript.txt", "result.json", "report.html", "plot-loop-top.png")
+        self.assertEqual(self.run_once("first"), "")
+        self.assertFalse((self.folder / "before").exists())
+        self.assertIn("files of the run before:", self.run_once("second", ends=False))
+        self.assertEqual(self.texts(self.folder / "before"), dict.fromkeys(whole, "first"))
+        self.run_once("third", ends=False)
+        self.assertEqual(self.texts(self.folder / "before"), dict.fromkeys(whole, "first"))
+        self.assertEqual(self.texts(self.folder), dict.fromkeys(whole[:2], "third"))
+        self.assertEqual(self.run_once("fourth"), "")
+        self.assertEqual(self.texts(self.folder / "before"), dict.fromkeys(whole, "first"))
+        self.run_once("fifth")
+        self.assertEqual((self.texts(self.folder / "before"), self.texts(self.folder)), (dict.fromkeys(whole, "fourth"), dict.fromkeys(whole, "fifth")))
 
 
 class Refused(FolderTest):

@@ -7,7 +7,6 @@ import contextlib
 import csv
 import math
 import re
-import shutil
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -97,20 +96,11 @@ def main(arguments: list[str]) -> int:
 def set_aside(out: Path) -> None:
     """An earlier start-up's files go to OUT/before: hours on a plant are not thrown away for an answer that may be no. One that never
     began leaves what is there."""
-    old = [*(out / file for file in FILES), *out.glob("plot-*.png")]
-    try:
-        began = (out / "transcript.txt").exists() and "COMMISSION_BEGUN" in (out / "transcript.txt").read_text()
-        if began:
-            before = out / "before"
-            shutil.rmtree(before, ignore_errors=True)
-            before.mkdir()
-            print(f"files of the start-up before: {shown(before)}", flush=True)
-        for file in old:
-            if began and file.exists():
-                file.rename(out / "before" / file.name)
-            file.unlink(missing_ok=True)
-    except OSError as error:
-        raise UserError(f"{shown(out)} cannot be written: {error.strerror}") from None
+    transcript = out / "transcript.txt"
+    began = transcript.exists() and "COMMISSION_BEGUN" in transcript.read_text(encoding="utf-8", errors="replace")
+    runner.set_aside(out, FILES, began)
+    if began:
+        print(f"files of the start-up before: {shown(out / runner.BEFORE_FOLDER)}", flush=True)
 
 
 def check(options: argparse.Namespace) -> None:

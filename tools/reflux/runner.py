@@ -23,6 +23,9 @@ from reflux.scenario import Line, Scenario, relative
 BEFORE = (Line(0.0, "version"),)
 AFTER = (Line(0.0, "log on 1"),)
 
+FILES = ("report.html", "script.txt", "transcript.txt", "telemetry.csv", "simulator.csv", "log.csv", "result.json")  # the last one of a run that ended
+BEFORE_FOLDER = "before"
+
 SUMMARY = re.compile(r"reflux-sim: \d+ samples, ")
 
 
@@ -85,10 +88,32 @@ def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) 
 
 
 def run(scenario: Scenario, options: Options) -> Result:
-    """Everything but the report. Files of an earlier run in the folder are replaced."""
-    with locked(options.out):
-        _fresh_folder(options.out)
-        return _run_in(scenario, options, options.out)
+    """Everything but the report. An earlier run in the folder that came to its end is set aside."""
+    out = options.out
+    with locked(out):
+        ended = (out / FILES[-1]).exists()
+        set_aside(out, FILES, ended)
+        try:
+            return _run_in(scenario, options, out)
+        except BaseException:
+            if ended and not options.quiet:
+                print(f"\nfiles of the run before: {shown(out / BEFORE_FOLDER)}", flush=True)
+            raise
+
+
+def set_aside(out: Path, names: tuple[str, ...], keep: bool) -> None:
+    """Moves these files and the plots to OUT/before and replaces what is there, or removes them where they are not worth keeping."""
+    before = out / BEFORE_FOLDER
+    try:
+        if keep:
+            shutil.rmtree(before, ignore_errors=True)
+            before.mkdir()
+        for file in [*(out / name for name in names), *out.glob("plot-*.png")]:
+            if keep and file.exists():
+                file.rename(before / file.name)
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise UserError(f"{shown(out)} cannot be written: {error.strerror}") from None
 
 
 @contextlib.contextmanager
@@ -146,17 +171,6 @@ def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
     result = Result(scenario, out, joined, windows, limits.check(scenario, windows), facts)
     (out / "result.json").write_text(json.dumps(result.as_dict(), indent=1) + "\n", encoding="utf-8")
     return result
-
-
-def _fresh_folder(out: Path) -> None:
-    try:
-        for name in ("script.txt", "transcript.txt", "telemetry.csv", "simulator.csv", "log.csv", "result.json",
-                     "report.html"):
-            (out / name).unlink(missing_ok=True)
-        for picture in out.glob("plot-*.png"):
-            picture.unlink()
-    except OSError as error:
-        raise UserError(f"{shown(out)} cannot be written: {error.strerror}") from None
 
 
 def _simulate(command: list[str], scenario: Scenario, firmware: launch.Firmware, quiet: bool) -> None:
