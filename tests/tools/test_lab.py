@@ -185,10 +185,13 @@ class Operating(LabTest):
     def test_channels_have_the_names_of_teachers(self) -> None:
         self.lab.step()
         self.assertEqual(self.lab.T1, self.lab.measurements["T1"])
-        self.assertEqual(self.lab.Qrb(), 0.8000000715255737)
-        self.lab.Qrb(0.7)
+        self.assertEqual((self.lab.Qrb(), self.lab.value("Qrb"), self.lab.outputs["Qrb"]), (0.8, 0.8, 0.8))  # the board has 0.8000000715255737
+        self.assertEqual(self.lab.Qrb(0.7), 0.7)
+        self.assertEqual(self.lab.Qrb(), 0.8)  # until the next sample
         self.lab.step()
-        self.assertAlmostEqual(self.lab.Q2(), 0.7, 6)
+        self.assertEqual(self.lab.Q2(), 0.7)
+        with self.assertRaises(Refused):
+            self.lab.Qrb(99)
         with self.assertRaisesRegex(AttributeError, "measurements T1, T10 and the outputs Lr, Qrb"):
             self.lab.T2  # noqa: B018  T1 and T10 are names of trays here
 
@@ -279,6 +282,8 @@ class Operating(LabTest):
             for call in (lambda value: self.lab.run(ticks=value), self.lab.step):
                 with self.subTest(value), self.assertRaisesRegex(UserError, "^ticks must be a whole number from 1 to 4294967295, not "):
                     call(value)
+        with self.assertRaisesRegex(UserError, r"^how long\? run\(hours=10\) or run\(seconds=10\), also minutes= and ticks="):
+            self.lab.run(10)
         self.assertEqual(self.lab.time_s, 0.0)
         self.assertEqual(len(self.lab.run(ticks=np.int32(2))), 2)
         self.assertEqual(len(self.lab.run(seconds=np.float32(60.0), minutes=np.array(1))), 4)
@@ -617,9 +622,25 @@ class OnAPort(FolderTest):
             lab.output("Lr", 99)
 
     def test_what_needs_a_plant_in_this_process_is_refused(self) -> None:
-        for call in (lambda: self.lab.disturb("F", 5.5), lambda: self.lab.step(), lambda: self.lab.play()):
-            with self.assertRaisesRegex(UserError, "not with a board on a port"):
+        for name, call in (("disturb", lambda: self.lab.disturb("F", 5.5)), ("step", lambda: self.lab.step()), ("play", lambda: self.lab.play()),
+                           ("tick_s", lambda: self.lab.tick_s)):
+            with self.assertRaisesRegex(UserError, f"^lab.{name} goes with a plant in this process, not with a board on a port$"):
                 call()
+        with self.assertRaisesRegex(UserError, "^lab.channels goes with .* on a port; lab.measurements and lab.outputs name what the board has"):
+            self.lab.channels  # noqa: B018
+
+    def test_a_measurement_right_after_connecting_waits_for_the_first_row(self) -> None:
+        self.configure()
+        self.lab.close()
+        for _ in range(2):  # a row comes every 50 ms
+            with Lab(port=self.firmware.console) as lab:
+                self.assertTrue(60 < lab.T10 < 130)
+
+    def test_a_board_without_a_plant_is_not_waited_for(self) -> None:
+        with launch.start("host") as firmware, Lab(port=firmware.console) as lab:
+            began = time.monotonic()
+            self.assertTrue(math.isnan(lab.time_s))
+            self.assertLess(time.monotonic() - began, 2.0)
 
     def configure(self) -> None:
         with (ROOT / "host_sim" / "scenarios" / "pilot.conf").open(encoding="utf-8") as lines:

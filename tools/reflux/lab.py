@@ -113,7 +113,7 @@ class Lab:
 
     def _channel_lines(self) -> list[str]:
         """The plant's channels, as a board without a configuration takes them."""
-        channels = self._engine().channels.values()
+        channels = self._engine("channels").channels.values()
         out = ["begin"]
         for kind, group in ((Kind.MEASUREMENT, "meas"), (Kind.MV, "mv")):
             for k, c in enumerate((c for c in channels if c.kind == kind), 1):
@@ -132,8 +132,8 @@ class Lab:
         """Outputs to the plant's operating point; a plant that a sequence starts is left to the sequence."""
         if self.scenario is None and not self._sequences:
             for name in self._outputs:
-                if name in self._engine().channels:
-                    self._say(f"out {name} {self._engine().value(name):.7g}")
+                if name in self._there().names:
+                    self._say(f"out {name} {self._there().value(name):.7g}")
 
     def _there(self) -> InProcess | OnPort:
         engine = self._in_process or self._on_port
@@ -141,10 +141,10 @@ class Lab:
             raise RunFailed("the lab is closed")
         return engine
 
-    def _engine(self) -> InProcess:
+    def _engine(self, call: str, instead: str = "") -> InProcess:
         engine = self._there()
         if not isinstance(engine, InProcess):
-            raise UserError("this goes with a plant in this process, not with a board on a port")
+            raise UserError(f"lab.{call} goes with a plant in this process, not with a board on a port{instead}")
         return engine
 
     # ---- the console ----
@@ -196,17 +196,19 @@ class Lab:
     @_in_turn
     def disturb(self, name: str, value: float, after_s: float = 0.0) -> None:
         """A disturbance of the plant, or an option of a channel (Qrb.hi, T10.dead; docs/inside/faults.md), from the next sample on or later."""
-        engine = self._engine()
+        engine = self._engine("disturb")
         after_s = given.finite(after_s, "after_s", 0.0)
         engine.event(engine.time_s + after_s, name, given.finite(value, name))
 
     # ---- time ----
 
     @_in_turn
-    def run(self, *, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
+    def run(self, *unnamed: object, hours: float = 0.0, minutes: float = 0.0, seconds: float = 0.0, ticks: int | None = None, csv: str | Path | None = None) -> Any:
         """Lets time pass and returns the log of it (lab_log.py), of a board on a port with all that came since the last one. csv: writes it
         into this file too, as tools/run does."""
         self._there()
+        if unnamed:
+            raise UserError(f"how long? run(hours={given.shown(unnamed[0])}) or run(seconds={given.shown(unnamed[0])}), also minutes= and ticks=")
         _check_csv(csv)
         span = sum(given.finite(value, name) * TIMES[name] for name, value in (("hours", hours), ("minutes", minutes), ("seconds", seconds)))
         if (ticks is None) == (span == 0.0) or span < 0:
@@ -217,7 +219,7 @@ class Lab:
             else:
                 self._listen(given.whole(ticks, "ticks", SAMPLES_MAX))
         else:
-            engine = self._engine()
+            engine = self._engine("run")
             if ticks is None:
                 samples = span / engine.tick_s
                 if samples > SAMPLES_MAX:
@@ -229,7 +231,7 @@ class Lab:
     @_in_turn
     def step(self, ticks: int = 1) -> None:
         """As run(ticks=...), without a log: for a program that decides anew at each sample."""
-        self._engine().step(given.whole(ticks, "ticks", SAMPLES_MAX), keep=False)
+        self._engine("step").step(given.whole(ticks, "ticks", SAMPLES_MAX), keep=False)
 
     def _listen(self, rows: int) -> None:
         assert self._on_port is not None
@@ -241,7 +243,7 @@ class Lab:
     @_in_turn
     def play(self, csv: str | Path | None = None) -> Any:
         """Carries out the lines and events of the scenario to its end, as tools/run does, and returns the log."""
-        s, engine = self.scenario, self._engine()
+        s, engine = self.scenario, self._engine("play")
         if s is None:
             raise UserError("this lab has no scenario to play; Lab(\"demo\") has")
         if self._played or engine.time_s >= s.duration_s:
@@ -284,7 +286,7 @@ class Lab:
     @property
     @_in_turn
     def tick_s(self) -> float:
-        return self._engine().tick_s
+        return self._engine("tick_s").tick_s
 
     # ---- numbers ----
 
@@ -292,7 +294,7 @@ class Lab:
     @_in_turn
     def channels(self) -> dict[str, Channel]:
         """Every channel of the plant, with unit, span and nominal value."""
-        return dict(self._engine().channels)
+        return dict(self._engine("channels", "; lab.measurements and lab.outputs name what the board has, lab.command(\"dump\") its settings").channels)
 
     @property
     @_in_turn
@@ -304,8 +306,9 @@ class Lab:
     @property
     @_in_turn
     def outputs(self) -> dict[str, float]:
+        """Where the outputs stand, to six digits."""
         self._there()
-        return {name: self._there().value(name) for name in self._outputs}
+        return {name: self._number(name) for name in self._outputs}
 
     @property
     @_in_turn
@@ -325,10 +328,16 @@ class Lab:
         if name not in self._measured and name not in self._outputs and name not in engine.names:
             known = dict.fromkeys([*self._measured, *self._outputs, *engine.names])
             raise UserError(f"there is no channel {given.shown(name)}; there are {', '.join(known)}")
-        return engine.value(name)
+        return self._number(name)
+
+    def _number(self, name: str) -> float:
+        """The board's numbers have six to seven digits: an output of 50 stands at 50.0000038 there."""
+        value = self._there().value(name)
+        return float(f"{value:.6g}") if name in self._outputs else value
 
     def __getattr__(self, name: str) -> float | Callable[..., float]:
-        """lab.T1 is a measurement; lab.Q1() reads an output and lab.Q1(50) sets it."""
+        """lab.T1 is a measurement. lab.Q1() is where an output stands. lab.Q1(50) sets it and returns 50.0, because TCLab's Q1 returns the value that it
+        sets; the output stands there from the next sample on. TCLab clips a value outside of its range, a board refuses it."""
         if not name.startswith("_"):
             measured, outputs = self._measured, self._outputs
             for names, letter in ((measured, "T"), (outputs, "Q")):
@@ -350,9 +359,10 @@ class Lab:
     def _handle(self, name: str) -> Callable[..., float]:
         def handle(value: float | None = None) -> float:
             with self._turn:
-                if value is not None:
-                    self.output(name, value)
-                return self.value(name)
+                if value is None:
+                    return self.value(name)
+                self.output(name, value)
+                return float(value)
 
         return handle
 

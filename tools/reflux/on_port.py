@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from contextlib import suppress
 
@@ -12,6 +13,7 @@ from reflux.ports import Port
 from reflux.session import Refused, Session
 
 AT_ONCE_S = 0.001
+FIRST_ROW_S = 5.0
 
 
 class OnPort:
@@ -23,6 +25,7 @@ class OnPort:
         self._lines: list[str] = []
         self._last: dict[str, str] = {}
         self._process = os.getpid()
+        self._waited = False  # for the first row
         self._reply_due = False  # a command was interrupted, and its reply may still come
         try:
             self._session = Session(self._port, aside=self._aside)
@@ -85,8 +88,22 @@ class OnPort:
             for _ in range(1000):
                 self._session.line(AT_ONCE_S)
 
+    def _first_row(self) -> None:
+        """Waits, once, for the row that comes with the next sample, where the board has a plant: a tick, and as long as a slow line takes."""
+        if self._last or self._waited:
+            return
+        state = re.match(r"state \w+, plant link (\w+).* base tick ([\d.e+-]+) s", " ".join(self.say("status")))
+        if not state or state[1] != "ready":
+            return
+        self._waited = True
+        end = time.monotonic() + logs.number(state[2]) + FIRST_ROW_S
+        with suppress(TimeoutError):
+            while not self._last and (left := end - time.monotonic()) > 0:
+                self._session.line(left)
+
     def value(self, name: str) -> float:
         self._take_in()
+        self._first_row()
         for known in (name, f"{name}.app", f"{name}.cmd"):
             if known in self._last:
                 return logs.number(self._last[known])
@@ -96,6 +113,7 @@ class OnPort:
     def names(self) -> list[str]:
         """Columns of telemetry that have come."""
         self._take_in()
+        self._first_row()
         return list(self._last)
 
     @property
