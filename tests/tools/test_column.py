@@ -83,6 +83,23 @@ class Files(FolderTest):
         bare = column_file.read(str(self.file("bare.json", json.dumps(SMALL | {"outputs": []}))))
         self.assertEqual(column_file.steepest(bare, [400, 390, 389, 370, 360, 359]), ("T1",))
 
+    def test_a_section_without_a_thermometer_is_named_with_those_of_the_other_one_that_are_left_out(self) -> None:
+        profile = [400, 390, 389, 370, 360, 359]  # the feed is on stage 3
+        feed = column_file.ColumnFile("c", "", 6, 3, {"T2": 2, "T3": 3}, {}, ())
+        chosen = column_file.steepest(feed, profile)
+        self.assertEqual(column_file.without_temperature(feed, chosen), [
+            "No thermometer in the enriching section, stages 4 to 6: left out is T2 on stage 2, because T3 is nearer the steepest place of its section. "
+            "--outputs T2,T3 takes all."])
+        profile[3] = 388  # now stage 2 is the steeper one
+        chosen = column_file.steepest(feed, profile)
+        self.assertEqual(column_file.without_temperature(feed, chosen), [
+            "No thermometer in the enriching section, stages 4 to 6: left out is T3 on the feed stage 3, because T2 is nearer the steepest place of its "
+            "section; the feed stage counts as stripping. --outputs T3,T2 takes all."])
+        both = column_file.ColumnFile("c", "", 6, 3, {"T3": 3, "T5": 5, "T2": 2}, {}, ())
+        self.assertEqual(column_file.without_temperature(both, column_file.steepest(both, profile)), [])
+        alone = column_file.ColumnFile("c", "", 6, 3, {"T5": 5}, {}, ())
+        self.assertEqual(column_file.without_temperature(alone, ("T5",)), ["No thermometer in the stripping section, stages 1 to 3."])
+
     def test_what_is_no_column_is_said_in_one_line(self) -> None:
         for text, words in (("{", "not JSON"), ("[]", "is not a plant"), ('{"plant": 1}', "is not a column"),
                             ('{"column": 1, "name": "x", "stages": {}}', "is not a sound column")):

@@ -59,10 +59,12 @@ def main(arguments: list[str]) -> int:
     seen = profile(options.column, settings)
     place = options.out or out_root() / "column" / f"{column.name}.png"
     draw(column, seen, place)
-    groups = [options.outputs] if options.outputs else [
-        group for group in (column_file.steepest(column, seen["T[K]"]), column.products) if group]
+    temperatures = () if options.outputs else column_file.steepest(column, seen["T[K]"])
+    groups = [options.outputs] if options.outputs else [group for group in (temperatures, column.products) if group]
     print(f"{column.name}: {column.title}\n{column.stages} stages, feed on {column.feed_stage}\n")
     _print_rest(options.column, tuple(options.set), known)
+    for words in [] if options.outputs else column_file.without_temperature(column, temperatures):
+        print(f"{words}\n")
     _analysis(options.column, settings, known, inputs, groups)
     print(f"\n{shown(place)}")
     return 0

@@ -46,12 +46,33 @@ def _column(data: dict) -> ColumnFile:
                       temperatures["outputs"], temperatures["truths"], tuple(products[s] for s in (top, 1) if s in products))
 
 
+def sections(column: ColumnFile) -> dict[str, tuple[int, int]]:
+    """First and last stage; the feed stage is the stripping section's."""
+    return {"enriching": (column.feed_stage + 1, column.stages), "stripping": (1, column.feed_stage)}
+
+
+def without_temperature(column: ColumnFile, chosen: tuple[str, ...]) -> list[str]:
+    """A sentence for each section of which steepest() has chosen none: why, and which thermometers of the other section it has left out."""
+    out = []
+    left = {name: stage for name, stage in column.measured.items() if name not in chosen}
+    for name, (low, high) in sections(column).items():
+        if any(low <= stage <= high for stage in (*column.measured.values(), *column.unmeasured.values())):
+            continue
+        words = f"No thermometer in the {name} section, stages {low} to {high}"
+        if left:
+            seen = ", ".join(f"{x} on {'the feed stage' if stage == column.feed_stage else 'stage'} {stage}" for x, stage in left.items())
+            counts = "; the feed stage counts as stripping" if column.feed_stage in left.values() else ""
+            words += f": left out {'are' if len(left) > 1 else 'is'} {seen}, because {' and '.join(chosen)} is nearer the steepest place of its section{counts}"
+        out.append(words + (f". --outputs {','.join((*left, *chosen))} takes all." if left else "."))
+    return out
+
+
 def steepest(column: ColumnFile, temperature: list[float]) -> tuple[str, ...]:
     """The temperature nearest the steepest place of each section, a measured one where the section has any; the enriching
     section first. A place is as steep as the stages beside it differ."""
     slope = [abs(temperature[min(s + 1, column.stages - 1)] - temperature[max(s - 1, 0)]) for s in range(column.stages)]
     chosen = []
-    for low, high in ((column.feed_stage + 1, column.stages), (1, column.feed_stage)):
+    for low, high in sections(column).values():
         best = max(range(max(low, 2), min(high, column.stages - 1) + 1), key=lambda s: slope[s - 1])
         for seen in (column.measured, column.unmeasured):
             there = {name: stage for name, stage in seen.items() if low <= stage <= high}
