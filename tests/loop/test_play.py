@@ -88,6 +88,12 @@ class Play(unittest.TestCase):
         person.until(rb"(?s)plant time .*, run.*loop +mode +PV / SP +output.*top +auto +T1 [\d.]+ / [\d.]+ degC")
         person.type(b"sp bottom 108\r")
         person.until(rb"(?s)bottom setpoint 108 degC.*T10 [\d.]+ / 108 degC")
+        person.type(b"sp bo\t109\r")
+        person.until(rb"(?s)bottom setpoint 109 degC.*T10 [\d.]+ / 109 degC")
+        person.type(b"set T1.\t")
+        person.until(rb"(?s)T1\.name  T1\.unit.*> set T1\.")
+        person.type(b"\x15set bottom.ga\t\r")
+        person.until(rb"> set bottom\.gain")
         person.type(b"\x03")
         self.assertEqual(person.ended(), 0)
 

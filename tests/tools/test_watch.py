@@ -1,9 +1,13 @@
 """What tools/console --watch shows, and the line that is typed below it."""
 
+import os
+import time
 import unittest
+from unittest import mock
 
 import support  # noqa: F401  puts tools/ on the path
 
+from reflux import session
 from reflux.line_editor import LineEditor
 from reflux.watch import Watch, event_words
 from reflux.watch_state import BoardState
@@ -119,6 +123,75 @@ class Replies(unittest.TestCase):
     def test_a_key_is_not_shown(self) -> None:
         self.watch.typed("unlock secret")
         self.assertEqual((self.said.lines, self.talk.sent), (["> unlock ***"], ["unlock secret"]))
+
+
+class Board:
+    """Its line editor, as firmware/console has it: echo, and a tab that completes a few words or shows the choices."""
+
+    WORDS = ("mode ", "measure ", "set loop2.gain ", "set loop2.gate ", "set meas1.name ")
+
+    def __init__(self) -> None:
+        self.typed, self.came, self.sent = "", b"> ", b""
+
+    def write(self, data: bytes) -> bytes:
+        self.sent += data
+        for key in data.decode():
+            if key == "\t":
+                found = [word for word in self.WORDS if word.startswith(self.typed)]
+                agreed = os.path.commonprefix(found) or self.typed
+                if len(found) > 1 and agreed == self.typed:
+                    self.came += f"\r\n{'  '.join(word.split()[-1] for word in found)}  \r\n> {agreed}".encode()
+                self.came += agreed[len(self.typed):].encode()
+                self.typed = agreed
+            elif key == "\x15":
+                self.came += b"\b" * len(self.typed) + b"\x1b[K"
+                self.typed = ""
+            else:
+                self.typed += key
+                self.came += key.encode()
+        return b""
+
+    def read(self, _patience_s: float = 0.0) -> bytes:
+        came, self.came = self.came, b""
+        time.sleep(0.01)
+        return came
+
+
+class Tab(unittest.TestCase):
+    def setUp(self) -> None:
+        self.board, self.said = Board(), Said()
+        with mock.patch.object(session.Session, "machine_mode"):
+            self.talk = session.Session(self.board)  # type: ignore[arg-type]
+        self.watch = Watch(self.talk, self.said)  # type: ignore[arg-type]
+
+    def after(self, keys: bytes) -> str:
+        self.watch.editor.feed(b"\x15" + keys)
+        return self.watch.editor.text
+
+    def test_the_board_completes_and_its_line_is_taken_back(self) -> None:
+        self.assertEqual(self.after(b"mo\t"), "mode ")
+        self.assertEqual((self.board.sent, self.board.typed, self.said.lines), (b"mo\t\x15", "", []))
+        self.assertEqual(self.after(b"set lo\t"), "set loop2.ga")
+
+    def test_choices_are_shown_once_and_are_no_part_of_a_reply(self) -> None:
+        self.assertEqual(self.after(b"m\t"), "m")
+        self.assertEqual(self.said.lines, ["mode  measure  "])
+        self.assertEqual(self.watch.reply, [])
+        for _ in range(2):  # the echo of the second one has no prompt before it
+            self.assertEqual(self.after(b"set loop2.ga\t"), "set loop2.ga")
+        self.assertEqual(self.said.lines[1:], ["loop2.gain  loop2.gate  "] * 2)
+
+    def test_what_the_tool_asks_meanwhile_waits_for_the_line_to_be_taken_back(self) -> None:
+        self.board.came = b"! 10.000 alarm INTERLOCK_ON Qrb 121.5 interlock holds its output\r\n> "
+        self.assertEqual(self.after(b"mo\t"), "mode ")
+        self.assertEqual(self.board.sent, b"mo\t\x15alarm\n")
+        self.assertEqual(self.said.lines, ["10 s  alarm  INTERLOCK_ON Qrb 121.5 interlock holds its output"])
+
+    def test_a_key_is_not_sent_and_a_board_that_does_not_answer_changes_nothing(self) -> None:
+        self.assertEqual(self.after(b"unlock secret\t"), "unlock secret")
+        self.assertEqual(self.board.sent, b"")
+        with mock.patch.object(self.board, "read", lambda _patience_s: b""), mock.patch("reflux.watch_completion.PATIENCE_S", 0.3):
+            self.assertEqual(self.after(b"mo\t"), "mo")
 
 
 class Typing(unittest.TestCase):

@@ -1,13 +1,17 @@
-"""A line that a person types on a terminal in raw mode, with history."""
+"""A line that a person types on a terminal in raw mode, with history and completion."""
 
 from __future__ import annotations
+
+from typing import Callable
 
 LEAVING = (0x1D, 0x03, 0x04)  # ^] ^C ^D
 UP, DOWN = b"\x1b[A", b"\x1b[B"
 
 
 class LineEditor:
-    def __init__(self) -> None:
+    def __init__(self, complete: Callable[[str], str] = str) -> None:
+        """complete: the line that a tab makes of one."""
+        self.complete = complete
         self.text = ""
         self.left = False
         self.history: list[str] = []
@@ -44,6 +48,8 @@ class LineEditor:
         elif key == 0x17:  # ^W
             self.text = self.text.rstrip().rpartition(" ")[0]
             self.text += " " if self.text else ""
+        elif key == 0x09:
+            self.text = self.complete(self.text)
         elif 0x20 <= key < 0x7F:
             self.text += chr(key)
 

@@ -17,13 +17,12 @@ from reflux.keys import masked
 from reflux.line_editor import LineEditor
 from reflux.session import Session
 from reflux.terminal import raw
+from reflux.watch_completion import CLEARED, PROMPT, Completion
 from reflux.watch_state import EVENT, BoardState
 
 DRAWN_S = 0.2
 ALARMS_S = 5.0  # between two looks at the alarms, beside those after each event
 ROWS_LEFT = 4  # for replies and the typed line, at the least
-PROMPT = "> "
-CLEARED = "\x1b[K"
 
 
 def check_terminal() -> None:
@@ -78,13 +77,17 @@ class Watch:
     def __init__(self, talk: Session, screen: Screen):
         self.talk, self.screen = talk, screen
         self.state = BoardState()
-        self.editor = LineEditor()
+        self.completion = Completion(talk, self.line, screen.say)
+        self.editor = LineEditor(self.complete)
+        self.later: list[str] = []  # asked while a line is with the board, which would take it for a part of that line
         self.waiting: deque[str] = deque()  # commands without their reply; of ours with a space before them
         self.reply: list[str] = []
         self.asked = 0.0
 
     def ask(self, command: str) -> None:
-        if f" {command}" not in self.waiting:
+        if self.completion.busy:
+            self.later.append(command)
+        elif f" {command}" not in self.waiting:
             self.waiting.append(f" {command}")
             self.talk.write(command)
 
@@ -104,6 +107,8 @@ class Watch:
                 self.ask("list")
         elif text == "ok" or text.startswith("err "):
             self.end_reply(text)
+        elif self.completion.busy and not self.waiting:
+            self.completion.take(text)
         else:
             self.reply.append(text)
             if not (self.waiting and self.waiting[0].startswith(" ")):
@@ -118,6 +123,13 @@ class Watch:
         elif not command.startswith(" "):
             self.screen.say(text)
         self.reply = []
+
+    def complete(self, text: str) -> str:
+        found = self.completion.complete(text)
+        later, self.later = self.later, []
+        for command in later:
+            self.ask(command)
+        return found
 
     def typed(self, command: str) -> None:
         self.screen.say(PROMPT + masked(command))
