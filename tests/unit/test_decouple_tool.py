@@ -242,6 +242,20 @@ class Refusals(FolderTest):
         path = self.file("outside.json", json.dumps(outside))
         self.assertEqual(decouple(str(path), "--units", "eu", "--zero-hi", "3")[0], 0)
 
+    def test_a_refusal_names_designs_that_there_are(self):
+        """Each of them is then accepted."""
+        for name, period, ways in (("lime-kiln", "60", ("--period 120", "--method static")), ("packed-bed", "60", ("--period 120", "--method partial --factor 0.5")),
+                                   ("packed-bed", "180", ("--period 120", "--zero-hi 2.39", "--method partial --factor 0.5"))):
+            status, _, err = decouple(name, "--period", period)
+            self.assertEqual(status, 1)
+            self.assertIn("; there is one with " + " or ".join(ways).replace("--zero-hi 2.39", "--zero-hi 2.39 (the zero stays in every loop)"), err)
+            for way in ways:
+                with self.subTest(name=name, period=period, way=way):
+                    self.assertEqual(decouple(name, *([] if "--period" in way else ["--period", period]), *way.split())[0], 0)
+        self.assertIn("--period 180", decouple("lime-kiln", "--period", "60", "--loops", "pp", "--settling", "3600", "--tick", "90")[2])  # whole ticks alone
+        same = model([[[0.2], [0.1]], [[0.4], [0.2]]])
+        self.refused(same, "; --method static and partial have none either, and identify again with another period; decouple fewer pairs (--pairs)\n")
+
     def test_a_plant_that_is_not_square_is_refused(self):
         status, _, err = decouple("shell-fractionator")
         self.assertEqual(status, 2)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux import board_settings, build, decoupled_loops, decoupling, libreflux, sampled_plant, table
+from reflux import board_settings, build, decoupled_loops, decoupler_remedies, decoupling, libreflux, sampled_plant, table
 from reflux.decoupled_loops import Compensator, Moves
 from reflux.errors import RunFailed, UserError
 from reflux.paths import tool
@@ -185,7 +185,8 @@ def decoupler(spanned: SampledPlant, options: argparse.Namespace) -> Compensator
         except decoupling.DecouplerRefused as refused:
             zeros = f"; zeros of det B {', '.join(zero_text(z) for z in refused.zeros)}" if len(refused.zeros) else ""
             advice = f"; the filter before the samples ({spanned.filtered}) brings zeros: identify again with 0" if spanned.filtered else ""
-            raise RunFailed(f"no polynomial decoupler of {spanned.name}: {refused}{zeros}{advice}") from None
+            remedies = decoupler_remedies.found(spanned, given, options, str(refused))
+            raise RunFailed(f"no polynomial decoupler of {spanned.name}: {refused}{zeros}{advice}{remedies}") from None
         return Compensator(found.g, found=found)
     try:
         shape = static(spanned, options)
