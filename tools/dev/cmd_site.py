@@ -80,5 +80,6 @@ def main(arguments: list[str]) -> int:
         raise RunFailed("mkdocs built no site, see above")
     wrong = faults(folder)
     print("".join(f"{line}\n" for line in wrong), end="")
-    print(f"{len(list(folder.rglob('*.html')))} pages, {len(wrong)} faults: {shown(folder / 'index.html')}")
+    print(f"{len(list(folder.rglob('*.html')))} pages, {len(wrong)} faults: {shown(folder / 'index.html')}; "
+          f"for the search: python3 -m http.server -b localhost -d {shown(folder)}")
     return 1 if wrong else 0
