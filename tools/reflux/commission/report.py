@@ -73,7 +73,7 @@ def second_opinions_part(r: Record) -> list[Content]:
     if not rows:
         return []
     agree = sum("differs" not in row[-1] for row in rows)
-    return [folded(f"Second opinions by moments and plateaus: {agree} of {len(rows)} gains agree within {100 * second_opinions.AGREE:.0f} %",
+    return [folded(f"Second opinions, which noise spoils first and from which no setting comes: {agree} of {len(rows)} gains agree within {100 * second_opinions.AGREE:.0f} %",
                    note("Both look at the last round of a test alone. Weighted moments need a test that ends at rest and without drift, and "
                         "their error goes into T and L with opposite signs; the plateau is a difference of two means and needs rest on both "
                         "sides. The fit uses all rounds at once and knows level and drift, so it counts where they differ."),
