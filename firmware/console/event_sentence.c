@@ -136,19 +136,14 @@ static void sentence_value(const struct config *config, const struct event *e, s
         put_word(line, unit);
 }
 
-/* Writes the measurement of the interlock that holds an output. Of several, the value alone is known. */
+/* Writes the measurement of an interlock, whose number is the event's detail. Where the settings have changed since, the value alone is
+ * known. */
 static void put_watched(const struct config *config, const struct event *e, struct text *line)
 {
-    const char *name = NULL;
-    unsigned locks = 0;
-    for (unsigned i = 0; i < CONFIG_INTERLOCKS; i++) {
-        if (strcmp(config->interlock[i].mv, e->subject) != 0)
-            continue;
-        name = config->interlock[i].measurement;
-        locks++;
-    }
-    uint8_t m = locks == 1 ? config_find_measurement(config, name) : PLAN_NONE;
-    text_str(line, m == PLAN_NONE ? "measurement" : name);
+    uint8_t m = PLAN_NONE;
+    if (e->detail < CONFIG_INTERLOCKS && strcmp(config->interlock[e->detail].mv, e->subject) == 0)
+        m = config_find_measurement(config, config->interlock[e->detail].measurement);
+    text_str(line, m == PLAN_NONE ? "measurement" : config->measurement[m].name);
     text_char(line, ' ');
     text_float4(line, e->value);
     if (m != PLAN_NONE)

@@ -10,6 +10,8 @@
 
 struct search {
     const char *typed;
+    const char
+        *owner; /* name before the dot, where "loop2.gain" was typed as "bottom.gain"; else NULL */
     unsigned edits; /* of the best so far */
     char best[WORD_MAX + 1u];
 };
@@ -59,9 +61,12 @@ static void weigh_parameters(struct search *s, const struct config *config)
         struct text t = text_on(numbered, sizeof numbered);
         if (!parameter_numbered_name(config, typed, k, &t))
             continue;
+        unsigned before = s->edits;
         s->typed = numbered;
         weigh_numbered(s, config);
         s->typed = typed;
+        if (s->edits < before)
+            s->owner = typed;
     }
 }
 
@@ -93,7 +98,8 @@ static void weigh_arguments(struct search *s, const struct client *c, const char
 
 static void suggest_word(const struct client *c, const char *typed, bool channel, struct text *line)
 {
-    struct search s = {.typed = typed, .edits = strlen(typed) > 3 ? 3u : 2u};
+    /* Fewer than so many edits: in a short word two make another word. */
+    struct search s = {.typed = typed, .edits = strlen(typed) > 4 ? 3u : 2u};
     weigh_arguments(&s, c,
                     channel           ? "NAME"
                     : c->hint.command ? c->hint.command->arguments
@@ -101,7 +107,9 @@ static void suggest_word(const struct client *c, const char *typed, bool channel
     if (!s.best[0] || strlen(typed) < 2)
         return;
     text_str(line, "; did you mean `");
-    text_str(line, s.best);
+    for (const char *o = s.owner; o && *o != '.'; o++)
+        text_char(line, *o);
+    text_str(line, s.owner ? strchr(s.best, '.') : s.best);
     text_str(line, "`?");
 }
 

@@ -47,6 +47,7 @@ static void a_mistyped_command_is_answered_with_the_nearest(void)
     suggests("ststus", "status");
     suggests("evnts", "events");
     suggests("comm", "commission");
+    suggests_nothing("stop"); /* two edits from loop, and another word */
     suggests_nothing("frobnicate");
     suggests_nothing("x");
     suggests_nothing("xyz");
@@ -58,8 +59,9 @@ static void a_mistyped_parameter_is_answered_with_the_nearest(void)
     suggests("get meas1.nmae", "meas1.name");
     suggests("help loop1.actoin", "loop1.action");
     suggests("set loop1.Gain 2", "loop1.gain");
-    suggests("set bottom.gian 2", "loop2.gain");
-    suggests("get T1.nmae", "meas1.name");
+    suggests("set bottom.gian 2", "bottom.gain");
+    suggests("get T1.nmae", "T1.name");
+    suggests("set bottom.Gain 2", "bottom.gain");
     suggests_nothing("get nothing");
     suggests_nothing("get far.away");
     suggests_nothing("set block1.kind gmw"); /* a value: its refusal has no subject */

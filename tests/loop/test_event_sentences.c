@@ -136,7 +136,13 @@ static void interlocks_name_what_they_watch_where_it_is_sure(void)
           "5.000 alarm interlock holds heat, T10 125 degC (INTERLOCK_ON)");
     strcpy(config.interlock[1].mv, "heat");
     strcpy(config.interlock[1].measurement, "feed");
-    reads(EVENT_INTERLOCK_OFF, "heat", 3.0f, "5.000 info interlock releases heat, measurement 3");
+    reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, 1,
+                    "5.000 info interlock releases heat, feed 3 l/h");
+    reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, CONFIG_INTERLOCKS,
+                    "5.000 info interlock releases heat, measurement 3");
+    strcpy(config.interlock[1].mv, "other"); /* the settings have changed since */
+    reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, 1,
+                    "5.000 info interlock releases heat, measurement 3");
 }
 
 static void alarms_say_their_code_and_the_fault_in_words(void)
