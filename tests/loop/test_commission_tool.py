@@ -243,6 +243,21 @@ class OnABoard(Tool):
         process.stdout.read()
         self.assertEqual(process.wait(timeout=board.PATIENCE_S), 130)
 
+    def test_a_board_that_has_loops_already_begins_where_its_outputs_are_asked_to_be(self) -> None:
+        """It reports a move of R under the name of the loop that drives it."""
+        self.plant("--speed", "6000")
+        with board.console(self.firmware) as console:
+            for line in ("begin", "set meas1.name xD", "set meas1.unit %w", "set meas1.lo 80", "set meas1.hi 112", "set mv1.name R", "set mv1.unit lb/min",
+                         "set mv1.lo 0", "set mv1.hi 4", "set mv1.safe 1", "set loop1.name top", "set loop1.pv xD", "set loop1.out R", "apply"):
+                console.do(line)
+            console.event("CONFIG_APPLIED")
+        process = self.start("--file", str(self.file("a.toml", self.OPERATING)))
+        said = self.read_until(process, "R: at rest; step of")
+        self.assertIn("R goes to 1.95 lb/min", said)
+        process.send_signal(signal.SIGINT)
+        process.stdout.read()
+        self.assertEqual(process.wait(timeout=board.PATIENCE_S), 130)
+
     def test_a_start_up_under_way_is_left_alone(self) -> None:
         self.plant("--speed", "6000")
         process = self.start("--file", str(self.file("a.toml", self.OPERATING)))

@@ -24,6 +24,11 @@ def span_of_time(seconds: float) -> str:
     return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
+def held(event: Event) -> str:
+    """An output that was in an interlock's hand does not go back by itself."""
+    return ", but what the interlock held stays at its value until somebody moves it" if "interlock" in reason(event) else ""
+
+
 def in_words(event: Event, answers: Answers) -> str | None:
     """Words for an event; None for one that nobody needs to see."""
     def amount(share: float) -> str:
@@ -44,7 +49,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "TEST_EXTENDED": lambda: f"not sure enough yet (probability of the pairing {x:.2g}): testing {what_next(name)}",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"no proposal: {reason(event)}; probability of the pairing {x:.3g}",
-        "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
+        "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held{held(event)}",
         "TRIAL_BEGUN": lambda: f"{x:g} proposed loop{'s' if x != 1 else ''} on trial: at rest first, then each setpoint is stepped",
         "TRIAL_KEPT": lambda: "1 loop matched the prediction and stays" if x == 1 else f"{x:g} loops matched the prediction and stay",
         "TRIAL_FAILED": lambda: f"rolled back: {reason(event)}; the old settings return",

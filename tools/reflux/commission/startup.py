@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Iterator
 
-from reflux import session, table
+from reflux import scenario_settings, session, table
 from reflux.commission import answers_board, answers_file, dialogue, next_steps, results, results_text
 from reflux.commission.answers import TEST, Answers, Room
 from reflux.commission.board import UNDER_WAY, Board, Event, Plant, Progress
@@ -63,7 +63,7 @@ class Startup:
             ended = self.test(answers)
         if ended.phase != "ready":
             self.show_advice()
-            raise RunFailed(f"the start-up ended: {self.why}; nothing has changed on the board but its settings for tests")
+            raise RunFailed(f"the start-up ended: {self.why}; no loop has changed; the settings for the tests stay in force")
         self.show_results(answers)
         with self.watched():
             try:
@@ -164,8 +164,13 @@ class Startup:
         if lines:
             self.await_event("CONFIG_APPLIED", "CONFIG_REFUSED")
         for name in moves:
-            self.await_event("OUTPUT", "REQUEST_REFUSED", subject=name)
+            self.await_event("OUTPUT", "REQUEST_REFUSED", subjects=(name, *self.loops_that_drive(name)))
         self.board.new_events()
+
+    def loops_that_drive(self, output: str) -> list[str]:
+        """The board reports a move of their output under their names."""
+        values = self.board.parameters()
+        return [values[f"{loop}.name"] for loop in scenario_settings.in_use(values, "loop").values() if values.get(f"{loop}.out") == output]
 
     def moves(self, answers: Answers) -> dict[str, float]:
         """Inputs that are not where the answers want them."""
@@ -217,11 +222,11 @@ class Startup:
         self.await_event("COMMISSION_BEGUN", "REQUEST_REFUSED")
         self.begun, self.pending = True, False
 
-    def await_event(self, wanted: str, refused: str, subject: str | None = None) -> Event:
+    def await_event(self, wanted: str, refused: str, subjects: tuple[str, ...] = ()) -> Event:
         """Comes with the plant's next sample."""
         while True:
             for event in list(self.board.events):
-                if subject is not None and event.subject != subject:
+                if subjects and event.subject not in subjects:
                     continue
                 if event.code == refused:
                     raise RunFailed(f"the board refused it at its next sample: {event.subject} {event.text}")
