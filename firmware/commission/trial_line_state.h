@@ -12,13 +12,13 @@ struct trial_line {
     bool drifts;                        /* significantly and by a relevant amount */
 };
 
-/* Where the measurement was at the end of the rest, fraction of span. */
+/* Returns the level at the end of the rest, fraction of span. */
 static inline real_t trial_line_rest(const struct trial_line *l)
 {
     return l->rest;
 }
 
-/* It drifts: setpoints follow its line. */
+/* Returns true where the measurement drifts, so that setpoints follow its line. */
 static inline bool trial_line_drifts(const struct trial_line *l)
 {
     return l->drifts;

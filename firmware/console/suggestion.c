@@ -10,9 +10,8 @@
 
 struct search {
     const char *typed;
-    const char
-        *owner; /* name before the dot, where "loop2.gain" was typed as "bottom.gain"; else NULL */
-    unsigned edits; /* of the best so far */
+    const char *owner; /* "bottom.gain", where the best was found under that name; else NULL */
+    unsigned edits;    /* of the best so far */
     char best[WORD_MAX + 1u];
 };
 

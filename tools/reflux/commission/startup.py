@@ -123,7 +123,7 @@ class Startup:
             if self.keyboard and not self.options.unattended and not dialogue.may_begin(self.keyboard):
                 raise RunFailed("not begun: nothing has moved")
             try:
-                self.configure(answers_board.set_lines(answers, parameters, room.channels), answers)
+                self.configure(answers_board.set_lines(answers, parameters, room.channels), answers, parameters)
                 return answers
             except Refused as error:
                 if self.options.unattended:
@@ -139,7 +139,7 @@ class Startup:
             except OSError as error:
                 raise UserError(f"{path} cannot be written: {error.strerror}") from None
 
-    def configure(self, lines: list[str], answers: Answers) -> None:
+    def configure(self, lines: list[str], answers: Answers, parameters: dict[str, str]) -> None:
         """All or nothing; and at once to the operating point, for a plan that has just come leaves the outputs of a safe
         state where they are safe."""
         moves = self.moves(answers)
@@ -163,14 +163,11 @@ class Startup:
             say(f"{name} goes to {at:g} {answers.channel(name).channel.unit}")
         if lines:
             self.await_event("CONFIG_APPLIED", "CONFIG_REFUSED")
+        # A move of an output that a loop drives is reported under the name of that loop.
+        drives = {loop: parameters.get(f"{k}.out") for loop, k in scenario_settings.in_use(parameters, "loop").items()}
         for name in moves:
-            self.await_event("OUTPUT", "REQUEST_REFUSED", subjects=(name, *self.loops_that_drive(name)))
+            self.await_event("OUTPUT", "REQUEST_REFUSED", subjects=(name, *(loop for loop, out in drives.items() if out == name)))
         self.board.new_events()
-
-    def loops_that_drive(self, output: str) -> list[str]:
-        """The board reports a move of their output under their names."""
-        values = self.board.parameters()
-        return [values[f"{loop}.name"] for loop in scenario_settings.in_use(values, "loop").values() if values.get(f"{loop}.out") == output]
 
     def moves(self, answers: Answers) -> dict[str, float]:
         """Inputs that are not where the answers want them."""
