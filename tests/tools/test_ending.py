@@ -45,6 +45,12 @@ POOL = """
                 pool.submit(subprocess.run, ["sleep", "600"])
             child.wait()"""
 
+# The signal is noted, and the wait is not interrupted: as when it comes between the last step and the wait.
+NOTED = """
+        import ctypes, signal, threading
+        threading.Timer(0.5, ctypes.pythonapi.PyErr_SetInterruptEx, [int(signal.SIGTERM)]).start()
+        child.wait()"""
+
 
 class Signals(FolderTest):
     def started(self, waits: str) -> tuple[subprocess.Popen[str], list[str]]:
@@ -67,6 +73,10 @@ class Signals(FolderTest):
                     for pid in (child, grandchild):
                         self.assertEqual(ending.stat_of(int(pid)), [])
                     self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_signal_that_comes_just_before_a_wait_ends_the_wait(self) -> None:
+        process, _ = self.started(NOTED)
+        self.assertEqual(process.wait(PATIENCE_S), 128 + signal.SIGTERM)
 
     def test_the_signal_is_named_in_one_line(self) -> None:
         process, _ = self.started(WAITS)

@@ -37,11 +37,30 @@ def cleanly(command: str) -> Iterator[None]:
 
     for ending in SIGNALS:
         signal.signal(ending, handler)
+    ring_until_heard()
     try:
         yield
     finally:
         end_all(descendants(os.getpid()))
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def ring_until_heard() -> None:
+    """Python runs a handler between two steps of the main thread. A signal that comes just before that thread begins to wait, for a process
+    say, would be heard only when the wait ends; so another thread sends it again until the handler has run."""
+    ear, bell = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    os.set_blocking(ear, True)
+    main = threading.main_thread().ident
+
+    def listen() -> None:
+        while numbers := os.read(ear, 1):
+            while numbers[0] in SIGNALS and callable(signal.getsignal(numbers[0])) and main is not None:
+                time.sleep(LOOK_AGAIN_S)
+                signal.pthread_kill(main, numbers[0])
+
+    signal.set_wakeup_fd(bell, warn_on_full_buffer=False)
+    os.register_at_fork(after_in_child=lambda: signal.set_wakeup_fd(-1))  # a child's signals are not this process's
+    threading.Thread(target=listen, daemon=True).start()
 
 
 def insist(at_once: bool, number: int, folder: str) -> None:
