@@ -20,6 +20,13 @@ PLANTS = HERE.parents[1] / "host_sim" / "plants"
 LOOPS = ("--loops", "pp", "--settling", "3600", "--tick", "60")
 METHODS = (("polynomial",), ("static",), ("partial", "--factor", "0.5"), ("one-way", "--rank", "y2,y1"), ("directions", "--condition", "2"))
 HOST = ""
+TWO_LAGS = {
+    "name": "two", "title": "two loops, each element with a lag of its own", "source": "ours", "model": "transfer", "time_unit": "s", "tick_s": 10,
+    "outputs": [{"name": name, "unit": "degC", "lo": 0, "hi": 100, "nominal": 50} for name in ("y1", "y2")],
+    "inputs": [{"name": name, "unit": "%", "lo": 0, "hi": 100, "nominal": 50} for name in ("u1", "u2")],
+    "elements": [[{"gain": -0.8, "lags": 200, "dead_time": 20}, {"gain": 0.5, "lags": 260, "dead_time": 40}],
+                 [{"gain": 0.6, "lags": 180, "dead_time": 30}, {"gain": 0.9, "lags": 120, "dead_time": 15}]],
+}
 
 
 def decouple(*arguments):
@@ -100,6 +107,13 @@ class Design(FolderTest):
             self.assertIn(f"{name}: poles that the loop does not move: {np.exp(-5 / lag):.5g}", out)
         for loop in as_json(*arguments)["loops"]:
             self.assertAlmostEqual(loop["overshoot"], 0.1, places=4)
+
+    def test_a_loop_without_zeros_of_its_own_has_a_controller(self):
+        """All zeros of y1's loop are poles of the other element."""
+        path = str(self.file("two.json", json.dumps(TWO_LAGS)))
+        found = as_json(path, "--period", "20", "--method", "one-way", "--rank", "y1,y2", "--loops", "pp", "--settling", "1200", "--observer", "0.5", "--condition-hi", "1e6")
+        self.assertAlmostEqual(found["loops"][0]["overshoot"], 0.1, places=4)
+        self.assertLess(found["largest_pole"], 1)
 
     def test_engineering_units_change_what_is_printed_and_not_what_the_board_gets(self):
         spans, eu = as_json("kotyk-column"), as_json("kotyk-column", "--units", "eu")
