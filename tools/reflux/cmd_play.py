@@ -162,7 +162,7 @@ def await_plant(talk: Session, firmware: launch.Firmware) -> None:
     while True:
         said = talk.ask("status")
         ticks = next((int(found[1]) for line in said if (found := re.search(r"\bticks (\d+)", line))), 0)
-        if ticks > 1 and "link ready" in said[0] and not any("not announced" in line for line in said):
+        if ticks > 1 and "link ready" in said[0] and not any("not announced" in line or "next sample" in line for line in said):
             return
         if died := firmware.died():
             raise RunFailed(died)
