@@ -41,17 +41,12 @@ set loop2.gain 2
 set loop2.ti 150
 apply"""
 
-BRIDGE = """begin
-set meas1.name Ttop
-set meas1.unit degC
-set meas2.name Tbot
-set meas2.unit degC
-set mv1.name reflux
-set mv1.unit %
-set mv2.name heater
-set mv2.unit W
-set mv2.hi 2000
-apply"""
+PAGE = board.ROOT / "docs" / "start" / "hardware.md"
+
+
+def bridge() -> list[str]:
+    """What the page has typed at the console."""
+    return [line.removeprefix("    > ") for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("    > ")]
 
 
 class PythonPlantTest(unittest.TestCase):
@@ -131,7 +126,7 @@ class PythonPlantTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, board.start("host") as firmware, board.console(firmware) as console:
             script = Path(folder) / "bridge.py"
             script.write_text(program, encoding="utf-8")
-            for line in BRIDGE.splitlines():
+            for line in bridge():
                 console.do(line)
             plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                      text=True)
@@ -163,7 +158,9 @@ class PythonPlantTest(unittest.TestCase):
             files = stand_ins(Path(folder))
             script = Path(folder) / "bridge.py"
             script.write_text((before + pins + after).replace("link.TICK_MS = 5000", "link.TICK_MS = 1000").replace("/sys/", f"{folder}/"), encoding="utf-8")
-            for line in BRIDGE.splitlines():
+            for line in bridge():
+                if line.startswith("set lock"):
+                    continue  # with a thermometer dead it would hold the heater
                 console.do(line)
             plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                      text=True)
@@ -220,7 +217,7 @@ class PythonPlantTest(unittest.TestCase):
 
 def programs_of_the_page() -> list[str]:
     """The program between board and column, and the part of it for a Raspberry Pi."""
-    page = (board.ROOT / "docs" / "start" / "hardware.md").read_text(encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
     return re.findall(r"^```python\n(.*?)^```\n", page, re.M | re.S)
 
 
