@@ -99,6 +99,13 @@ class FlashTest(FolderTest):
                 self.assertIn("5008 bytes written", out)
                 self.assertIn(last, self.calls().splitlines()[-1])
 
+    def test_dry_run_without_a_board_says_what_is_missing_and_what_it_would_do(self) -> None:
+        status, out, _ = self.flash("--dry-run")
+        self.assertEqual(status, 0)
+        self.assertIn("no board: ", out)
+        self.assertIn("write: st-flash", out)
+        self.assertIn("nothing written", out)
+
     def test_dry_run_only_says_what_it_would_do(self) -> None:
         status, out, _ = self.flash("--dry-run", FAKE_STLINK=STLINK)
         self.assertEqual(status, 0)

@@ -34,7 +34,13 @@ def main(arguments: list[str]) -> int:
     options = p.parse_args(arguments)
     image = options.image or default_image()
     about = inspect(image)
-    probe, found = probes.find(options.probe, options.serial)
+    try:
+        probe, found = probes.find(options.probe, options.serial)
+    except (RunFailed, UserError) as error:
+        if not options.dry_run:
+            raise
+        print(f"no board: {error}")
+        probe, found = likely(options.probe, options.serial)
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         back = Path(folder) / "back.bin"
         steps = probe.steps(image, back, found.serial)
@@ -51,6 +57,12 @@ def main(arguments: list[str]) -> int:
         write(image, back, steps)
     print(f"flash: {image.stat().st_size} bytes written to {found.text}, read back equal, started")
     return 0
+
+
+def likely(name: str | None, serial: str | None) -> tuple[probes.Probe, probes.Found]:
+    """Without a board: what the program asked for, or the first one, would do."""
+    probe = probes.PROBES[name or next(iter(probes.PROBES))]
+    return probe, probes.Found(probe.name, serial or "SERIAL", f"whichever {probe.name} finds")
 
 
 def default_image() -> Path:
