@@ -216,10 +216,11 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
             return true;
         text_str(line, o->name);
         text_str(line, " = ");
-        reply_amount(c, line, span_to_eu(s->supervisor->mv[n].applied, o->lo, o->hi), o->unit);
+        float applied = span_to_eu(s->supervisor->mv[n].applied, o->lo, o->hi);
+        reply_amount(c, line, applied, o->unit);
         if (s->supervisor->mv[n].interlocked)
             text_str(line, " interlocked");
-        else if (s->supervisor->mv[n].beyond)
+        else if (s->supervisor->mv[n].beyond && (applied < o->min || applied > o->max))
             text_str(line, " outside its limits, left there by an interlock");
         if (s->supervisor->mv[n].not_following)
             text_str(line, " not following its command");

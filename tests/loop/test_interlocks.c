@@ -325,6 +325,16 @@ static void released_after_the_safe_state_has_ended_it_leaves_its_value(void)
     stays_at(2, 50);
 }
 
+static void an_output_that_it_left_within_its_limits_is_not_called_outside(void)
+{
+    with_lock();
+    trip();
+    reads(115);
+    samples(2);
+    ask_ok("status");
+    TEST_ASSERT_FALSE(said("outside its limits"));
+}
+
 static void in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it(void)
 {
     with_lock();
@@ -620,6 +630,7 @@ int main(void)
     RUN_TEST(a_measurement_the_plant_no_longer_has_does_not_end_it);
     RUN_TEST(after_it_acted_in_the_safe_state_its_output_is_safe_and_stays_there);
     RUN_TEST(released_after_the_safe_state_has_ended_it_leaves_its_value);
+    RUN_TEST(an_output_that_it_left_within_its_limits_is_not_called_outside);
     RUN_TEST(in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it);
     RUN_TEST(no_acting_loop_goes_past_the_operating_limits_once_it_has_let_go);
     RUN_TEST(a_limit_that_was_narrower_for_a_while_brings_nothing_back_later);
