@@ -21,6 +21,9 @@ if(REFLUX_BOARD MATCHES "^stm32")
     ${shared}/main.c ${shared}/startup.c ${shared}/uart.c ${shared}/tick.c ${shared}/watchdog.c ${shared}/identity.c
     ${shared}/memory.c ${shared}/image.c ${shared}/supply.c ${shared}/guard.c
     ${port}/clock.c ${port}/pins.c ${port}/nvm.c)
+  if(REFLUX_HAS_WORKSPACE_BYTES)
+    target_sources(${image} PRIVATE ${port}/workspace.c)
+  endif()
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
     "-fno-builtin;-fno-tree-loop-distribute-patterns")

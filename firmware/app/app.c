@@ -13,11 +13,9 @@
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
+#include "hal/workspace.h"
 
 static struct app instance;
-
-/* This array stands by itself for tools/image, apart from the memory that the firmware owns all the time. */
-static _Alignas(max_align_t) uint8_t workspace_memory[WORKSPACE_BYTES];
 
 struct app *app_instance(void)
 {
@@ -57,8 +55,7 @@ void app_init(struct app *app)
     app->service.activate_context = app;
     operate_init(&app->operate, &app->service);
     console_init(&app->console, &app->operate);
-    app->service.workspace =
-        workspace_start(&app->workspace, workspace_memory, sizeof workspace_memory);
+    app->service.workspace = workspace_start(&app->workspace, hal_workspace(), WORKSPACE_BYTES);
     start_up_init(&app->start_up, &app->service, &app->jobs);
     block_work_add_jobs(&app->supervisor, &app->jobs);
     storage_init(&app->storage, &app->service);

@@ -74,8 +74,8 @@ static inline struct workspace *workspace_start(struct workspace *w, void *memor
 #else
 struct workspace {
 };
-/* Returns NULL: the board has none. */
-#define workspace_start(w, memory, bytes) ((void)(w), (void)(memory), (struct workspace *)NULL)
+/* Returns NULL: the board has none. Does not evaluate `memory`, because such a board has no hal_workspace(). */
+#define workspace_start(w, memory, bytes) ((void)(w), (struct workspace *)NULL)
 #define workspace_tick(w)                 ((void)(w))
 #endif
 

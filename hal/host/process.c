@@ -4,6 +4,18 @@
 #include "hal/image.h"
 #include "hal/memory_use.h"
 
+#include <stddef.h>
+#include <string.h>
+
+#include "base/workspace.h"
+#include "hal/workspace.h"
+
+void *hal_workspace(void)
+{
+    static _Alignas(max_align_t) uint8_t memory[WORKSPACE_BYTES];
+    return memset(memory, 0, sizeof memory);
+}
+
 uint32_t hal_core_hz(void)
 {
     return 0;

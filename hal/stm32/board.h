@@ -15,6 +15,12 @@
 /* startup.c */
 extern uint32_t stack_bottom[], stack_top[]; /* from the linker script */
 extern uint32_t startup_noise; /* what the uninitialised stack held at power-on, mixed */
+union vector {
+    void (*handler)(void);
+    const void *address;
+};
+void reset_entry(void);
+void fault_entry(void); /* any fault: recorded, then a fresh start */
 
 /* clock.c, each port's own: once, first of all. */
 void clock_start(void);

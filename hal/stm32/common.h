@@ -86,6 +86,7 @@
     (BIT(16) | BIT(17) | BIT(18)) /* MemManage, BusFault, UsageFault on their own */
 #define SCB_CFSR            REG32(0xE000ED28u)
 #define SCB_CFSR_MMARVALID  (1u << 7)
+#define SCB_CFSR_PRECISERR  (1u << 9)
 #define SCB_CFSR_BFARVALID  (1u << 15)
 #define SCB_HFSR            REG32(0xE000ED2Cu)
 #define SCB_MMFAR           REG32(0xE000ED34u)

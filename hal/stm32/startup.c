@@ -12,8 +12,6 @@
 extern uint32_t data_start[], data_end[], data_source[], bss_start[], bss_end[];
 
 int main(void);
-void reset_entry(void);
-void fault_entry(void);
 void interrupt_unexpected(void);
 void interrupt_systick(void);
 void interrupt_pendsv(void);
@@ -24,11 +22,6 @@ void interrupt_usart2(void);
 __attribute__((section(".noinit"))) uint32_t startup_noise;
 
 #define VECTOR_COUNT (16 + CHIP_INTERRUPTS)
-
-union vector {
-    void (*handler)(void);
-    const void *address;
-};
 
 __attribute__((section(".vectors"), used)) static const union vector vectors[VECTOR_COUNT] = {
     [0] = {.address = stack_top},

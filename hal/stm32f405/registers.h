@@ -28,6 +28,7 @@
 #define RCC_CIR            REG32(0x4002380Cu)
 #define RCC_AHB1ENR        REG32(0x40023830u)
 #define RCC_AHB1ENR_GPIOA  BIT(0)
+#define RCC_AHB1ENR_CCM    BIT(20)
 #define RCC_APB1ENR        REG32(0x40023840u)
 #define RCC_APB1ENR_TIM2   BIT(0)
 #define RCC_APB1ENR_USART2 BIT(17)

@@ -31,10 +31,10 @@ STACK_LEFT = 1024       # bytes never used
 
 
 def said(kind: str, of: Plant, script: list, *options: str, extra: tuple[str, ...] = ()) -> list[str]:
-    """Everything on the console of a run with that firmware; on the emulator nothing may be written above the SRAM."""
+    """Everything on the console of a run with that firmware; on the emulator nothing may be written where no variable lies."""
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="reflux-"))
-        guard = Guard(Path(folder)) if kind.startswith("stm32") else None
+        guard = Guard(Path(folder), kind) if kind.startswith("stm32") else None
         firmware = stack.enter_context(launch.start(kind, extra=(*extra, *guard.options()) if guard else extra))
         lines, transcript = Path(folder) / "script", Path(folder) / "said"
         lines.write_text("".join(f"{t:g} {line}\n" for t, line in script))
@@ -44,7 +44,7 @@ def said(kind: str, of: Plant, script: list, *options: str, extra: tuple[str, ..
         if done.returncode != 0:
             raise AssertionError(f"{kind}: {done.stderr.strip()[-300:]}")
         if guard and (touched := guard.touched()):
-            raise AssertionError(f"{kind}: written above the SRAM: {', '.join(map(hex, touched[:8]))}")
+            raise AssertionError(f"{kind}: written where no variable lies: {', '.join(map(hex, touched[:8]))}")
         return transcript.read_text().splitlines()
 
 

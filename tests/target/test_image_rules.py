@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 sys.dont_write_bytecode = True
 
-from dev import image_check, kind_tables, stack_use  # noqa: E402
+from dev import elf_image, image_check, kind_tables, stack_use  # noqa: E402
 from reflux import memory_map  # noqa: E402
 from reflux.errors import RunFailed  # noqa: E402
 
@@ -52,22 +52,28 @@ libc = [20000, 500, 4096]
 libgcc = [20000, 0, 0]
 """
 CALM = "void tick(void) { number = number * 2.0f; } void reset_entry(void) { for (;;) seen++; }"
+LEASED = "uint8_t workspace_memory[1000]; void keep(void) { workspace_memory[seen] = 1; }" + CALM.replace(
+    "number = number", "keep(); number = number")
+# Takes anything into the core-coupled memory, which the board's own script does not.
+CCM_SCRIPT = SCRIPT.replace("LENGTH = 16K }", "LENGTH = 16K  ccm : ORIGIN = 0x10000000, LENGTH = 4K }").replace(
+    "SECTIONS {", "SECTIONS {\n  .ccm (NOLOAD) : { *(.bss.workspace_memory) KEEP(*(.fast)) } > ccm")
+HAL = Path(__file__).resolve().parents[2] / "hal"
 
 
 class Rules(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
-    def report(self, code: str, calls: str = "", budget: str = BUDGET) -> image_check.Report:
-        for name, text in (("trial.c", HEAD + code), ("trial.ld", SCRIPT), ("budget.toml", budget),
+    def report(self, code: str, calls: str = "", budget: str = BUDGET, script: str = SCRIPT) -> image_check.Report:
+        for name, text in (("trial.c", HEAD + code), ("trial.ld", script), ("budget.toml", budget),
                            ("calls.txt", calls)):
             (self.folder / name).write_text(text, encoding="utf-8")
         subprocess.run(["arm-none-eabi-gcc", *FLAGS, "trial.c", "-Ttrial.ld", "-Wl,-Map=reflux-trial.map", "-o",
                         "reflux-trial.elf", "-lc", "-lm"], cwd=self.folder, check=True, env={**os.environ, "LANG": "C"})
         return image_check.check(self.folder, self.folder / "budget.toml", self.folder / "calls.txt")
 
-    def finds(self, expected: str, code: str, calls: str = "", budget: str = BUDGET) -> None:
-        found = self.report(code, calls, budget).findings
+    def finds(self, expected: str, code: str, calls: str = "", budget: str = BUDGET, script: str = SCRIPT) -> None:
+        found = self.report(code, calls, budget, script).findings
         self.assertTrue(any(expected in line for line in found), f"no {expected!r} in {found}")
 
     def test_a_clean_image_passes(self) -> None:
@@ -162,16 +168,54 @@ not_in_the_tick = [%s]
         self.finds("budget: flash is ", CALM, "", BUDGET.replace("flash = 20000", "flash = 10"))
         self.finds(", and 20000 are kept for families to come; 20000 allowed", CALM, "",
                    BUDGET + '[trial.families]\nnext = 20000\n')
-        leased = "uint8_t workspace_memory[1000]; void keep(void) { workspace_memory[seen] = 1; }" + CALM.replace(
-            "number = number", "keep(); number = number")
-        whole = BUDGET.replace("ram = 4096", "ram = 500\nworkspace = 1000\nram_and_workspace = 1500")
-        report = self.report(leased, "", whole)
+        whole = BUDGET.replace("ram = 4096", "ram = 500\nworkspace = 1000\nsram_free = 14864")
+        report = self.report(LEASED, "", whole)
         self.assertEqual(report.findings, [])  # it is nobody's: neither in a layer nor owned for ever
-        self.assertEqual((report.workspace(), report.ram()), (1000, 8))
-        self.finds("budget: workspace is 1000, at least 1001 wanted", leased, "", whole.replace("= 1000", "= 1001"))
-        self.finds("budget: ram and workspace is 1008, 1007 allowed", leased, "", whole.replace("= 1500", "= 1007"))
-        self.finds("budget: ram is 8, 7 allowed", leased, "", whole.replace("ram = 500", "ram = 7"))
+        self.assertEqual((report.workspace(), report.ram(), report.ccm()), (1000, 8, 0))
+        self.assertEqual(report.sram_free(), 16384 - 512 - 1008)  # without the stack, and it lies in the SRAM
+        self.finds("budget: workspace is 1000, at least 1001 wanted", LEASED, "", whole.replace("= 1000", "= 1001"))
+        self.finds("budget: sram free is 14864, at least 14865 wanted", LEASED, "", whole.replace("= 14864", "= 14865"))
+        self.finds("budget: ram is 8, 7 allowed", LEASED, "", whole.replace("ram = 500", "ram = 7"))
         self.finds("budget: workspace is 0, at least 1000 wanted", CALM, "", whole)
+
+    def test_a_workspace_in_core_coupled_memory_takes_no_sram(self) -> None:
+        whole = BUDGET.replace("ram = 4096", "ram = 500\nworkspace = 1000\nsram_free = 15864\nccm = 1000")
+        report = self.report(LEASED, "", whole, CCM_SCRIPT)
+        self.assertEqual(report.findings, [])
+        self.assertEqual((report.workspace(), report.ram(), report.ccm()), (1000, 8, 1000))
+        self.assertEqual(report.sram_free(), 16384 - 512 - 8)
+        self.finds("budget: ccm is 1000, 999 allowed", LEASED, "", whole.replace("ccm = 1000", "ccm = 999"), CCM_SCRIPT)
+
+    def test_neither_code_nor_other_data_lies_in_core_coupled_memory(self) -> None:
+        there = '__attribute__((section(".fast"), used)) '
+        self.finds("ccm: quick lies in the core-coupled memory at 0x10000", f"{there}void quick(void) {{ seen++; }}" + LEASED,
+                   script=CCM_SCRIPT)
+        self.finds("ccm: received lies in the core-coupled memory at 0x10000", f"{there}uint8_t received[64];" + LEASED, script=CCM_SCRIPT)
+        self.finds("ccm: hidden lies in the core-coupled memory at 0x10000", f"{there}static uint8_t hidden[64];" + LEASED,
+                   script=CCM_SCRIPT)
+        self.finds("ccm: stack_bottom lies in the core-coupled memory at 0x10000", LEASED,
+                   script=CCM_SCRIPT.replace("stack_top = .; } > ram", "stack_top = .; } > ccm"))
+
+    def link_as_on_the_board(self, code: str) -> "subprocess.CompletedProcess[str]":
+        (self.folder / "trial.c").write_text(HEAD + code, encoding="utf-8")
+        return subprocess.run(["arm-none-eabi-gcc", *FLAGS, "trial.c", f"-L{HAL / 'stm32'}", f"-T{HAL / 'stm32f405' / 'stm32f405.ld'}",
+                               "-Wl,--no-gc-sections", "-o", "board.elf", "-lc"], cwd=self.folder, check=False, capture_output=True, text=True)
+
+    def test_the_script_of_the_board_puts_the_workspace_alone_at_the_end_of_that_memory(self) -> None:
+        done = self.link_as_on_the_board(
+            '__attribute__((section(".fast"), used)) void quick(void) { seen++; }'
+            '__attribute__((section(".ccm.received"), used)) uint8_t received[64];'
+            '__attribute__((section(".bss.ccm"), used)) uint8_t other[64];' + LEASED.replace("[1000]", "[999]"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        image = elf_image.Image(self.folder / "board.elf")
+        there = {name for name, address in image.symbols.items() if address >> 16 == 0x1000 and name[0] not in "$."}
+        self.assertEqual(there, {"workspace_memory"})
+        self.assertEqual(image.symbols["workspace_memory"], 0x10010000 - 1000)
+        self.assertEqual(image.symbols["workspace_stand_in"], 0x20030000 - 1000)
+
+    def test_a_workspace_that_memory_cannot_hold_does_not_link(self) -> None:
+        self.assertEqual(self.link_as_on_the_board(LEASED.replace("[1000]", "[65536]")).returncode, 0)
+        self.assertIn("the workspace does not fit into the CCM", self.link_as_on_the_board(LEASED.replace("[1000]", "[65544]")).stderr)
 
 
 class Reading(unittest.TestCase):

@@ -1,12 +1,14 @@
-/* The memory port and the flash model: the contract of hal/uart.h, hal/clock.h and hal/nvm.h. */
+/* The memory port and the flash model: the contract of hal/uart.h, hal/clock.h, hal/nvm.h and hal/workspace.h. */
 #include <string.h>
 
 #include "app/app.h"
+#include "base/workspace.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/nvm.h"
 #include "hal/tick.h"
 #include "hal/uart.h"
+#include "hal/workspace.h"
 #include "memory_port.h"
 #include "unity.h"
 
@@ -180,6 +182,17 @@ static void flash_refuses_what_lies_outside_or_across_its_units(void)
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_erase(g.sectors));
 }
 
+static void the_workspace_is_cleared_at_every_start(void)
+{
+    uint8_t *memory = hal_workspace();
+    TEST_ASSERT_EQUAL_UINT(0, (uintptr_t)memory % _Alignof(max_align_t));
+    for (uint8_t *at = memory; at < memory + WORKSPACE_BYTES; at++)
+        *at = 0xA5;
+    TEST_ASSERT_EQUAL_PTR(memory, hal_workspace());
+    for (const uint8_t *at = memory; at < memory + WORKSPACE_BYTES; at++)
+        TEST_ASSERT_EQUAL_UINT8(0, *at);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -191,6 +204,7 @@ int main(void)
     RUN_TEST(a_reboot_starts_the_firmware_again_with_its_flash_and_another_boot_id);
     RUN_TEST(flash_is_programmed_once_after_each_erase);
     RUN_TEST(an_erase_leaves_the_other_sector_alone);
+    RUN_TEST(the_workspace_is_cleared_at_every_start);
     RUN_TEST(flash_refuses_what_lies_outside_or_across_its_units);
     return UNITY_END();
 }

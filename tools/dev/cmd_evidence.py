@@ -73,7 +73,7 @@ SECTIONS = (
     Section("Proofs of the buffers", "Frama-C, weakest preconditions.", "prove", r"(.*goals \d+, proved \d+.*|prove\b.*\d.*)"),
     Section("The linked image", "No heap, no double precision, no streams, no recursion; every call through a pointer "
             "listed; worst-case stack with all interrupts on top. Limits by layer: `tests/target/budget.toml`.",
-            "image", r"(image|flash|ram|workspace|stack|calls) ?[\w-]*: .*\d.*"),
+            "image", r"(image|flash|ram|sram|workspace|stack|calls) ?[\w-]*: .*\d.*"),
     Section("Automatic start-up on the board", "The image that is flashed, in the emulator, beside the host's firmware: "
             "every number of the model, compared as floats; what a plant of 16 x 16 costs the processor. Its memory is "
             "`commission` above, and what it leases of the workspace.", "board", r"commission .*: .*\d.*"),

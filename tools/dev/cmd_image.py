@@ -16,7 +16,8 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/image",
         description="Proves on the linked image: no heap, no double precision, no streams, no setjmp, no recursion; "
-        "worst-case stack with all interrupts on top fits; memory of each layer is within tests/target/budget.toml. "
+        "worst-case stack with all interrupts on top fits; memory of each layer is within tests/target/budget.toml; only the "
+        "workspace lies in core-coupled memory. "
         "Calls through pointers are listed in tests/target/indirect_calls.txt.")
     p.add_argument("presets", nargs="*", metavar="PRESET", help=f"images to check (default: {' '.join(image_check.presets())})")
     p.add_argument("--biggest", type=int, default=0, metavar="N", help="list the N biggest functions and objects as well")
@@ -49,9 +50,10 @@ def main(arguments: list[str]) -> int:
 def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     print(f"\n{preset}: {report.name}\n")
     layers = sorted(report.layers.items(), key=lambda item: -item[1].flash() - item[1].ram())
-    rows = [[name, str(s.text), str(s.data), str(s.bss)] for name, s in layers]
-    sums = [str(sum(getattr(s, what) for _, s in layers)) for what in ("text", "data", "bss")]
-    print(table.columns(["layer", "text", "data", "bss"], [*rows, ["all", *sums]]))
+    kinds = ["text", "data", "bss", *(["ccm"] if report.ccm() else [])]
+    rows = [[name, *(str(getattr(s, kind)) for kind in kinds)] for name, s in layers]
+    sums = [str(sum(getattr(s, kind) for _, s in layers)) for kind in kinds]
+    print(table.columns(["layer", *kinds], [*rows, ["all", *sums]]))
     budget = report.budget
     print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget.get('aim_flash', '-')}), RAM owned for "
           f"ever, without stack, {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
@@ -60,9 +62,10 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
         print(f"families to come, {preset}: "
               + ", ".join(f"{name} {size}" for name, size in promised.items())
               + f"; {budget['flash'] - report.flash() - sum(promised.values())} are nobody's")
+    print(f"sram {preset}: {report.sram_free()} of {report.sram()} bytes free, at least {budget['sram_free']} wanted")
     if report.workspace():
-        print(f"workspace {preset}: {report.workspace()}, at least {budget['workspace']}; with what is owned for ever "
-              f"{report.ram() + report.workspace()} of {budget['ram_and_workspace']}")
+        print(f"workspace {preset}: {report.workspace()}, at least {budget['workspace']} wanted; {report.ccm()} of {budget['ccm']} "
+              "bytes of the core-coupled memory are taken")
     print()
     print(f"flash {preset}: " + ", ".join(f"{name} {s.flash()}" for name, s in layers if s.flash()))
     print(f"ram {preset}: {ram_by_owner(report)}\n")

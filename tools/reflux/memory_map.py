@@ -13,7 +13,8 @@ INPUT = re.compile(r"^ (\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+)(?: (.*))?$")
 NAME_ONLY = re.compile(r"^ ([.\w*][^\s]*)$")
 PLACE_ONLY = re.compile(r"^\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) (\S.*)$")
 KINDS = {".text": "text", ".data": "data", ".tdata": "data", ".bss": "bss", ".tbss": "bss", ".noinit": "bss",
-         ".stack": "stack"}
+         ".stack": "stack", ".ccm": "ccm"}
+MEMORY = re.compile(r"^(\w+) +0x([0-9a-f]+) +0x([0-9a-f]+)", re.MULTILINE)
 
 
 WORKSPACE = ".bss.workspace_memory"  # what is leased: no layer owns it (firmware/base/workspace.h)
@@ -25,11 +26,13 @@ class Sizes:
     data: int = 0
     bss: int = 0
     stack: int = 0
+    ccm: int = 0  # core-coupled memory
 
     def flash(self) -> int:
         return self.text + self.data
 
     def ram(self) -> int:
+        """Of the SRAM, without the stack."""
         return self.data + self.bss
 
     def add(self, kind: str, size: int) -> None:
@@ -58,12 +61,22 @@ class Placed:
     owner: str
 
 
-def placed(path: Path) -> tuple[list[Placed], dict[str, int]]:
-    """Every input section in the order of the map, and the whole of each kind."""
+def memories(path: Path) -> dict[str, range]:
+    """Addresses of each memory of the linker script."""
+    head = text_of(path).partition("Memory Configuration")[2].partition("*default*")[0]
+    return {name: range(int(at, 16), int(at, 16) + int(size, 16)) for name, at, size in MEMORY.findall(head)}
+
+
+def text_of(path: Path) -> str:
     try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        return path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise RunFailed(f"{path}: {error.strerror}; the linker writes it when the image is built") from None
+
+
+def placed(path: Path) -> tuple[list[Placed], dict[str, int]]:
+    """Every input section in the order of the map, and the whole of each kind."""
+    lines = text_of(path).splitlines()
     try:
         lines = lines[lines.index("Linker script and memory map"):]
     except ValueError:
