@@ -8,6 +8,7 @@
 #include "console/phrases.h"
 #include "console/sequence_words.h"
 #include "exchange/alarm_names.h"
+#include "exchange/span.h"
 #include "hal/tick.h"
 #include "supervise/alarms.h"
 
@@ -86,6 +87,28 @@ static void interlock_line(const struct service *s, unsigned n, struct text *lin
     text_str(line, service_in_force(s)->config.interlock[n].mv);
 }
 
+/* Writes the reading that a listed alarm looks at, and its limit: ", T10 = 112.3 degC, limit 110 degC". Events of blocks have none. */
+static void reading_words(const struct client *c, uint8_t i, struct text *line)
+{
+    const struct plan *plan = service_in_force(c->service);
+    const struct alarm_config *a = &plan->config.alarm[i];
+    uint8_t at = plan->alarm[i];
+    bool deviation = a->side == ALARM_DEVIATION;
+    if (!CONFIG_PEOPLE || !line->n || at == PLAN_NONE || alarm_is_on_event(a))
+        return;
+    uint8_t pv = deviation ? plan->loop[at].pv : at;
+    const struct measurement_config *m = &plan->config.measurement[pv];
+    num_t value = c->service->supervisor->measurement[pv].value;
+    text_str(line, ", ");
+    text_str(line, m->name);
+    text_str(line, " = ");
+    reply_amount(c, line, span_to_eu(value, m->lo, m->hi), m->unit);
+    text_str(line, ", limit ");
+    reply_amount(c, line, a->limit, m->unit);
+    if (deviation)
+        text_str(line, " from the setpoint");
+}
+
 /* True: line *n is one of these; else *n counts from behind them. */
 static bool is_among(unsigned *n, unsigned lines)
 {
@@ -119,6 +142,7 @@ static bool alarm_line(struct client *c, unsigned n, struct text *line)
         sequence_alarm_line(s, line);
     } else if (is_among(&n, CONFIG_ALARMS)) {
         entry_line(s, (uint8_t)n, line);
+        reading_words(c, (uint8_t)n, line);
     } else {
         return false;
     }

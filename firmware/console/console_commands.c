@@ -141,6 +141,19 @@ void command_version(struct client *c, unsigned n, char **word)
     reply_list(c, version_line, "");
 }
 
+/* Returns why a channel is not bound. Settings that have just been applied meet the plant at its next sample. */
+static const char *unbound_word(const struct service *s, bool manipulated, const char *name,
+                                const char *unit)
+{
+    if (!CONFIG_PEOPLE || s->io.state(s->io.context) != IO_READY ||
+        !service_tick_fits(s, service_in_force(s)))
+        return NOT_ANNOUNCED;
+    uint8_t index = service_find_announced(s, manipulated, name);
+    bool same = index != PLAN_NONE &&
+                strcmp(s->io.channel(s->io.context, manipulated, index).unit, unit) == 0;
+    return same ? "waits for the plant's next sample" : NOT_ANNOUNCED;
+}
+
 static bool status_line(struct client *c, unsigned n, struct text *line)
 {
     static const char *const link_names[] = {"down", "greeting", "ready"};
@@ -191,7 +204,7 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
                      m->unit);
         put_word(line, s->supervisor->measurement[n].bound
                            ? qualities[s->supervisor->measurement[n].quality]
-                           : NOT_ANNOUNCED);
+                           : unbound_word(s, false, m->name, m->unit));
         offset_words(&s->supervisor->measurement[n], m, line);
         sampled_words(s->supervisor, n, m, line);
         return true;
@@ -211,7 +224,7 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
         if (s->supervisor->mv[n].not_following)
             text_str(line, " not following its command");
         if (!s->supervisor->mv[n].bound)
-            text_str(line, " " NOT_ANNOUNCED);
+            put_word(line, unbound_word(s, true, o->name, o->unit));
         return true;
     }
     return next_step_line(c, n - CHANNEL_MAX, line);

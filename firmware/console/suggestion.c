@@ -10,8 +10,7 @@
 
 struct search {
     const char *typed;
-    const char *owner; /* "bottom.gain", where the best was found under that name; else NULL */
-    unsigned edits;    /* of the best so far */
+    unsigned edits; /* of the best so far */
     char best[WORD_MAX + 1u];
 };
 
@@ -35,37 +34,36 @@ static unsigned number_in(const char *name)
     return number;
 }
 
-/* Weighs the parameters whose group has the number that was typed, because another number is another thing and no slip. */
-static void weigh_numbered(struct search *s, const struct config *config)
+/* Weighs a parameter under the name of the loop or channel that it belongs to: "bottom.gain" for "loop2.gain". */
+static void weigh_owned(struct search *s, const struct config *config, const struct parameter *p,
+                        const char *field)
+{
+    char name[WORD_MAX + 1u];
+    struct text t = text_on(name, sizeof name);
+    struct parameter owner = {.group = p->group, .field = p->group->fields, .index = p->index};
+    if (strcmp(owner.field->name, "name") != 0)
+        return;
+    parameter_value(&owner, config, &t);
+    size_t letters = t.n;
+    text_str(&t, field);
+    /* Used, and not all of the name mistyped. */
+    if (name[0] != '-' && spelling_edits(s->typed, name) < letters)
+        weigh_word(s, name);
+}
+
+/* Weighs parameters by both of their names. Of those with a number only the ones that have the number typed, because another number
+ * is another thing and no slip. */
+static void weigh_parameters(struct search *s, const struct config *config)
 {
     char name[WORD_MAX + 1u];
     struct parameter p;
     unsigned number = number_in(s->typed);
     for (unsigned n = 0; strchr(s->typed, '.') && parameter_of(config, n, &p); n++) {
-        if (number && p.group->indexed && p.index + 1u != number)
-            continue;
         struct text t = text_on(name, sizeof name);
         parameter_name(&p, &t);
-        weigh_word(s, name);
-    }
-}
-
-/* Weighs parameters by their groups' names, and by the names of loops and channels. */
-static void weigh_parameters(struct search *s, const struct config *config)
-{
-    const char *typed = s->typed;
-    char numbered[WORD_MAX + 1u];
-    weigh_numbered(s, config);
-    for (unsigned k = 0; k < PARAMETER_OWNERS; k++) {
-        struct text t = text_on(numbered, sizeof numbered);
-        if (!parameter_numbered_name(config, typed, k, &t))
-            continue;
-        unsigned before = s->edits;
-        s->typed = numbered;
-        weigh_numbered(s, config);
-        s->typed = typed;
-        if (s->edits < before)
-            s->owner = typed;
+        weigh_owned(s, config, &p, strchr(name, '.'));
+        if (!number || !p.group->indexed || p.index + 1u == number)
+            weigh_word(s, name);
     }
 }
 
@@ -106,9 +104,7 @@ static void suggest_word(const struct client *c, const char *typed, bool channel
     if (!s.best[0] || strlen(typed) < 2)
         return;
     text_str(line, "; did you mean `");
-    for (const char *o = s.owner; o && *o != '.'; o++)
-        text_char(line, *o);
-    text_str(line, s.owner ? strchr(s.best, '.') : s.best);
+    text_str(line, s.best);
     text_str(line, "`?");
 }
 

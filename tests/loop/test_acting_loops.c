@@ -109,6 +109,11 @@ static void width_0_and_an_entry_of_the_loops_own_switch_it_off(void)
     ask_ok("apply");
     samples(20);
     TEST_ASSERT_EQUAL(0, times_said(" DEVIATION bottom"));
+    ask_ok("set alarm1.limit 5");
+    samples(3);
+    ask_ok("alarm");
+    TEST_ASSERT_TRUE_MESSAGE(said("bottom.dev alarm1"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("= 115 degC, limit 5 degC from the setpoint\n"), board.said);
 }
 
 int main(void)

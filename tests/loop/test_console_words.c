@@ -62,6 +62,13 @@ static void a_mistyped_parameter_is_answered_with_the_nearest(void)
     suggests("set bottom.gian 2", "bottom.gain");
     suggests("get T1.nmae", "T1.name");
     suggests("set bottom.Gain 2", "bottom.gain");
+    suggests("set botom.gain 1", "bottom.gain");
+    suggests("set Bottom.gain 1", "bottom.gain");
+    suggests("get t10.name", "T10.name");
+    suggests("help haet.max", "heat.max");
+    suggests_nothing("set -.gain 1"); /* is the name of no loop */
+    suggests_nothing("set xx.gain 1");
+    suggests_nothing("set nobody.gain 1");
     suggests_nothing("get nothing");
     suggests_nothing("get far.away");
     suggests_nothing("set block1.kind gmw"); /* a value: its refusal has no subject */

@@ -45,6 +45,32 @@ static void a_filter_begins_anew_when_its_measurement_was_not_bound(void)
     is_valid_at("135");
 }
 
+/* Between apply and sample a new channel is not bound yet. In a wrong unit it never will be. */
+static void channels_just_configured_wait_for_a_sample(void)
+{
+    ask_ok("begin");
+    ask_ok("set loop2.name -");
+    ask_ok("set loop2.pv -");
+    ask_ok("set loop2.out -");
+    ask_ok("set meas2.name -");
+    ask_ok("set mv2.name -");
+    ask_ok("apply");
+    samples(2);
+    ask_ok("begin");
+    ask_ok("set meas2.name T10");
+    ask_ok("set meas2.unit K");
+    ask_ok("set mv2.name heat");
+    ask_ok("apply");
+    const char *waits = "waits for the plant's next sample";
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line_with("status", "heat = "), waits), board.said);
+    TEST_ASSERT_NOT_NULL(strstr(line_with("status", "T10 = "), "K not announced by the plant"));
+    ask_ok("set meas2.unit degC");
+    TEST_ASSERT_NOT_NULL(strstr(line_with("status", "T10 = "), waits));
+    samples(1);
+    TEST_ASSERT_NOT_NULL(strstr(line_with("status", "T10 = "), "degC good"));
+    TEST_ASSERT_NULL(strstr(line_with("status", "heat = "), "waits"));
+}
+
 static void what_is_wrong_with_a_measurement_that_is_no_longer_bound_is_that(void)
 {
     board.quality[T10] = QUALITY_BAD;
@@ -131,6 +157,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_filter_begins_anew_when_its_measurement_was_not_bound);
+    RUN_TEST(channels_just_configured_wait_for_a_sample);
     RUN_TEST(what_is_wrong_with_a_measurement_that_is_no_longer_bound_is_that);
     RUN_TEST(a_filter_begins_anew_when_its_measurement_was_not_in_the_plan);
     RUN_TEST(what_was_not_looked_at_is_neither_frozen_nor_too_fast);

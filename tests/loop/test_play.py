@@ -118,6 +118,24 @@ class Benches(unittest.TestCase):
     def test_an_unknown_name_is_refused_with_those_that_are_known(self) -> None:
         with self.assertRaisesRegex(UserError, 'there is no configuration "pilto"; known are .*pilot, '):
             cmd_play.bench_of("pilto", None)
+        for name, words in (("pilto", '; did you mean "pilot"'), ("none.conf", "none.conf: no such file; --plant PLANT goes with"),
+                            ("wood-berry", "it is a plant; `tools/commission --plant wood-berry` writes a board.conf"),
+                            ("pilot.toml", "is a scenario, which tools/run plays"), ("./mine.json", "is a plant, which goes behind --plant")):
+            with self.subTest(name), self.assertRaises(UserError) as refused:
+                cmd_play.bench_of(name, None)
+            self.assertIn(words, str(refused.exception))
+
+    def test_what_does_not_fit_the_plant_is_said_with_what_would(self) -> None:
+        for name in cmd_play.names():
+            with self.subTest(name):
+                bench = cmd_play.bench_of(name, None)
+                if "--measure" not in bench.options:  # which adds channels
+                    self.assertEqual(cmd_play.misfits(bench), [])
+        lines = ("set meas1.name xD", "set meas1.unit kg", "set meas2.name T9", "set meas2.unit degC", "set mv1.name R", "set mv1.unit l/h", "set mv2.name S", "set mv2.unit lb/min")
+        self.assertEqual(cmd_play.misfits(cmd_play.Bench("wood-berry", (), lines)),
+                         ["meas1.unit kg: the plant has xD in %w: `set meas1.unit %w`",
+                          "meas2.name T9: the plant has no output of that name; it has xD (%w), xB (%w)",
+                          "mv1.unit l/h: the plant has R in lb/min: `set mv1.unit lb/min`"])
 
 
 if __name__ == "__main__":

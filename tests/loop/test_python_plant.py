@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A plant in another language, written from docs/inside/plant-link.md alone, is controlled by the firmware."""
 
+import math
 import os
 import pty
 import re
@@ -9,7 +10,10 @@ import subprocess
 import sys
 import tempfile
 import termios
+import time
+import types
 import unittest
+import unittest.mock
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -118,12 +122,12 @@ class PythonPlantTest(unittest.TestCase):
 
     def test_the_program_of_the_page_keeps_the_line_alive_and_leaves_the_outputs_safe(self) -> None:
         """Ticks are longer than the silence that the board bears."""
-        page = (board.ROOT / "docs" / "start" / "hardware.md").read_text(encoding="utf-8")
-        (program,) = re.findall(r"^```python\n(.*?)^```\n", page, re.M | re.S)
+        program, _ = programs_of_the_page()
         program = program.replace("link.TICK_MS = 5000", "link.TICK_MS = 2500").replace("return list(kettle)", "return [kettle[0], math.nan]")
         self.assertIn("2500", program)
         self.assertIn("math.nan]", program)
-        program = program.replace('"""Sets the real outputs', 'print("set", *values, flush=True)\n    """Sets the real outputs')
+        # A signal interrupts print between its parts.
+        program = program.replace('"""Sets the real outputs', '__import__("os").write(1, f"set {values[0]} {values[1]}\\n".encode())\n    """Sets the real outputs')
         with tempfile.TemporaryDirectory() as folder, board.start("host") as firmware, board.console(firmware) as console:
             script = Path(folder) / "bridge.py"
             script.write_text(program, encoding="utf-8")
@@ -150,6 +154,84 @@ class PythonPlantTest(unittest.TestCase):
             self.assertIn(["set", "20.0", "0.0"], rows)
             self.assertEqual(rows[-1], ["set", "0.0", "0.0"])
             console.event("SAFE_STATE")
+
+    def test_thermometers_and_pins_of_the_page_are_read_and_switched(self) -> None:
+        """Files stand in for the kernel's."""
+        program, pins = programs_of_the_page()
+        before, after = program[:program.index("kettle = ")], program[program.index("class Column"):]
+        with tempfile.TemporaryDirectory() as folder, board.start("host") as firmware, board.console(firmware) as console:
+            files = stand_ins(Path(folder))
+            script = Path(folder) / "bridge.py"
+            script.write_text((before + pins + after).replace("link.TICK_MS = 5000", "link.TICK_MS = 1000").replace("/sys/", f"{folder}/"), encoding="utf-8")
+            for line in BRIDGE.splitlines():
+                console.do(line)
+            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:")], cwd=board.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                     text=True)
+            assert plant.stdout and plant.stderr
+            try:
+                console.event("LINK_UP")
+                console.do("out heater 1000")
+                console.event("OUTPUT")
+                rows = [plant.stdout.readline().split() for _ in range(4)]
+                values = set()
+                for _ in range(150):
+                    values.add(files["heater"].read_text(encoding="ascii"))
+                    time.sleep(0.01)
+                plant.send_signal(signal.SIGINT)
+                rows += [line.split() for line in plant.stdout.read().splitlines()]
+                self.assertEqual(plant.stderr.read(), "ended: the outputs are at their safe values\n")
+            finally:
+                plant.kill()
+                plant.wait()
+                plant.stdout.close()
+                plant.stderr.close()
+            self.assertIn(["21.562", "nan", "0.0", "1000.0"], rows)  # exactly 85 is no reading
+            self.assertLessEqual({"0", "1"}, values)
+            self.assertEqual([files[name].read_text(encoding="ascii") for name in ("heater", "reflux")], ["0", "0"])
+
+    def test_pins_of_the_page_go_off_when_nothing_is_commanded_and_readings_grow_old(self) -> None:
+        _, pins = programs_of_the_page()
+        with tempfile.TemporaryDirectory() as folder:
+            files = stand_ins(Path(folder))
+            link = types.SimpleNamespace(TICK_MS=200, DRIVEN=[("reflux", "%", 0.0, 100.0, 0.0), ("heater", "W", 0.0, 2000.0, 0.0)])
+            page = {"link": link, "math": math, "time": time}
+            exec(pins[:pins.index("for arguments in")].replace("/sys/", f"{folder}/"), page)  # without its threads
+            page["ask"](0)
+            page["ask"](1)
+            self.assertEqual(page["read"]()[0], 21.562)
+            page["seen"][0] = (time.monotonic() - 6, 21.562)
+            self.assertTrue(math.isnan(page["read"]()[0]))
+            files["28-000005e2fdc3"].unlink()
+            page["ask"](0)
+            self.assertTrue(math.isnan(page["read"]()[0]))
+            for part, on in ((1.0, 0.95), (0.25, 0.25)):
+                page["drive"]([0.0, 2000.0 * part])
+                for moment in (0.0, 0.2, 0.3, 0.94, 0.96):
+                    page["until"][0] = 2.0 + moment
+                    with unittest.mock.patch("time.monotonic", return_value=1.0 + moment):
+                        page["switch"]()
+                    self.assertEqual(files["heater"].read_text(encoding="ascii"), "1" if moment < on else "0")
+                    self.assertEqual(files["reflux"].read_text(encoding="ascii"), "0")
+            page["drive"]([100.0, 2000.0])
+            time.sleep(0.45)
+            page["switch"]()
+            self.assertEqual([files[name].read_text(encoding="ascii") for name in ("heater", "reflux")], ["0", "0"])
+
+
+def programs_of_the_page() -> list[str]:
+    """The program between board and column, and the part of it for a Raspberry Pi."""
+    page = (board.ROOT / "docs" / "start" / "hardware.md").read_text(encoding="utf-8")
+    return re.findall(r"^```python\n(.*?)^```\n", page, re.M | re.S)
+
+
+def stand_ins(folder: Path) -> dict[str, Path]:
+    """Files as the kernel has them: two thermometers in thousandths of a degree, two pins."""
+    files = {name: folder / "class" / "leds" / name / "brightness" for name in ("reflux", "heater")}
+    files |= {name: folder / "bus" / "w1" / "devices" / name / "temperature" for name in ("28-000005e2fdc3", "28-000005e31a8b")}
+    for (name, file), text in zip(files.items(), ("1", "1", "21562\n", "85000\n")):
+        file.parent.mkdir(parents=True)
+        file.write_text(text, encoding="ascii")
+    return files
 
 
 if __name__ == "__main__":

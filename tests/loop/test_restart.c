@@ -320,17 +320,20 @@ static void alarms_are_acknowledged_and_shelved_on_the_console(void)
     board.values[1] = 121;
     samples(2);
     ask_ok("alarm");
-    TEST_ASSERT_EQUAL_STRING("ALARM_ON T10.hi alarm1 high unacknowledged first of its group",
+    TEST_ASSERT_EQUAL_STRING("ALARM_ON T10.hi alarm1 high unacknowledged first of its group"
+                             ", T10 = 121 degC, limit 120 degC",
                              reply[0]);
     ask_ok("alarm ack T10.hi");
     samples(1);
     ask_ok("alarm");
-    TEST_ASSERT_EQUAL_STRING("ALARM_ON T10.hi alarm1 high acknowledged first of its group",
+    TEST_ASSERT_EQUAL_STRING("ALARM_ON T10.hi alarm1 high acknowledged first of its group"
+                             ", T10 = 121 degC, limit 120 degC",
                              reply[0]);
     ask_ok("alarm shelve alarm1 60");
     samples(1);
     ask_ok("alarm");
     TEST_ASSERT_EQUAL_STRING_LEN("SHELVED T10.hi alarm1 high until ", reply[0], 33);
+    TEST_ASSERT_TRUE_MESSAGE(said(", T10 = 121 degC, limit 120 degC\n"), board.said);
     ask_ok("alarm ack all");
     ask_refused("alarm ack nobody", "UNKNOWN");
     ask_refused("alarm shelve all 5", "UNKNOWN");

@@ -20,6 +20,13 @@ PLANTS = HERE.parents[1] / "host_sim" / "plants"
 LOOPS = ("--loops", "pp", "--settling", "3600", "--tick", "60")
 METHODS = (("polynomial",), ("static",), ("partial", "--factor", "0.5"), ("one-way", "--rank", "y2,y1"), ("directions", "--condition", "2"))
 HOST = ""
+TWO_LAGS = {
+    "name": "two", "title": "two loops, each element with a lag of its own", "source": "ours", "model": "transfer", "time_unit": "s", "tick_s": 10,
+    "outputs": [{"name": name, "unit": "degC", "lo": 0, "hi": 100, "nominal": 50} for name in ("y1", "y2")],
+    "inputs": [{"name": name, "unit": "%", "lo": 0, "hi": 100, "nominal": 50} for name in ("u1", "u2")],
+    "elements": [[{"gain": -0.8, "lags": 200, "dead_time": 20}, {"gain": 0.5, "lags": 260, "dead_time": 40}],
+                 [{"gain": 0.6, "lags": 180, "dead_time": 30}, {"gain": 0.9, "lags": 120, "dead_time": 15}]],
+}
 
 
 def decouple(*arguments):
@@ -100,6 +107,13 @@ class Design(FolderTest):
             self.assertIn(f"{name}: poles that the loop does not move: {np.exp(-5 / lag):.5g}", out)
         for loop in as_json(*arguments)["loops"]:
             self.assertAlmostEqual(loop["overshoot"], 0.1, places=4)
+
+    def test_a_loop_without_zeros_of_its_own_has_a_controller(self):
+        """All zeros of y1's loop are poles of the other element."""
+        path = str(self.file("two.json", json.dumps(TWO_LAGS)))
+        found = as_json(path, "--period", "20", "--method", "one-way", "--rank", "y1,y2", "--loops", "pp", "--settling", "1200", "--observer", "0.5", "--condition-hi", "1e6")
+        self.assertAlmostEqual(found["loops"][0]["overshoot"], 0.1, places=4)
+        self.assertLess(found["largest_pole"], 1)
 
     def test_engineering_units_change_what_is_printed_and_not_what_the_board_gets(self):
         spans, eu = as_json("kotyk-column"), as_json("kotyk-column", "--units", "eu")
@@ -252,9 +266,33 @@ class Refusals(FolderTest):
             for way in ways:
                 with self.subTest(name=name, period=period, way=way):
                     self.assertEqual(decouple(name, *([] if "--period" in way else ["--period", period]), *way.split())[0], 0)
-        self.assertIn("--period 180", decouple("lime-kiln", "--period", "60", "--loops", "pp", "--settling", "3600", "--tick", "90")[2])  # whole ticks alone
+        loops = ("--period", "60", "--loops", "pp", "--settling", "2400")
+        self.assertIn("with --period 600 or", decouple("lime-kiln", *loops)[2])
+        self.assertNotIn("--period 600", decouple("lime-kiln", *loops, "--tick", "90")[2])  # whole ticks alone
+        self.assertIn("with --period 180 or", decouple("lime-kiln", *loops, "--observer", "0.5", "--tick", "90")[2])
         same = model([[[0.2], [0.1]], [[0.4], [0.2]]])
         self.refused(same, "; --method static and partial have none either, and identify again with another period; decouple fewer pairs (--pairs)\n")
+
+    def test_a_refusal_of_controllers_names_a_method_that_has_some(self):
+        path = str(self.file("two.json", json.dumps(TWO_LAGS)))
+        loops = ("--loops", "pp", "--settling", "600")
+        way = "--method partial --factor 0"
+        for period, method in (("20", ()), ("40", ()), ("40", ("--method", "static")), ("60", ("--method", "one-way", "--rank", "y1,y2"))):
+            with self.subTest(period=period, method=method):
+                status, _, err = decouple(path, "--period", period, *method, *loops)
+                self.assertEqual(status, 1)
+                self.assertIn(f"; there are controllers with {way} (no decoupler)\n", err)
+                done = as_json(path, "--period", period, *way.split(), *loops)
+                self.assertLess(done["largest_pole"], 1)
+        short = ("--period", "40", "--method", "static", "--loops", "pp", "--settling", "80")
+        self.assertIn("another --settling or --period, or PIDs on the loops: --method static without --loops pp", decouple(path, *short)[2])
+        self.assertEqual(decouple(path, *short[:4])[0], 0)
+
+    def test_a_continuous_plant_without_a_period_is_refused_with_one_that_works(self):
+        path = str(self.file("two.json", json.dumps(TWO_LAGS)))
+        for name, period in ((path, "24"), ("wood-berry", "130")):
+            self.assertIn(f"--period says how often it is sampled, s; try --period {period}\n", decouple(name, "--method", "static")[2])
+            self.assertEqual(decouple(name, "--method", "static", "--period", period)[0], 0)
 
     def test_a_plant_that_is_not_square_is_refused(self):
         status, _, err = decouple("shell-fractionator")

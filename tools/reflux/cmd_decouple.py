@@ -149,23 +149,33 @@ def make(plant: SampledPlant, options: argparse.Namespace) -> Design:
     if len(settling) not in (0, 1, n):
         raise UserError(f"--settling {options.settling}: one for all loops or {n}")
     settling = settling * n if len(settling) == 1 else settling
-    compensator = decoupler(spanned, options)
+    goal = decoupler_remedies.Goal(options.overshoot, settling, options.observer, options.condition_hi) if options.loops == "pp" else None
+    compensator = decoupler(spanned, options, goal)
     try:
         lam = libreflux.rga(libreflux.Plant(spanned.gains()))
     except libreflux.Refused:
         lam = np.full((n, n), np.nan)
     placed, moves, radius = [], [], None
-    if options.loops == "pp":
-        placed = decoupled_loops.place_all(spanned, compensator, options.overshoot, settling, options.observer, options.condition_hi)
-        radius = decoupled_loops.closed_radius(spanned, compensator, placed)
-        if not radius < 1:
-            raise RunFailed(f"with all loops closed the model has a pole at {radius:.4g}: the interaction that {options.method} leaves is too much for controllers designed "
-                            "one by one; a longer settling time, or more of the decoupler")
+    if goal:
+        placed, radius = controllers(spanned, compensator, goal, options.method)
         moves = [decoupled_loops.step_of(spanned, compensator, placed, k, settling[k]) for k in range(n)]
     lines = []
     if plant.output_spans is not None:
         lines = decoupled_loops.lines(spanned, compensator, placed, names, [int(x) for x in numbers], options.first_block, divisor_of(plant, options.tick))
     return Design(plant, spanned, compensator, lam, placed, moves, radius, lines)
+
+
+def controllers(spanned: SampledPlant, compensator: Compensator, goal: decoupler_remedies.Goal, method: str) -> tuple[list[decoupling.Placed], float]:
+    """With the largest pole of all loops together."""
+    try:
+        placed = decoupled_loops.place_all(spanned, compensator, *goal)
+    except RunFailed as refused:
+        raise RunFailed(f"{refused}{decoupler_remedies.for_loops(spanned, goal) if 'zero' in str(refused) else ''}") from None
+    radius = decoupled_loops.closed_radius(spanned, compensator, placed)
+    if not radius < 1:
+        raise RunFailed(f"with all loops closed the model has a pole at {radius:.4g}: the interaction that {method} leaves is too much for controllers designed "
+                        f"one by one{decoupler_remedies.for_loops(spanned, goal)}")
+    return placed, radius
 
 
 def divisor_of(plant: SampledPlant, tick: float | None) -> int | None:
@@ -177,7 +187,7 @@ def divisor_of(plant: SampledPlant, tick: float | None) -> int | None:
     return found
 
 
-def decoupler(spanned: SampledPlant, options: argparse.Namespace) -> Compensator:
+def decoupler(spanned: SampledPlant, options: argparse.Namespace, goal: decoupler_remedies.Goal | None = None) -> Compensator:
     if options.method == "polynomial":
         given = {k: getattr(options, k) for k in ("zero_hi", "determinant_lo", "element_hi") if getattr(options, k) is not None}
         try:
@@ -185,7 +195,7 @@ def decoupler(spanned: SampledPlant, options: argparse.Namespace) -> Compensator
         except decoupling.DecouplerRefused as refused:
             zeros = f"; zeros of det B {', '.join(zero_text(z) for z in refused.zeros)}" if len(refused.zeros) else ""
             advice = f"; the filter before the samples ({spanned.filtered}) brings zeros: identify again with 0" if spanned.filtered else ""
-            remedies = decoupler_remedies.found(spanned, given, options, str(refused))
+            remedies = decoupler_remedies.found(spanned, given, options, str(refused), goal)
             raise RunFailed(f"no polynomial decoupler of {spanned.name}: {refused}{zeros}{advice}{remedies}") from None
         return Compensator(found.g, found=found)
     try:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import difflib
 import re
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflux import build, launch, scenario_settings, session, simulator, textfile, watch
+from reflux import build, launch, plant_file, scenario_settings, session, simulator, textfile, watch
 from reflux import scenario as scenarios
 from reflux.errors import Ended, RunFailed, UserError
-from reflux.paths import SCENARIOS, shown, tool
+from reflux.paths import PLANTS, SCENARIOS, shown, tool
 from reflux.ports import Port
 from reflux.scenario import Scenario, check_speed
 from reflux.schema import load_toml
@@ -53,6 +54,9 @@ def main(arguments: list[str]) -> int:
     if not options.no_build:
         build.build("host", ("reflux-host", "reflux-sim"))
     simulator.check_plant(bench.plant)
+    if options.plant:  # configurations of ours fit, some by options of the plant that add channels
+        for line in misfits(bench):
+            print(line, flush=True)
     try:
         return play(bench, options)
     except Ended:
@@ -87,13 +91,47 @@ def bench_of(name: str, plant: str | None) -> Bench:
     """A name of ours brings plant, tick and start of the scenario that uses it; another file needs a plant."""
     path = Path(name) if name.endswith(".conf") else SCENARIOS / f"{name}.conf"
     if not path.is_file():
-        raise UserError(f'there is no configuration "{name}"; known are {", ".join(names())}, or name a .conf file with --plant')
+        raise UserError(no_configuration(name))
     if plant is not None:
         return Bench(plant, (), tuple(line for _, line in session.commands_in(path, textfile.read(path))))
     found = scenario_of(path)
     if found is None:
         raise UserError(f"{shown(path)}: no scenario beside it says which plant it is for; name one with --plant")
     return Bench(found.plant_argument, tuple(found.plant_options()), tuple(line.text for line in found.config))
+
+
+def no_configuration(name: str) -> str:
+    if name.endswith(".conf"):
+        return f"{name}: no such file; --plant PLANT goes with a .conf file of yours"
+    if name.endswith((".toml", ".json")):
+        what = f"a scenario, which {tool('run')} plays" if name.endswith(".toml") else "a plant, which goes behind --plant"
+        return f"{name} is {what}; here goes the name of a configuration or a .conf file"
+    plant = ""
+    if (PLANTS / f"{name}.json").is_file():
+        plant = f": it is a plant; `{tool('commission')} --plant {name}` writes a board.conf for it, for `{tool('play')} board.conf --plant {name}`"
+    near = difflib.get_close_matches(name, names(), 1)
+    meant = f'; did you mean "{near[0]}"?' if near and not plant else ""
+    return f'there is no configuration "{name}"{plant}; known are {", ".join(names())}, or name a .conf file with --plant{meant}'
+
+
+def misfits(bench: Bench) -> list[str]:
+    """What the configuration wants and the plant does not have, with what would be right. Points that a block writes are no channels of the plant."""
+    values = scenario_settings.values_of(bench.lines)
+    written = {point for key, value in values.items() if re.fullmatch(r"block\d+\.points", key) for point in value.split(",")}
+    rows = [line.split(",") for line in simulator.ask("--steady", "--plant", bench.plant).splitlines()[1:]]
+    out = []
+    for group, kind in (("meas", "measurement"), ("mv", "manipulated")):
+        units = {row[1]: row[2] for row in rows if row[0] == kind}
+        for name, k in scenario_settings.in_use(values, group).items():
+            unit = values.get(f"{k}.unit", "")
+            if name in written:
+                continue
+            if name not in units:
+                has = ", ".join(f"{n} ({u})" for n, u in units.items())
+                out.append(f"{k}.name {name}: the plant has no {'output' if group == 'meas' else 'input'} of that name; it has {has}")
+            elif plant_file.unit_of(unit, f"{k}.unit") != units[name]:
+                out.append(f"{k}.unit {unit}: the plant has {name} in {units[name]}: `set {k}.unit {units[name]}`")
+    return out
 
 
 def scenario_of(path: Path) -> Scenario | None:
@@ -124,7 +162,7 @@ def await_plant(talk: Session, firmware: launch.Firmware) -> None:
     while True:
         said = talk.ask("status")
         ticks = next((int(found[1]) for line in said if (found := re.search(r"\bticks (\d+)", line))), 0)
-        if ticks > 1 and "link ready" in said[0] and not any("not announced" in line for line in said):
+        if ticks > 1 and "link ready" in said[0] and not any("not announced" in line or "next sample" in line for line in said):
             return
         if died := firmware.died():
             raise RunFailed(died)

@@ -84,7 +84,9 @@ def loop_of(plant: SampledPlant, compensator: Compensator, k: int) -> tuple[np.n
             hidden.append(complex(zeros.pop(near)))
     if not hidden or abs(sum(z.imag for z in hidden)) > HIDDEN:  # none, or half a pair
         return a, b, []
-    return np.real(np.poly(poles)), np.concatenate([np.zeros(at[0]), b[at[0]] * np.real(np.poly(zeros))]), hidden
+    # Of no roots at all numpy.poly makes a number and no polynomial.
+    left = [np.atleast_1d(np.real(np.poly(roots))) for roots in (poles, zeros)]
+    return left[0], np.concatenate([np.zeros(at[0]), b[at[0]] * left[1]]), hidden
 
 
 def closed_radius(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed]) -> float:

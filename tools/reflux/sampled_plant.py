@@ -151,10 +151,21 @@ def of_polynomials(j, rows, columns, _period):
 
 def asked(j: dict[str, Any], period: float | None) -> float:
     if period is None:
-        raise UserError(f"{j['name']} is continuous: --period says how often it is sampled, s")
+        raise UserError(f"{j['name']} is continuous: --period says how often it is sampled, s{period_to_try(j)}")
     if not 0 < period <= 1e6:
         raise UserError("--period must be above 0, to 1e6 s")
     return period / UNIT[j.get("time_unit", "s")]
+
+
+def period_to_try(j: dict[str, Any]) -> str:
+    """Returns a fifth of the shortest lag, but so much that the longest dead time fits into the model's coefficients; nothing where there is no lag."""
+    elements = [e for row in j["elements"] for e in row if e and "cases" not in e]
+    lags = [sum(lags_of(e)) for e in elements if sum(lags_of(e)) > 0]
+    dead = max((float(e.get("dead_time", 0.0)) for e in elements), default=0.0)
+    if not lags:
+        return ""
+    period = max(min(lags) / 5, dead / (B_MOST - A_MOST)) * UNIT[j.get("time_unit", "s")]
+    return f"; try --period {float(f'{period:.2g}'):g}"
 
 
 def of_elements(j, rows, columns, period):
