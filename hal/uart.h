@@ -43,6 +43,9 @@ bool hal_uart_write(enum hal_uart port, const void *data, size_t n);
  * while the other side has sent XOFF. */
 size_t hal_uart_pump(enum hal_uart port);
 
+/* Interrupts send what is queued: nobody has to pump for it, and the main loop may sleep meanwhile. */
+bool hal_uart_sends_alone(void);
+
 /* False where the port knows that nobody is at the other end (a closed pseudo-terminal). */
 bool hal_uart_connected(enum hal_uart port);
 

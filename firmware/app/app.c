@@ -105,7 +105,8 @@ void app_background(struct app *app)
     busy = operate_poll(&app->operate) || busy;
     busy = operate_poll_proposals(&app->operate) || busy;
     busy = storage_poll(&app->storage) || busy;
-    busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
+    bool sends = hal_uart_pump(HAL_UART_CONSOLE) != 0;
+    busy = (sends && !hal_uart_sends_alone()) || busy;
     hal_idle(!busy);
 }
 

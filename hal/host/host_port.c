@@ -197,6 +197,11 @@ size_t hal_uart_pump(enum hal_uart port)
     return lines[port].blocked || waiting == 0 ? waiting : line_flush(&lines[port]);
 }
 
+bool hal_uart_sends_alone(void)
+{
+    return false;
+}
+
 bool hal_uart_connected(enum hal_uart port)
 {
     return lines[port].out >= 0;

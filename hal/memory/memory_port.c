@@ -238,6 +238,11 @@ size_t hal_uart_pump(enum hal_uart port)
     return 0; /* the bench takes bytes from the ring itself */
 }
 
+bool hal_uart_sends_alone(void)
+{
+    return false;
+}
+
 bool hal_uart_connected(enum hal_uart port)
 {
     (void)port;

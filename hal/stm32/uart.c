@@ -126,8 +126,11 @@ static bool serve(struct uart *u)
 
 void interrupt_usart1(void)
 {
+    uint32_t before = uarts[HAL_UART_CONSOLE].stats.received;
     (void)serve(&uarts[HAL_UART_CONSOLE]);
-    tick_work_seen();
+    if (uarts[HAL_UART_CONSOLE].stats.received != before) {
+        tick_work_seen(); /* of room in the transmit ring the main loop hears with the next millisecond */
+    }
 }
 
 /* A frame ends with a zero byte (link/frame.h); nothing can be done before that. The half-full rule is for a
@@ -137,7 +140,6 @@ void interrupt_usart2(void)
     if (serve(&uarts[HAL_UART_LINK])) {
         hal_tick_request();
     }
-    tick_work_seen();
 }
 
 void uart_start(void)
@@ -185,6 +187,11 @@ size_t hal_uart_pump(enum hal_uart port)
     transmit(u);
     mask_restore(before);
     return flow_ready(&u->flow, &u->tx);
+}
+
+bool hal_uart_sends_alone(void)
+{
+    return !clock_is_model();
 }
 
 bool hal_uart_connected(enum hal_uart port)

@@ -70,7 +70,7 @@ static uint32_t flash_speed(void)
 static bool start_pll(uint32_t input_mhz, uint32_t from)
 {
     /* 1 MHz into the oscillator, 336 MHz out of it, halved for the core; 48 MHz for USB on the side. */
-    RCC_PLLCFGR = input_mhz | (336u << 6) | (7u << 24) | from;
+    RCC_PLLCFGR = RCC_PLLCFGR_KEPT | input_mhz | (336u << 6) | (7u << 24) | from;
     RCC_CR |= RCC_CR_PLLON;
     if (!wait_for(&RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY)) {
         RCC_CR &= ~RCC_CR_PLLON;

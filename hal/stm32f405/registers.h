@@ -18,6 +18,7 @@
 #define RCC_CR_PLLRDY      BIT(25)
 #define RCC_PLLCFGR        REG32(0x40023804u)
 #define RCC_PLLCFGR_HSE    BIT(22)
+#define RCC_PLLCFGR_KEPT   BIT(29) /* reserved, set out of reset, to be left so (7.3.2) */
 #define RCC_CFGR           REG32(0x40023808u)
 #define RCC_CFGR_SW_PLL    2u
 #define RCC_CFGR_SWS       (3u << 2)

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "bench/text.h"
+#include "bench/transport_board.h"
 
 #define WRITE_PATIENCE_MS 2000
 #define RETRY_MS          20
@@ -274,6 +275,9 @@ bool transport_open(struct transport *t, const char *where, uint64_t patience_ms
     }
     if ((rest = after_scheme(where, "serial")) != NULL) {
         return transport_open_serial(t, rest, err, err_size);
+    }
+    if ((rest = after_scheme(where, "board")) != NULL) {
+        return transport_open_board(t, rest, patience_ms, err, err_size);
     }
     if ((rest = after_scheme(where, "newpty")) != NULL || strcmp(where, "newpty") == 0) {
         return open_new_pty(t, rest != NULL ? rest : "", err, err_size);

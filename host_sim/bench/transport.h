@@ -4,6 +4,7 @@
  *     pty:PATH                 an existing pseudo-terminal, made raw
  *     newpty[:LINK]            a new pseudo-terminal; its name is printed, and LINK made to point to it
  *     serial:/dev/ttyX[@BAUD]  a real serial port, 8N1, through libserialport; 115200 unless told
+ *     board:PATH               a virtual board's control socket, which carries both lines and the time
  *     PATH                     one of the first two or the last, by what the file is
  *     other schemes            added by transport_add_scheme(): the in-process firmware
  *

@@ -31,6 +31,8 @@ BOARDS = {
 RUNS = tuple(image for board in BOARDS.values() for image in board.runs)
 # Images that `--firmware` of tools/run and `firmware` of a scenario may name.
 FIRMWARES = tuple(image.preset for image in RUNS)
+# The same images on the virtual board, which has the whole chip: `board` is the first of them.
+VIRTUAL = {"board": "stm32f405", **{f"board-{preset}": preset for preset in FIRMWARES}}
 # Everything there is to build.
 PRESETS = (*FIRMWARES, *(preset for board in BOARDS.values() for preset in board.others))
 # Images that the default tier of tools/test builds: one image in float, and a fixed-point image of the smallest board.

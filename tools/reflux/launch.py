@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Iterator
 
 from reflux import build, port_lock
-from reflux.boards import BOARDS
+from reflux.boards import BOARDS, VIRTUAL
 from reflux.errors import RunFailed, UserError
 from reflux.paths import INSTALLED
 
@@ -49,7 +49,7 @@ class Firmware:
 
 def preset_of(kind: str) -> str | None:
     """The build tree a kind of firmware comes from."""
-    return {"memory": "host", "serial": None}.get(kind, kind)
+    return {"memory": "host", "serial": None}.get(kind, VIRTUAL.get(kind, kind))
 
 
 def programs_of(kind: str) -> list[tuple[str, tuple[str, ...]]]:
@@ -61,6 +61,8 @@ def programs_of(kind: str) -> list[tuple[str, tuple[str, ...]]]:
         out.append((kind, ("reflux-host",)))
     elif kind.startswith("stm32"):
         out.append((kind, ()))
+    elif kind in VIRTUAL:
+        out = [("host", ("reflux-sim", "reflux-board")), (VIRTUAL[kind], ())]
     return out
 
 
@@ -101,7 +103,10 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
             program = build.find_program("host", "reflux-sim-memory")
             yield Firmware(kind, "memory", "memory", "reflux-sim-memory", program)
             return
-        firmware = _host(kind, place) if kind.startswith("host") else _emulator(kind, place, extra)
+        if kind in VIRTUAL:
+            firmware = _virtual_board(kind, place, extra)
+        else:
+            firmware = _host(kind, place) if kind.startswith("host") else _emulator(kind, place, extra)
         try:
             yield firmware
         finally:
@@ -174,6 +179,15 @@ def _emulator(kind: str, place: Path, extra: tuple[str, ...]) -> Firmware:
     firmware = spawn(kind, emulator_command(image, console, link, extra), place, image)
     firmware.console, firmware.link = f"socket:{console}", f"socket:{link}"
     await_paths(firmware, [link, console])
+    return firmware
+
+
+def _virtual_board(kind: str, place: Path, extra: tuple[str, ...]) -> Firmware:
+    image, control = build.find_image(VIRTUAL[kind]), place / "control"
+    command = [str(build.find_program("host", "reflux-board")), "--image", str(image), "--control", str(control), *extra]
+    firmware = spawn(kind, command, place, image)
+    firmware.console = firmware.link = f"board:{control}"
+    await_paths(firmware, [control])
     return firmware
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from reflux import boards
 from reflux.schema import Key
 
-FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, "memory", "serial")
+FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, *boards.VIRTUAL, "memory", "serial")
 
 TOP = {key.name: key for key in (
     Key("name", "text", about="letters, digits, `-`, `_`, at most 40; names the output folder `out/NAME`"),

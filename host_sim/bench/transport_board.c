@@ -1,0 +1,172 @@
+#include "bench/transport_board.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "bench/text.h"
+
+/* The protocol: host_sim/virtual_board/control.h */
+#define STEP_NS       UINT64_C(1000000) /* how far time goes on when nobody has anything to say */
+#define REQUEST_BYTES 12u
+#define REPLY_BYTES   13u
+#define MOST          16384u
+#define AGAIN_US      10000u
+
+enum { LINE_CONSOLE, LINE_LINK, LINES };
+
+static struct {
+    int fd;
+    uint64_t now_ns;
+    bool open[LINES], gone;
+    struct half {
+        uint8_t bytes[MOST];
+        size_t n, taken;
+    } to[LINES], from[LINES];
+} board = {.fd = -1};
+
+static unsigned line_of(const struct transport *t)
+{
+    return t->context == &board.to[LINE_LINK] ? LINE_LINK : LINE_CONSOLE;
+}
+
+static long board_read(struct transport *t, void *buffer, size_t size)
+{
+    struct half *h = &board.from[line_of(t)];
+    size_t n = h->n - h->taken < size ? h->n - h->taken : size;
+    (void)memcpy(buffer, h->bytes + h->taken, n);
+    h->taken += n;
+    if (n == 0 && board.gone)
+        return transport_lost(t, "the board has ended");
+    return (long)n;
+}
+
+static long board_write(struct transport *t, const void *data, size_t n)
+{
+    struct half *h = &board.to[line_of(t)];
+    size_t room = sizeof(h->bytes) - h->n, taken = n < room ? n : room;
+    (void)memcpy(h->bytes + h->n, data, taken);
+    h->n += taken;
+    return board.gone ? transport_lost(t, "the board has ended") : (long)taken;
+}
+
+static bool whole(uint8_t *bytes, size_t n, bool out)
+{
+    while (n > 0) {
+        ssize_t k = out ? send(board.fd, bytes, n, MSG_NOSIGNAL) : recv(board.fd, bytes, n, 0);
+        if (k < 0 && errno == EINTR)
+            continue;
+        if (k <= 0)
+            return false;
+        bytes += k;
+        n -= (size_t)k;
+    }
+    return true;
+}
+
+static void put(uint8_t *at, uint64_t x, unsigned bytes)
+{
+    for (unsigned i = 0; i < bytes; i++)
+        at[i] = (uint8_t)(x >> 8 * i);
+}
+
+static uint64_t number(const uint8_t *at, unsigned bytes)
+{
+    uint64_t x = 0;
+    for (unsigned i = 0; i < bytes; i++)
+        x |= (uint64_t)at[i] << 8 * i;
+    return x;
+}
+
+/* One step: what was written goes there, what came back waits to be read. What was not read yet stays in front. */
+static bool step(void)
+{
+    uint8_t head[REPLY_BYTES];
+    put(head, STEP_NS, 8);
+    put(head + 8, board.to[LINE_CONSOLE].n, 2);
+    put(head + 10, board.to[LINE_LINK].n, 2);
+    if (!whole(head, REQUEST_BYTES, true))
+        return false;
+    for (unsigned line = 0; line < LINES; line++) {
+        if (!whole(board.to[line].bytes, board.to[line].n, true))
+            return false;
+        board.to[line].n = 0;
+    }
+    if (!whole(head, REPLY_BYTES, false))
+        return false;
+    board.now_ns = number(head, 8);
+    for (unsigned line = 0; line < LINES; line++) {
+        struct half *h = &board.from[line];
+        size_t n = number(head + 8 + 2 * line, 2);
+        (void)memmove(h->bytes, h->bytes + h->taken, h->n - h->taken);
+        h->n -= h->taken;
+        h->taken = 0;
+        if (n > sizeof(h->bytes) - h->n || !whole(h->bytes + h->n, n, false))
+            return false;
+        h->n += n;
+    }
+    return head[12] == 0;
+}
+
+static void board_turn(struct transport *t)
+{
+    (void)t;
+    for (unsigned line = 0; line < LINES; line++)
+        if (board.open[line] && board.from[line].n != board.from[line].taken)
+            return; /* first what there is */
+    board.gone = board.gone || !step();
+}
+
+static uint64_t board_now(struct transport *t)
+{
+    (void)t;
+    return board.now_ns / 1000000u;
+}
+
+static void board_close(struct transport *t)
+{
+    board.open[line_of(t)] = false;
+    if (!board.open[LINE_CONSOLE] && !board.open[LINE_LINK] && board.fd >= 0) {
+        (void)close(board.fd);
+        board.fd = -1;
+    }
+}
+
+static const struct transport_ops board_ops = {.read = board_read,
+                                               .write = board_write,
+                                               .turn = board_turn,
+                                               .now_ms = board_now,
+                                               .close = board_close};
+
+static bool connect_to(const char *path, uint64_t until_ms)
+{
+    struct sockaddr_un a = {.sun_family = AF_UNIX};
+    (void)snprintf(a.sun_path, sizeof(a.sun_path), "%s", path);
+    for (;;) {
+        board.fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        if (board.fd >= 0 && connect(board.fd, (struct sockaddr *)&a, sizeof(a)) == 0)
+            return true;
+        (void)close(board.fd);
+        board.fd = -1;
+        if (sim_clock_ms() >= until_ms)
+            return false;
+        (void)usleep(AGAIN_US);
+    }
+}
+
+bool transport_open_board(struct transport *t, const char *path, uint64_t patience_ms, char *err,
+                          size_t err_size)
+{
+    unsigned line = board.open[LINE_LINK] ? LINE_CONSOLE : LINE_LINK;
+    if (board.open[line])
+        return sim_fail(err, err_size, "board: there is one link and one console");
+    if (board.fd < 0 && !connect_to(path, sim_clock_ms() + patience_ms))
+        return sim_fail(err, err_size, "board:%s: %s", path, strerror(errno));
+    board.open[line] = true;
+    t->context = &board.to[line];
+    t->ops = &board_ops;
+    return true;
+}

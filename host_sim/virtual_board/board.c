@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "board.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chip.h"
+
+#define NS_PER_S UINT64_C(1000000000)
+
+uint64_t board_ns(const struct board *b)
+{
+    unsigned __int128 spent = b->cycles - b->anchor_cycles;
+    return b->anchor_ns + (uint64_t)(spent * NS_PER_S / b->core_hz);
+}
+
+uint64_t board_cycles_at(const struct board *b, uint64_t ns)
+{
+    if (ns <= b->anchor_ns)
+        return b->anchor_cycles;
+    if (ns == BOARD_NEVER)
+        return BOARD_NEVER;
+    unsigned __int128 later = ns - b->anchor_ns;
+    return b->anchor_cycles + (uint64_t)((later * b->core_hz + NS_PER_S - 1) / NS_PER_S);
+}
+
+void board_set_core_hz(struct board *b, uint64_t hz)
+{
+    uint64_t now = board_ns(b);
+    b->anchor_ns = now;
+    b->anchor_cycles = b->cycles;
+    b->core_hz = hz;
+}
+
+/* ---- events ---- */
+
+static void find_next(struct board *b)
+{
+    b->next_ns = BOARD_NEVER;
+    for (size_t i = 0; i < b->n_events; i++)
+        if (b->events[i]->at_ns < b->next_ns)
+            b->next_ns = b->events[i]->at_ns;
+}
+
+void board_add_event(struct board *b, struct board_event *e)
+{
+    e->at_ns = BOARD_NEVER;
+    if (b->n_events == BOARD_EVENTS)
+        abort();
+    b->events[b->n_events++] = e;
+}
+
+void board_schedule(struct board *b, struct board_event *e, uint64_t at_ns)
+{
+    e->at_ns = at_ns;
+    find_next(b);
+    processor_break(b);
+}
+
+void board_run_events(struct board *b)
+{
+    uint64_t now = board_ns(b);
+    while (b->next_ns <= now) {
+        struct board_event *first = NULL;
+        for (size_t i = 0; i < b->n_events; i++)
+            if (first == NULL || b->events[i]->at_ns < first->at_ns)
+                first = b->events[i];
+        first->at_ns = BOARD_NEVER;
+        find_next(b);
+        first->due(first->context);
+    }
+}
+
+/* ---- life ---- */
+
+struct board *board_new(const struct chip *chip, const struct surroundings *around,
+                        const uint8_t *image, size_t image_bytes, bool exact, char *err,
+                        size_t err_size)
+{
+    struct board *b = calloc(1, sizeof(*b));
+    if (b == NULL) {
+        (void)snprintf(err, err_size, "no memory");
+        return NULL;
+    }
+    b->chip = chip;
+    b->around = *around;
+    b->random = around->seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    b->core_hz = chip->internal_hz;
+    b->next_ns = BOARD_NEVER;
+    if (!processor_start(b, image, image_bytes, exact, err, err_size)) {
+        free(b);
+        return NULL;
+    }
+    bus_start(b);
+    return b;
+}
+
+void board_free(struct board *b)
+{
+    bus_stop(b);
+    processor_stop(b);
+    free(b);
+}
+
+static void reset(struct board *b, enum board_reset kind)
+{
+    b->reset_asked = false;
+    b->resets[kind]++;
+    b->stalled_until_ns = 0;
+    uint64_t hz = b->chip->internal_hz;
+    board_set_core_hz(b, hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000));
+    for (size_t i = 0; i < b->n_events; i++)
+        b->events[i]->at_ns = BOARD_NEVER;
+    find_next(b);
+    bus_reset(b, kind);
+    processor_reset(b);
+}
+
+void board_power_on(struct board *b)
+{
+    processor_scramble(b);
+    reset(b, RESET_POWER);
+}
+
+void board_ask_reset(struct board *b, enum board_reset kind)
+{
+    b->reset_asked = true;
+    b->reset_kind = kind;
+    processor_break(b);
+}
+
+void board_pause(struct board *b)
+{
+    b->paused = true;
+    processor_break(b);
+}
+
+void board_run(struct board *b, uint64_t until_ns)
+{
+    b->paused = false;
+    while (b->verdict[0] == '\0' && !b->paused && board_ns(b) < until_ns) {
+        if (b->reset_asked)
+            reset(b, b->reset_kind);
+        processor_run(b, board_cycles_at(b, until_ns));
+    }
+}
+
+void board_verdict(struct board *b, const char *format, ...)
+{
+    if (b->verdict[0] != '\0')
+        return;
+    va_list list;
+    va_start(list, format);
+    int n = vsnprintf(b->verdict, sizeof(b->verdict), format, list);
+    va_end(list);
+    if (n > 0 && (size_t)n < sizeof(b->verdict))
+        (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at %s0x%08x, %.6f s",
+                       processor_is_exact(b) ? "" : "or after ", processor_pc(b),
+                       (double)board_ns(b) / 1e9);
+    processor_break(b);
+}
+
+/* xorshift64* */
+uint32_t board_random(struct board *b)
+{
+    b->random ^= b->random >> 12;
+    b->random ^= b->random << 25;
+    b->random ^= b->random >> 27;
+    return (uint32_t)((b->random * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
+}
+
+/* ---- lines ---- */
+
+size_t line_take(struct board *b, unsigned line, uint8_t *bytes, size_t size)
+{
+    struct line *l = &b->lines[line];
+    size_t n = 0;
+    while (n < size && l->from_head != l->from_tail)
+        bytes[n++] = l->from_board[l->from_head++ % BOARD_LINE_ROOM];
+    return n;
+}

@@ -1,0 +1,119 @@
+/* What a chip is made of: which model stands at which address, on which clock and interrupt. A chip is one table of this kind.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_VIRTUAL_BOARD_CHIP_H
+#define REFLUX_VIRTUAL_BOARD_CHIP_H
+
+#include "board.h"
+
+/* A register. Bits outside `defined` are reserved: they are written as they are after reset. Bits outside `writable` ignore what is written. */
+struct reg {
+    const char *name;
+    uint16_t offset;
+    uint32_t reset, defined, writable;
+};
+
+enum access_width { WIDTH_BYTE = 1, WIDTH_HALF = 2, WIDTH_WORD = 4 };
+
+/* A model of one kind of part. */
+struct part_class {
+    const char *name;
+    const struct reg *regs;
+    size_t n_regs;
+    size_t state_bytes;
+    uint8_t widths; /* of access that the manual allows: a sum of enum access_width */
+    void (*start)(struct part *p); /* once */
+    void (*reset)(struct part *p, enum board_reset kind);
+    /* What is read in place of the stored word; NULL: the stored word. */
+    uint32_t (*read)(struct part *p, uint32_t offset, uint32_t stored);
+    /* After the word has been stored; before: what was there. NULL: nothing happens. */
+    void (*write)(struct part *p, uint32_t offset, uint32_t before, uint32_t written);
+};
+
+struct chip_part {
+    const char *name;
+    const struct part_class *class;
+    uint32_t base, size;
+    const char *bus;        /* "ahb1", "apb1", "apb2": whose clock and which enable register */
+    uint16_t enable_offset; /* of the RCC; 0: always on */
+    uint8_t enable_bit;
+    uint8_t irq;    /* 0xFF: none */
+    uint8_t number; /* which of several of its class */
+};
+
+enum memory_kind { MEMORY_FLASH, MEMORY_RAM, MEMORY_CORE_RAM };
+
+struct chip_memory {
+    enum memory_kind kind;
+    uint32_t base, size;
+};
+
+struct chip {
+    const char *name;
+    int cpu_model; /* of the processor library */
+    bool fpu;
+    uint32_t cpuid;
+    uint32_t mpu_regions;
+    uint32_t ccr_reset;
+    uint8_t priority_bits;
+    uint16_t interrupts;
+    uint32_t internal_hz;
+    const struct chip_memory *memory;
+    size_t n_memory;
+    uint32_t stored_base, stored_size; /* flash that the firmware writes */
+    void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
+    const struct chip_part *parts;
+    size_t n_parts;
+};
+
+struct part {
+    struct board *board;
+    const struct chip_part *row;
+    uint32_t *words; /* in the order of the class's registers */
+    void *state;
+};
+
+extern const struct chip chip_stm32f405, chip_stm32f100;
+
+/* models/stored_flash.c; at: from the beginning of what is stored */
+uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes);
+
+/* bus.c */
+void bus_start(struct board *b);
+void bus_stop(struct board *b);
+void bus_reset(struct board *b, enum board_reset kind);
+uint32_t bus_read(struct board *b, uint32_t address, unsigned bytes);
+void bus_write(struct board *b, uint32_t address, unsigned bytes, uint32_t value);
+struct part *bus_part(struct board *b, const char *name); /* NULL: the chip has none */
+uint32_t part_get(const struct part *p, uint32_t offset);
+void part_set(struct part *p, uint32_t offset, uint32_t word);
+
+/* processor.c */
+bool processor_start(struct board *b, const uint8_t *image, size_t image_bytes, bool exact,
+                     char *err, size_t err_size);
+void processor_stop(struct board *b);
+void processor_reset(struct board *b);
+void processor_scramble(struct board *b); /* memory at power-on */
+void processor_run(struct board *b, uint64_t until_cycles);
+uint32_t processor_pc(
+    struct board *b); /* for verdicts: of the instruction in exact mode, else of its block */
+bool processor_is_exact(const struct board *b);
+uint8_t *processor_memory(struct board *b, uint32_t address,
+                          uint32_t bytes); /* NULL: not memory, or not all of it */
+void processor_attend(
+    struct board *b); /* an interrupt may have become pending: look at the next block */
+/* A reset ends what runs at the next block. */
+void processor_break(struct board *b);
+void processor_protection_changed(struct board *b);
+
+/* system_control.c */
+struct interrupts;
+struct interrupts *interrupts_new(struct board *b);
+void interrupts_free(struct interrupts *i);
+void interrupts_reset(struct interrupts *i);
+struct interrupts *processor_interrupts(struct board *b);
+void interrupt_line(struct board *b, unsigned irq, bool high);
+void interrupt_nmi(struct board *b);
+
+#endif

@@ -1,0 +1,55 @@
+/* STM32F405xG: memory map RM0090 2.3, enables 7.3.10 to 7.3.14, interrupts 12.2.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include <unicorn/unicorn.h>
+
+#include "models/models.h"
+
+#define AHB1ENR 0x30
+#define APB1ENR 0x40
+#define APB2ENR 0x44
+#define NO_IRQ  0xFF
+
+static const struct chip_memory memory[] = {
+    {MEMORY_FLASH, 0x08000000u, 0x100000u}, /* 1 MiB */
+    {MEMORY_RAM, 0x20000000u, 0x20000u},    /* 112 KiB and 16 KiB */
+    {MEMORY_CORE_RAM, 0x10000000u, 0x10000u},
+};
+
+static const struct chip_part parts[] = {
+    {"SCS", &system_control_class, 0xE000E000u, 0x1000, "core", 0, 0, NO_IRQ, 0},
+    {"DWT", &trace_class, 0xE0001000u, 0x1000, "core", 0, 0, NO_IRQ, 0},
+    {"RCC", &rcc_f4_class, 0x40023800u, 0x400, "ahb1", 0, 0, NO_IRQ, 0},
+    {"STORED", &stored_flash_class, 0, 0, "ahb1", 0, 0, NO_IRQ, 0},
+    {"FLASH", &flash_f4_class, 0x40023C00u, 0x400, "ahb1", 0, 0, NO_IRQ, 0},
+    {"PWR", &power_f4_class, 0x40007000u, 0x400, "apb1", APB1ENR, 28, NO_IRQ, 0},
+    {"IWDG", &watchdog_class, 0x40003000u, 0x400, "apb1", 0, 0, NO_IRQ, 0},
+    {"USART1", &usart_class, 0x40011000u, 0x400, "apb2", APB2ENR, 4, 37, 0},
+    {"USART2", &usart_class, 0x40004400u, 0x400, "apb1", APB1ENR, 17, 38, 1},
+    {"GPIOA", &gpio_f4_class, 0x40020000u, 0x400, "ahb1", AHB1ENR, 0, NO_IRQ, 0},
+    {"GPIOB", &gpio_f4_class, 0x40020400u, 0x400, "ahb1", AHB1ENR, 1, NO_IRQ, 1},
+    {"GPIOC", &gpio_f4_class, 0x40020800u, 0x400, "ahb1", AHB1ENR, 2, NO_IRQ, 2},
+    {"TIM2", &timer32_class, 0x40000000u, 0x400, "apb1", APB1ENR, 0, NO_IRQ, 0},
+    {"TIM11", &timer_capture_class, 0x40014800u, 0x400, "apb2", APB2ENR, 18, NO_IRQ, 0},
+    {"DBGMCU", &debug_f4_class, 0xE0042000u, 0x400, "core", 0, 0, NO_IRQ, 0},
+};
+
+const struct chip chip_stm32f405 = {
+    .name = "STM32F405",
+    .cpu_model = UC_CPU_ARM_CORTEX_M4,
+    .fpu = true,
+    .cpuid = 0x410FC241u,
+    .mpu_regions = 8,
+    .ccr_reset = 0x200u,
+    .priority_bits = 4,
+    .interrupts = 82,
+    .internal_hz = 16000000u,
+    .memory = memory,
+    .n_memory = sizeof(memory) / sizeof(memory[0]),
+    .stored_base = 0x080C0000u,
+    .stored_size = 0x40000u,
+    .store = flash_f4_store,
+    .parts = parts,
+    .n_parts = sizeof(parts) / sizeof(parts[0]),
+};

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "control.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#define REQUEST_BYTES 12u
+#define REPLY_BYTES   13u
+#define LOOK_NS       UINT64_C(200000) /* two bytes at 115200 baud and a little */
+#define WALL_STEP_NS  UINT64_C(1000000)
+#define MOST          16384u
+
+static int listen_at(const char *path, char *err, size_t err_size)
+{
+    struct sockaddr_un a = {.sun_family = AF_UNIX};
+    if (strlen(path) >= sizeof(a.sun_path)) {
+        (void)snprintf(err, err_size, "%s: a socket's path has at most %zu characters", path,
+                       sizeof(a.sun_path) - 1);
+        return -1;
+    }
+    (void)strcpy(a.sun_path, path);
+    (void)unlink(path);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0 || bind(fd, (struct sockaddr *)&a, sizeof(a)) != 0 || listen(fd, 1) != 0) {
+        (void)snprintf(err, err_size, "%s: %s", path, strerror(errno));
+        if (fd >= 0)
+            (void)close(fd);
+        return -1;
+    }
+    return fd;
+}
+
+static bool whole(int fd, void *bytes, size_t n, bool out)
+{
+    uint8_t *at = bytes;
+    while (n > 0) {
+        ssize_t k = out ? send(fd, at, n, MSG_NOSIGNAL) : recv(fd, at, n, 0);
+        if (k < 0 && errno == EINTR)
+            continue;
+        if (k <= 0)
+            return false;
+        at += k;
+        n -= (size_t)k;
+    }
+    return true;
+}
+
+/* Until the time, or until what left has left. */
+static void step(struct board *b, uint64_t ns)
+{
+    uint64_t end = board_ns(b) + ns;
+    bool moved = false;
+    while (b->verdict[0] == '\0' && board_ns(b) < end) {
+        uint64_t to = board_ns(b) + LOOK_NS;
+        b->from_board_moved = false;
+        board_run(b, to < end ? to : end);
+        if (moved && !b->from_board_moved)
+            return;
+        moved = moved || b->from_board_moved;
+    }
+}
+
+static uint64_t number(const uint8_t *at, unsigned bytes)
+{
+    uint64_t n = 0;
+    for (unsigned i = 0; i < bytes; i++)
+        n |= (uint64_t)at[i] << 8 * i;
+    return n;
+}
+
+static void put(uint8_t *at, uint64_t n, unsigned bytes)
+{
+    for (unsigned i = 0; i < bytes; i++)
+        at[i] = (uint8_t)(n >> 8 * i);
+}
+
+static bool serve_one(struct board *b, int fd)
+{
+    static uint8_t bytes[2 * MOST];
+    uint8_t head[REPLY_BYTES];
+    if (!whole(fd, head, REQUEST_BYTES, false))
+        return false;
+    size_t n[BOARD_LINES] = {number(head + 8, 2), number(head + 10, 2)};
+    for (unsigned line = 0; line < BOARD_LINES; line++) {
+        if (n[line] > MOST || !whole(fd, bytes, n[line], false))
+            return false;
+        (void)line_give(b, line, bytes, n[line]);
+    }
+    step(b, number(head, 8));
+    n[0] = line_take(b, 0, bytes, MOST);
+    n[1] = line_take(b, 1, bytes + n[0], MOST);
+    put(head, board_ns(b), 8);
+    put(head + 8, n[0], 2);
+    put(head + 10, n[1], 2);
+    head[12] = b->verdict[0] != '\0';
+    return whole(fd, head, REPLY_BYTES, true) && whole(fd, bytes, n[0] + n[1], true) &&
+           b->verdict[0] == '\0';
+}
+
+int control_serve(struct board *b, const char *path, char *err, size_t err_size)
+{
+    int listener = listen_at(path, err, err_size);
+    if (listener < 0)
+        return 1;
+    int fd;
+    do {
+        fd = accept(listener, NULL, NULL);
+    } while (fd < 0 && errno == EINTR);
+    (void)close(listener);
+    (void)unlink(path);
+    while (fd >= 0 && serve_one(b, fd)) {
+    }
+    (void)close(fd);
+    if (b->verdict[0] == '\0')
+        return 0;
+    (void)snprintf(err, err_size, "%s", b->verdict);
+    return 3;
+}
+
+/* ---- in step with the wall ---- */
+
+struct end {
+    int listener, fd;
+};
+
+static uint64_t wall_ns(void)
+{
+    struct timespec t;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static void close_end(struct end *e)
+{
+    (void)close(e->fd);
+    e->fd = -1;
+}
+
+static void exchange(struct board *b, struct end *e, unsigned line)
+{
+    uint8_t bytes[4096];
+    size_t room = BOARD_LINE_ROOM - (b->lines[line].to_tail - b->lines[line].to_head);
+    if (e->fd >= 0 && room > 0) {
+        ssize_t n = recv(e->fd, bytes, room < sizeof(bytes) ? room : sizeof(bytes), MSG_DONTWAIT);
+        if (n > 0)
+            (void)line_give(b, line, bytes, (size_t)n);
+        else if (n == 0 || (errno != EAGAIN && errno != EINTR))
+            close_end(e);
+    }
+    size_t n = line_take(b, line, bytes, sizeof(bytes));
+    if (e->fd >= 0 && n > 0 && !whole(e->fd, bytes, n, true))
+        close_end(e);
+}
+
+/* Waits for bytes or for the time, ms. */
+static void wait_for(struct end *ends, int ms)
+{
+    struct pollfd p[2 * BOARD_LINES];
+    for (unsigned i = 0; i < BOARD_LINES; i++) {
+        p[2 * i] = (struct pollfd){.fd = ends[i].fd, .events = POLLIN};
+        p[2 * i + 1] =
+            (struct pollfd){.fd = ends[i].fd < 0 ? ends[i].listener : -1, .events = POLLIN};
+    }
+    (void)poll(p, 2 * BOARD_LINES, ms);
+    for (unsigned i = 0; i < BOARD_LINES; i++)
+        if (ends[i].fd < 0 && (p[2 * i + 1].revents & POLLIN) != 0)
+            ends[i].fd = accept(ends[i].listener, NULL, NULL);
+}
+
+int lines_serve(struct board *b, const char *console, const char *link, const volatile int *stop,
+                char *err, size_t err_size)
+{
+    struct end ends[BOARD_LINES] = {{listen_at(console, err, err_size), -1}, {-1, -1}};
+    if (ends[0].listener < 0)
+        return 1;
+    ends[1].listener = listen_at(link, err, err_size);
+    if (ends[1].listener < 0)
+        return 1;
+    while (!*stop && ends[0].fd < 0)
+        wait_for(ends, 1000); /* nothing that the board says at power-on is lost */
+    uint64_t behind = wall_ns() - board_ns(b);
+    while (!*stop && b->verdict[0] == '\0') {
+        for (unsigned line = 0; line < BOARD_LINES; line++)
+            exchange(b, &ends[line], line);
+        uint64_t wall = wall_ns() - behind, now = board_ns(b);
+        if (now >= wall) {
+            wait_for(ends, 1);
+            continue;
+        }
+        if (wall - now >
+            1000000000u) /* a machine that stood still: the board does not run after it */
+            behind += wall - now - WALL_STEP_NS;
+        wait_for(ends, 0);
+        board_run(b, now + WALL_STEP_NS);
+    }
+    for (unsigned line = 0; line < BOARD_LINES; line++) {
+        exchange(b, &ends[line], line);
+        (void)close(ends[line].listener);
+    }
+    (void)unlink(console);
+    (void)unlink(link);
+    if (b->verdict[0] == '\0')
+        return 0;
+    (void)snprintf(err, err_size, "%s", b->verdict);
+    return 3;
+}

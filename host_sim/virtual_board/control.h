@@ -1,0 +1,22 @@
+/* One who decides how time goes on: over a unix socket, in steps, with the bytes of both lines. All numbers are little-endian.
+ *
+ *     to the board    u64 ns to run at most, u16 bytes for the console, u16 bytes for the link, then these bytes
+ *     from the board  u64 ns since power first came on, u16, u16, u8 state (0 runs, 1 ended by a verdict), then the bytes of console and link
+ *
+ * A step ends early when bytes have left and the lines have been quiet for two byte times. So a run depends on nothing but what was sent.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_VIRTUAL_BOARD_CONTROL_H
+#define REFLUX_VIRTUAL_BOARD_CONTROL_H
+
+#include "board.h"
+
+/* Listens at path, serves one peer to its end. Returns the exit status; err says why it is not 0. */
+int control_serve(struct board *b, const char *path, char *err, size_t err_size);
+
+/* Both lines as unix sockets, in step with the clock on the wall. Serves until *stop. */
+int lines_serve(struct board *b, const char *console, const char *link, const volatile int *stop,
+                char *err, size_t err_size);
+
+#endif

@@ -1,0 +1,191 @@
+/* Flash interface of the STM32F405 (RM0090 3.9): lock, program, erase by sectors, errors, option bytes. While it is busy no code is fetched.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include "stored_flash.h"
+
+enum { ACR = 0x00, KEYR = 0x04, OPTKEYR = 0x08, SR = 0x0C, CR = 0x10, OPTCR = 0x14 };
+
+#define KEY1       0x45670123u
+#define KEY2       0xCDEF89ABu
+#define SR_EOP     (UINT32_C(1) << 0)
+#define SR_WRP     (UINT32_C(1) << 4)
+#define SR_PGP     (UINT32_C(1) << 6)
+#define SR_PGS     (UINT32_C(1) << 7)
+#define SR_BSY     (UINT32_C(1) << 16)
+#define CR_PG      (UINT32_C(1) << 0)
+#define CR_SER     (UINT32_C(1) << 1)
+#define CR_MER     (UINT32_C(1) << 2)
+#define CR_STRT    (UINT32_C(1) << 16)
+#define CR_LOCK    (UINT32_C(1) << 31)
+#define ACR_RESETS 0x1800u
+
+/* DS8626, flash memory programming: a word 16 us typical; 128 KiB by words 1 s typical, 2 s at most */
+#define WORD_NS             16000u
+#define SECTOR_NS           UINT64_C(1000000000)
+#define FIRST_STORED_SECTOR 10u
+#define SECTOR_BYTES        0x20000u
+#define NEEDED_MV           2700u /* for words (RM0090 3.6.2) */
+
+static const struct reg regs[] = {
+    {"ACR", ACR, 0, 0x00001F07u, 0x00001F07u},
+    {"KEYR", KEYR, 0, UINT32_MAX, 0},
+    {"OPTKEYR", OPTKEYR, 0, UINT32_MAX, 0},
+    {"SR", SR, 0, 0x000100F3u, 0},
+    {"CR", CR, 0x80000000u, 0x8101037Fu, 0x8101037Fu},
+    {"OPTCR", OPTCR, 0x0FFFAAEDu, 0x0FFFFFEFu, 0x0FFFFFEFu},
+};
+
+struct flash {
+    struct board_event done;
+    unsigned keys; /* given so far; 3: a wrong one, locked until reset */
+    bool erasing;
+    uint32_t erased; /* sector */
+};
+
+static void done(void *context)
+{
+    struct part *p = context;
+    struct flash *f = p->state;
+    if (f->erasing)
+        stored_flash_erase(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
+                           SECTOR_BYTES);
+    f->erasing = false;
+    part_set(p, SR, part_get(p, SR) & ~SR_BSY);
+    part_set(p, CR, part_get(p, CR) & ~CR_STRT);
+}
+
+static void busy(struct part *p, uint64_t ns)
+{
+    struct board *b = p->board;
+    struct flash *f = p->state;
+    uint64_t until = board_ns(b) + ns;
+    part_set(p, SR, part_get(p, SR) | SR_BSY);
+    b->stalled_until_ns = until;
+    board_schedule(b, &f->done, until);
+}
+
+static void start(struct part *p)
+{
+    struct flash *f = p->state;
+    f->done = (struct board_event){.due = done, .context = p};
+    board_add_event(p->board, &f->done);
+}
+
+static uint32_t option_brown_out(const struct board *b)
+{
+    uint32_t mv = b->around.brown_out_mv;
+    return mv == 0 ? 3u : mv >= 2700u ? 0u : mv >= 2400u ? 1u : 2u;
+}
+
+static void reset(struct part *p, enum board_reset kind)
+{
+    struct flash *f = p->state;
+    (void)kind;
+    for (size_t k = 0; k < p->row->class->n_regs; k++)
+        p->words[k] = p->row->class->regs[k].reset;
+    part_set(p, OPTCR, (p->row->class->regs[5].reset & ~0xCu) | option_brown_out(p->board) << 2);
+    f->keys = 0;
+    f->erasing = false;
+}
+
+void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
+{
+    struct part *p = bus_part(b, "FLASH");
+    uint32_t cr = part_get(p, CR), width = 1u << (cr >> 8 & 3u);
+    if ((part_get(p, SR) & SR_BSY) != 0) {
+        board_verdict(b, "store into the flash while it is busy");
+    } else if ((cr & CR_LOCK) != 0 || (cr & CR_PG) == 0 || (cr & (CR_SER | CR_MER)) != 0) {
+        part_set(p, SR, part_get(p, SR) | SR_PGS);
+    } else if (width != bytes) {
+        part_set(p, SR, part_get(p, SR) | SR_PGP);
+    } else {
+        if (b->around.supply_mv < NEEDED_MV)
+            board_verdict(b, "word programmed into the flash at %u mV; 2700 are needed",
+                          b->around.supply_mv);
+        stored_flash_program(b, at, bytes, word);
+        busy(p, WORD_NS);
+    }
+}
+
+static void write_cr(struct part *p, uint32_t before, uint32_t written)
+{
+    struct board *b = p->board;
+    struct flash *f = p->state;
+    if ((part_get(p, SR) & SR_BSY) != 0) {
+        board_verdict(
+            b, "write of FLASH_CR while the flash is busy"); /* RM0090 3.6.2: stalls the bus */
+        return;
+    }
+    if ((before & CR_LOCK) != 0) {
+        part_set(p, CR, before); /* only the keys open it */
+        return;
+    }
+    if ((written & CR_MER) != 0) {
+        board_verdict(b, "mass erase of the flash");
+        return;
+    }
+    if ((written & CR_STRT) == 0)
+        return;
+    uint32_t sector = written >> 3 & 15u;
+    if ((written & CR_SER) == 0 || (written & CR_PG) != 0) {
+        part_set(p, SR, part_get(p, SR) | SR_PGS);
+        part_set(p, CR, part_get(p, CR) & ~CR_STRT);
+    } else if (sector < FIRST_STORED_SECTOR || sector > FIRST_STORED_SECTOR + 1u) {
+        board_verdict(b, "erase of sector %u of the flash, which holds the program or is not there",
+                      sector);
+    } else {
+        if (b->around.supply_mv < NEEDED_MV)
+            board_verdict(b, "sector of the flash erased by words at %u mV; 2700 are needed",
+                          b->around.supply_mv);
+        f->erasing = true;
+        f->erased = sector;
+        busy(p, SECTOR_NS);
+    }
+}
+
+static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
+{
+    struct flash *f = p->state;
+    switch (offset) {
+    case KEYR:
+        if (f->keys == 0 && written == KEY1) {
+            f->keys = 1;
+        } else if (f->keys == 1 && written == KEY2) {
+            f->keys = 0;
+            part_set(p, CR, part_get(p, CR) & ~CR_LOCK);
+        } else {
+            f->keys = 3;
+            board_verdict(
+                p->board,
+                "wrong key 0x%08x for the flash; it stays locked until a reset and the bus fails",
+                written);
+        }
+        break;
+    case SR:
+        part_set(p, SR, before & ~(written & 0xF3u));
+        break;
+    case CR:
+        write_cr(p, before, written);
+        break;
+    case OPTCR:
+    case OPTKEYR:
+        board_verdict(p->board, "write of the option bytes");
+        break;
+    case ACR:
+        if ((written & ACR_RESETS) != 0 && (before & (written & ACR_RESETS) >> 2) != 0)
+            board_verdict(p->board, "cache of the flash emptied while it is on"); /* RM0090 3.9.1 */
+        break;
+    default:
+        break;
+    }
+}
+
+const struct part_class flash_f4_class = {.name = "flash interface of the STM32F4",
+                                          .regs = regs,
+                                          .n_regs = sizeof(regs) / sizeof(regs[0]),
+                                          .state_bytes = sizeof(struct flash),
+                                          .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
+                                          .start = start,
+                                          .reset = reset,
+                                          .write = write};

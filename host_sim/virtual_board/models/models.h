@@ -1,0 +1,50 @@
+/* The models that chips are made of; each file says from which manual.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_VIRTUAL_BOARD_MODELS_H
+#define REFLUX_VIRTUAL_BOARD_MODELS_H
+
+#include "chip.h"
+
+extern const struct part_class system_control_class, trace_class; /* system_control.c */
+extern const struct part_class rcc_f4_class, rcc_f1_class;        /* clocks */
+extern const struct part_class flash_f4_class, flash_f1_class, stored_flash_class;
+extern const struct part_class power_f4_class, power_f1_class;
+extern const struct part_class watchdog_class;
+extern const struct part_class usart_class;
+extern const struct part_class gpio_f4_class, gpio_f1_class;
+extern const struct part_class timer32_class, timer_capture_class;
+extern const struct part_class debug_f4_class, debug_f1_class;
+extern const struct part_class rtc_f1_class;
+
+/* Clocks of the buses, of the RCC's model. Hz. */
+uint64_t bus_clock_hz(struct board *b, const char *bus);
+uint64_t timer_clock_hz(struct board *b, const char *bus);
+uint64_t rtc_clock_hz(struct board *b); /* 0: none chosen, or it does not run */
+bool crystal_runs(struct board *b);
+/* The crystal's far end: it fails or comes back in the run. */
+void crystal_changed(struct board *b);
+void rcc_note_reset(struct board *b, enum board_reset kind);
+
+/* Is that pin (0 = PA0) given to its alternate function, and to which? 0xFF: it is not. */
+uint8_t pin_function(struct board *b, char port, unsigned pin);
+
+/* The flash interface decides what a store into the array does. */
+void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word);
+void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word);
+
+/* Flash that the firmware writes: bytes, and bits that read differently each time. */
+struct stored_flash {
+    uint8_t *bytes;
+    uint8_t *unstable; /* a set bit: read as either */
+    uint32_t erases[16];
+    uint64_t words, erase_count; /* since board_new() */
+    /* For campaigns: the supply is cut after this word (1 = the first), or in this erase at this part of it. */
+    uint64_t cut_word, cut_erase;
+    uint32_t cut_per_mille;
+    bool cut; /* it has been: the board has lost its supply */
+};
+struct stored_flash *stored_flash(struct board *b);
+
+#endif

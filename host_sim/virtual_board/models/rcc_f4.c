@@ -1,0 +1,312 @@
+/* Reset and clock control of the STM32F405 (RM0090 7): oscillators, PLL, bus clocks, enables, reset flags.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include <string.h>
+
+#include "models.h"
+
+enum {
+    CR = 0x00,
+    PLLCFGR = 0x04,
+    CFGR = 0x08,
+    CIR = 0x0C,
+    AHB1ENR = 0x30,
+    AHB2ENR = 0x34,
+    AHB3ENR = 0x38,
+    APB1ENR = 0x40,
+    APB2ENR = 0x44,
+    BDCR = 0x70,
+    CSR = 0x74
+};
+
+#define CR_HSION    (UINT32_C(1) << 0)
+#define CR_HSIRDY   (UINT32_C(1) << 1)
+#define CR_HSEON    (UINT32_C(1) << 16)
+#define CR_HSERDY   (UINT32_C(1) << 17)
+#define CR_CSSON    (UINT32_C(1) << 19)
+#define CR_PLLON    (UINT32_C(1) << 24)
+#define CR_PLLRDY   (UINT32_C(1) << 25)
+#define PLL_HSE     (UINT32_C(1) << 22)
+#define CIR_CSSF    (UINT32_C(1) << 7)
+#define CIR_CSSC    (UINT32_C(1) << 23)
+#define CSR_LSION   (UINT32_C(1) << 0)
+#define CSR_LSIRDY  (UINT32_C(1) << 1)
+#define CSR_RMVF    (UINT32_C(1) << 24)
+#define CSR_BORRST  (UINT32_C(1) << 25)
+#define CSR_PINRST  (UINT32_C(1) << 26)
+#define CSR_PORRST  (UINT32_C(1) << 27)
+#define CSR_SFTRST  (UINT32_C(1) << 28)
+#define CSR_IWDGRST (UINT32_C(1) << 29)
+
+/* DS8626: start-up of the crystal 2 ms typical, lock of the PLL 300 us at most */
+#define CRYSTAL_START_NS 2000000u
+#define PLL_LOCK_NS      200000u
+#define HSI_START_NS     4000u
+
+static const struct reg regs[] = {
+    {"CR", CR, 0x00000083u, 0x0F0FFFFBu, 0x050D00F9u},
+    {"PLLCFGR", PLLCFGR, 0x24003010u, 0x0F437FFFu, 0x0F437FFFu},
+    {"CFGR", CFGR, 0, 0xFFFFFCFFu, 0xFFFFFCF3u},
+    {"CIR", CIR, 0, 0x00BF3FBFu, 0x00003F00u},
+    {"AHB1ENR", AHB1ENR, 0x00100000u, 0x7E7411FFu, 0x7E7411FFu},
+    {"AHB2ENR", AHB2ENR, 0, 0xF1u, 0xF1u},
+    {"AHB3ENR", AHB3ENR, 0, 0x1u, 0x1u},
+    {"APB1ENR", APB1ENR, 0, 0x36FEC9FFu, 0x36FEC9FFu},
+    {"APB2ENR", APB2ENR, 0, 0x00075F33u, 0x00075F33u},
+    {"BDCR", BDCR, 0, 0x00018307u, 0x00018305u},
+    {"CSR", CSR, 0x0E000000u, 0xFF000003u, 0x01000001u},
+};
+
+struct rcc {
+    struct board_event crystal, pll, internal;
+    uint32_t reset_flags; /* live through every reset but power's */
+};
+
+static uint64_t internal_hz(const struct board *b)
+{
+    uint64_t hz = b->chip->internal_hz;
+    return hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000);
+}
+
+static uint64_t pll_hz(const struct part *p)
+{
+    uint32_t c = part_get(p, PLLCFGR);
+    uint64_t in = (c & PLL_HSE) != 0 ? p->board->around.crystal_hz : internal_hz(p->board);
+    uint64_t m = c & 63u, n = c >> 6 & 511u, half = (c >> 16 & 3u) + 1u;
+    return m < 2 ? 0 : in / m * n / (2u * half) + in % m * n / m / (2u * half);
+}
+
+static uint64_t system_hz(const struct part *p)
+{
+    switch (part_get(p, CFGR) >> 2 & 3u) {
+    case 0:
+        return internal_hz(p->board);
+    case 1:
+        return p->board->around.crystal_hz;
+    default:
+        return pll_hz(p);
+    }
+}
+
+static uint32_t divider(uint32_t code, uint32_t bits)
+{
+    static const uint16_t ahb[] = {2, 4, 8, 16, 64, 128, 256, 512};
+    if (bits == 4)
+        return (code & 8u) == 0 ? 1u : ahb[code & 7u];
+    return (code & 4u) == 0 ? 1u : 2u << (code & 3u);
+}
+
+/* RM0090 7.2.3 and 3.5.1: what the PLL takes and gives, and what the flash and the buses take. */
+static void check_clocks(struct part *p)
+{
+    struct board *b = p->board;
+    uint64_t core = system_hz(p) / divider(part_get(p, CFGR) >> 4 & 15u, 4);
+    uint64_t apb1 = core / divider(part_get(p, CFGR) >> 10 & 7u, 3),
+             apb2 = core / divider(part_get(p, CFGR) >> 13 & 7u, 3);
+    /* the internal oscillator may be fast by 4.5 %, a crystal not */
+    uint64_t most = 168000000u + 168000000u / 20u;
+    if (core == 0 || core > most || apb1 > most / 4u || apb2 > most / 2u)
+        board_verdict(
+            b, "clocks of %llu, %llu and %llu Hz (core, APB1, APB2); at most 168, 42 and 84 MHz",
+            (unsigned long long)core, (unsigned long long)apb1, (unsigned long long)apb2);
+    uint32_t waits = part_get(bus_part(b, "FLASH"), 0) & 7u;
+    if (core > 31500000u * (waits + 1u))
+        board_verdict(b, "%llu Hz with %u wait states of the flash; one more for each 30 MHz",
+                      (unsigned long long)core, waits);
+    if (core > 144000000u + 7200000u && (part_get(bus_part(b, "PWR"), 0) >> 14 & 1u) == 0)
+        board_verdict(b, "%llu Hz with the regulator in scale 2; at most 144 MHz",
+                      (unsigned long long)core);
+}
+
+static void clocks_changed(struct part *p)
+{
+    uint64_t hz = system_hz(p) / divider(part_get(p, CFGR) >> 4 & 15u, 4);
+    if (hz != 0)
+        board_set_core_hz(p->board, hz);
+}
+
+uint64_t bus_clock_hz(struct board *b, const char *bus)
+{
+    uint32_t cfgr = part_get(bus_part(b, "RCC"), CFGR);
+    if (strcmp(bus, "ahb1") == 0)
+        return b->core_hz;
+    return b->core_hz / divider(strcmp(bus, "apb1") == 0 ? cfgr >> 10 & 7u : cfgr >> 13 & 7u, 3);
+}
+
+uint64_t timer_clock_hz(struct board *b, const char *bus)
+{
+    uint64_t hz = bus_clock_hz(b, bus);
+    return hz == b->core_hz ? hz : 2u * hz;
+}
+
+bool crystal_runs(struct board *b)
+{
+    return (part_get(bus_part(b, "RCC"), CR) & CR_HSERDY) != 0;
+}
+
+uint64_t rtc_clock_hz(struct board *b)
+{
+    uint32_t by = part_get(bus_part(b, "RCC"), CFGR) >> 16 & 31u;
+    return by < 2 || !crystal_runs(b) ? 0 : b->around.crystal_hz / by;
+}
+
+/* ---- events ---- */
+
+static void crystal_started(void *context)
+{
+    struct part *p = context;
+    if ((part_get(p, CR) & CR_HSEON) != 0 && p->board->around.crystal_hz != 0)
+        part_set(p, CR, part_get(p, CR) | CR_HSERDY);
+}
+
+static void pll_locked(void *context)
+{
+    struct part *p = context;
+    uint32_t c = part_get(p, PLLCFGR);
+    uint64_t in = (c & PLL_HSE) != 0 ? (crystal_runs(p->board) ? p->board->around.crystal_hz : 0)
+                                     : internal_hz(p->board);
+    uint64_t fed = (c & 63u) == 0 ? 0 : in / (c & 63u), made = fed * (c >> 6 & 511u);
+    if ((part_get(p, CR) & CR_PLLON) == 0 || in == 0)
+        return;
+    if (fed < 900000u || fed > 2100000u || made < 99000000u || made > 453600000u)
+        board_verdict(p->board,
+                      "PLL fed with %llu Hz, oscillator at %llu Hz; 0.95 to 2.1 MHz and 100 to 432 "
+                      "MHz are allowed",
+                      (unsigned long long)fed, (unsigned long long)made);
+    part_set(p, CR, part_get(p, CR) | CR_PLLRDY);
+}
+
+static void internal_started(void *context)
+{
+    struct part *p = context;
+    if ((part_get(p, CR) & CR_HSION) != 0)
+        part_set(p, CR, part_get(p, CR) | CR_HSIRDY);
+}
+
+/* RM0090 7.2.7: with the security system on, the chip falls back to its own oscillator and raises the NMI. Without it, a core that ran
+ * from the crystal stands still. */
+void crystal_changed(struct board *b)
+{
+    struct part *p = bus_part(b, "RCC");
+    struct rcc *r = p->state;
+    uint32_t cr = part_get(p, CR);
+    if (b->around.crystal_hz != 0) {
+        if ((cr & CR_HSEON) != 0)
+            board_schedule(b, &r->crystal, board_ns(b) + CRYSTAL_START_NS);
+        return;
+    }
+    bool was_running = (cr & CR_HSERDY) != 0;
+    part_set(p, CR, cr & ~CR_HSERDY);
+    if (!was_running)
+        return;
+    if ((cr & CR_CSSON) == 0) {
+        b->stalled_until_ns = BOARD_NEVER - 1u; /* until the watchdog */
+        return;
+    }
+    uint32_t off =
+        CR_HSEON | CR_HSERDY | ((part_get(p, PLLCFGR) & PLL_HSE) != 0 ? CR_PLLON | CR_PLLRDY : 0);
+    part_set(p, CR, part_get(p, CR) & ~off);
+    part_set(p, CFGR, part_get(p, CFGR) & ~15u);
+    part_set(p, CIR, part_get(p, CIR) | CIR_CSSF);
+    clocks_changed(p);
+    interrupt_nmi(b);
+}
+
+static void start(struct part *p)
+{
+    struct rcc *r = p->state;
+    r->crystal.due = crystal_started;
+    r->pll.due = pll_locked;
+    r->internal.due = internal_started;
+    r->crystal.context = r->pll.context = r->internal.context = p;
+    board_add_event(p->board, &r->crystal);
+    board_add_event(p->board, &r->pll);
+    board_add_event(p->board, &r->internal);
+}
+
+/* RM0090 7.3.21: the pin's flag comes with every reset, because the chip pulls it. */
+static void reset(struct part *p, enum board_reset kind)
+{
+    struct rcc *r = p->state;
+    static const uint32_t flags[] = {[RESET_POWER] = CSR_PORRST | CSR_BORRST | CSR_PINRST,
+                                     [RESET_BROWN_OUT] = CSR_BORRST | CSR_PINRST,
+                                     [RESET_PIN] = CSR_PINRST,
+                                     [RESET_SOFTWARE] = CSR_SFTRST | CSR_PINRST,
+                                     [RESET_WATCHDOG] = CSR_IWDGRST | CSR_PINRST};
+    uint32_t bdcr = part_get(p, BDCR);
+    r->reset_flags = kind == RESET_POWER ? flags[kind] : r->reset_flags | flags[kind];
+    for (size_t k = 0; k < p->row->class->n_regs; k++)
+        p->words[k] = p->row->class->regs[k].reset;
+    if (kind != RESET_POWER)
+        part_set(p, BDCR, bdcr);
+    part_set(p, CSR, r->reset_flags);
+}
+
+static uint32_t read(struct part *p, uint32_t offset, uint32_t stored)
+{
+    (void)p;
+    return offset == CIR ? stored & ~CIR_CSSC : stored;
+}
+
+static void write_cr(struct part *p, uint32_t before, uint32_t written)
+{
+    struct board *b = p->board;
+    struct rcc *r = p->state;
+    uint64_t now = board_ns(b);
+    uint32_t source = part_get(p, CFGR) >> 2 & 3u, word = part_get(p, CR);
+    bool pll_on_crystal = (part_get(p, PLLCFGR) & PLL_HSE) != 0;
+    if ((written & CR_HSEON) == 0 && (before & CR_HSEON) != 0) {
+        if (source == 1 || (source == 2 && pll_on_crystal))
+            word |= CR_HSEON; /* RM0090 7.3.1: cannot be switched off while it is used */
+        else
+            word &= ~CR_HSERDY;
+    }
+    if ((written & ~before & CR_HSEON) != 0)
+        board_schedule(b, &r->crystal, now + CRYSTAL_START_NS);
+    if ((written & CR_PLLON) == 0 && (before & CR_PLLON) != 0)
+        word = source == 2 ? word | CR_PLLON : word & ~CR_PLLRDY;
+    if ((written & ~before & CR_PLLON) != 0)
+        board_schedule(b, &r->pll, now + PLL_LOCK_NS);
+    if ((written & CR_HSION) == 0 && (before & CR_HSION) != 0)
+        word = source == 0 ? word | CR_HSION : word & ~CR_HSIRDY;
+    if ((written & ~before & CR_HSION) != 0)
+        board_schedule(b, &r->internal, now + HSI_START_NS);
+    part_set(p, CR, word);
+}
+
+static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
+{
+    uint32_t word = part_get(p, offset);
+    if (offset == CR) {
+        write_cr(p, before, written);
+    } else if (offset == PLLCFGR && (part_get(p, CR) & CR_PLLON) != 0 && word != before) {
+        board_verdict(p->board, "write of RCC_PLLCFGR while the PLL is on");
+    } else if (offset == CFGR) {
+        static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
+        uint32_t wanted = word & 3u;
+        if (wanted == 3u || (part_get(p, CR) & ready[wanted]) == 0)
+            wanted = before & 3u; /* a clock that is not ready is not switched to */
+        part_set(p, CFGR, (word & ~15u) | wanted | wanted << 2);
+        check_clocks(p);
+        clocks_changed(p);
+    } else if (offset == CIR && (written & CIR_CSSC) != 0) {
+        part_set(p, CIR, part_get(p, CIR) & ~CIR_CSSF);
+    } else if (offset == CSR) {
+        struct rcc *r = p->state;
+        if ((written & CSR_RMVF) != 0)
+            r->reset_flags = 0;
+        part_set(p, CSR,
+                 r->reset_flags | ((written & CSR_LSION) != 0 ? CSR_LSION | CSR_LSIRDY : 0));
+    }
+}
+
+const struct part_class rcc_f4_class = {.name = "RCC of the STM32F4",
+                                        .regs = regs,
+                                        .n_regs = sizeof(regs) / sizeof(regs[0]),
+                                        .state_bytes = sizeof(struct rcc),
+                                        .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
+                                        .start = start,
+                                        .reset = reset,
+                                        .read = read,
+                                        .write = write};

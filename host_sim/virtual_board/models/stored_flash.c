@@ -1,0 +1,87 @@
+/* The part of the flash that the firmware writes: an array whose bits only fall until they are erased, and which keeps what it held
+ * when the supply goes. A word or an erase that is cut leaves bits that read differently each time.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include "stored_flash.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct stored_flash *stored_flash(struct board *b)
+{
+    return bus_part(b, "STORED")->state;
+}
+
+static void start(struct part *p)
+{
+    struct stored_flash *f = p->state;
+    uint32_t size = p->board->chip->stored_size;
+    f->bytes = malloc(size);
+    f->unstable = calloc(1, size);
+    if (f->bytes == NULL || f->unstable == NULL)
+        abort();
+    (void)memset(f->bytes, 0xFF, size);
+}
+
+static void reset(struct part *p, enum board_reset kind)
+{
+    (void)p;
+    (void)kind; /* flash is kept */
+}
+
+uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes)
+{
+    const struct stored_flash *f = stored_flash(b);
+    uint32_t word = 0, unstable = 0;
+    (void)memcpy(&word, f->bytes + at, bytes);
+    (void)memcpy(&unstable, f->unstable + at, bytes);
+    return unstable == 0 ? word : word ^ (board_random(b) & unstable);
+}
+
+void stored_flash_program(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
+{
+    struct stored_flash *f = stored_flash(b);
+    f->words++;
+    bool cut = f->words == f->cut_word;
+    for (unsigned i = 0; i < bytes; i++) {
+        uint8_t falls = (uint8_t)(f->bytes[at + i] & ~(word >> 8 * i));
+        uint8_t weak = cut ? (uint8_t)(falls & board_random(b))
+                           : 0; /* bits that did not get all of their charge */
+        f->bytes[at + i] = (uint8_t)(f->bytes[at + i] & ~falls);
+        f->unstable[at + i] = (uint8_t)((f->unstable[at + i] & ~falls) | weak);
+    }
+    if (cut) {
+        f->cut = true;
+        board_pause(b);
+    }
+}
+
+void stored_flash_erase(struct board *b, uint32_t at, uint32_t bytes)
+{
+    struct stored_flash *f = stored_flash(b);
+    f->erase_count++;
+    if (f->erase_count != f->cut_erase) {
+        (void)memset(f->bytes + at, 0xFF, bytes);
+        (void)memset(f->unstable + at, 0, bytes);
+        return;
+    }
+    /* The charge leaves all cells together: early on few bits have turned, near the end few have not, and those between are weak. */
+    for (uint32_t i = 0; i < bytes; i++) {
+        for (unsigned bit = 0; bit < 8; bit++) {
+            uint32_t place = board_random(b) % 1000u, mask = 1u << bit;
+            if ((f->bytes[at + i] & mask) != 0 || place > f->cut_per_mille + 100u)
+                continue;
+            f->bytes[at + i] = (uint8_t)(f->bytes[at + i] | mask);
+            if (place + 100u > f->cut_per_mille)
+                f->unstable[at + i] = (uint8_t)(f->unstable[at + i] | mask);
+        }
+    }
+    f->cut = true;
+    board_pause(b);
+}
+
+const struct part_class stored_flash_class = {.name = "flash that is written",
+                                              .state_bytes = sizeof(struct stored_flash),
+                                              .start = start,
+                                              .reset = reset};
