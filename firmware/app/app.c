@@ -105,8 +105,8 @@ void app_background(struct app *app)
     busy = operate_poll(&app->operate) || busy;
     busy = operate_poll_proposals(&app->operate) || busy;
     busy = storage_poll(&app->storage) || busy;
-    bool sends = hal_uart_pump(HAL_UART_CONSOLE) != 0;
-    busy = (sends && !hal_uart_sends_alone()) || busy;
+    if (hal_uart_pump(HAL_UART_CONSOLE) != 0 && !hal_uart_sends_alone())
+        busy = true;
     hal_idle(!busy);
 }
 

@@ -106,6 +106,9 @@ static bool receive(struct uart *u, uint32_t status)
     if (!ring_put(&u->rx, byte)) {
         u->stats.rx_dropped++;
     }
+    if (u == &uarts[HAL_UART_CONSOLE]) {
+        tick_work_seen(); /* of room in the transmit ring the main loop hears with the next millisecond */
+    }
     regulate(u);
     return byte == 0 || ring_used(&u->rx) > u->rx.size / 2u;
 }
@@ -126,11 +129,7 @@ static bool serve(struct uart *u)
 
 void interrupt_usart1(void)
 {
-    uint32_t before = uarts[HAL_UART_CONSOLE].stats.received;
     (void)serve(&uarts[HAL_UART_CONSOLE]);
-    if (uarts[HAL_UART_CONSOLE].stats.received != before) {
-        tick_work_seen(); /* of room in the transmit ring the main loop hears with the next millisecond */
-    }
 }
 
 /* A frame ends with a zero byte (link/frame.h); nothing can be done before that. The half-full rule is for a
