@@ -21,6 +21,7 @@
 #define BOARD_EVENTS     48
 #define BOARD_PARTS      48
 #define BOARD_VERDICT    240
+#define BOARD_NAMED      32
 #define BOARD_LINE_ROOM  65536u
 #define BOARD_LAST_FLASH 16 /* regions of memory */
 
@@ -72,6 +73,11 @@ struct board {
 
     struct part *parts[BOARD_PARTS];
     size_t n_parts;
+    struct part *last; /* that was read or written: mostly it is the next one, too */
+    struct named {
+        const char *name; /* as a caller has it: looked up by address */
+        struct part *part;
+    } named[BOARD_NAMED];
     struct line lines[BOARD_LINES];
 
     uint64_t stalled_until_ns; /* the flash answers no fetch */

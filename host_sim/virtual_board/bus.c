@@ -46,12 +46,26 @@ void bus_reset(struct board *b, enum board_reset kind)
     }
 }
 
-struct part *bus_part(struct board *b, const char *name)
+static struct part *part_named(struct board *b, const char *name)
 {
     for (size_t i = 0; i < b->n_parts; i++)
         if (strcmp(b->parts[i]->row->name, name) == 0)
             return b->parts[i];
     return NULL;
+}
+
+/* Models ask for the same few names all the time, each with a string of its own. */
+struct part *bus_part(struct board *b, const char *name)
+{
+    size_t i = 0;
+    while (i < BOARD_NAMED && b->named[i].name != NULL && b->named[i].name != name)
+        i++;
+    if (i < BOARD_NAMED && b->named[i].name == name)
+        return b->named[i].part;
+    struct part *found = part_named(b, name);
+    if (i < BOARD_NAMED && found != NULL)
+        b->named[i] = (struct named){name, found};
+    return found;
 }
 
 static size_t index_of(const struct part_class *class, uint32_t offset)
@@ -85,11 +99,12 @@ static bool clocked(const struct part *p)
 static struct part *find(struct board *b, uint32_t address, unsigned bytes, const char *what,
                          size_t *reg)
 {
-    for (size_t i = 0; i < b->n_parts; i++) {
-        struct part *p = b->parts[i];
-        const struct chip_part *row = p->row;
-        if (address < row->base || address - row->base >= row->size)
+    for (size_t i = 0; i <= b->n_parts; i++) {
+        struct part *p = i == 0 ? b->last : b->parts[i - 1];
+        if (p == NULL || address < p->row->base || address - p->row->base >= p->row->size)
             continue;
+        const struct chip_part *row = p->row;
+        b->last = p;
         *reg = index_of(row->class, (address - row->base) & ~3u);
         if (*reg == row->class->n_regs) {
             board_verdict(b, "%s of 0x%08x: %s has no register there, or it is not modelled", what,

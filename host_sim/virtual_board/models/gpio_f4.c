@@ -45,8 +45,8 @@ static void reset(struct part *p, enum board_reset kind)
 
 uint8_t pin_function(struct board *b, char port, unsigned pin)
 {
-    const char name[] = {'G', 'P', 'I', 'O', port, '\0'};
-    const struct part *p = bus_part(b, name);
+    static const char *const names[] = {"GPIOA", "GPIOB", "GPIOC"};
+    const struct part *p = bus_part(b, names[port - 'A']);
     if (p->row->class != &gpio_f4_class || (part_get(p, MODER) >> 2 * pin & 3u) != 2u)
         return 0xFFu;
     return (uint8_t)(part_get(p, pin < 8 ? AFRL : AFRH) >> 4 * (pin & 7u) & 15u);
