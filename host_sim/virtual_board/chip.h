@@ -35,7 +35,7 @@ struct chip_part {
     const char *name;
     const struct part_class *class;
     uint32_t base, size;
-    const char *bus;        /* "ahb1", "apb1", "apb2": whose clock and which enable register */
+    const char *bus;        /* "ahb1" (one chip: "ahb"), "apb1", "apb2", "core": whose clock */
     uint16_t enable_offset; /* of the RCC; 0: always on */
     uint8_t enable_bit;
     uint8_t irq;    /* 0xFF: none */
@@ -47,6 +47,15 @@ enum memory_kind { MEMORY_FLASH, MEMORY_RAM, MEMORY_CORE_RAM };
 struct chip_memory {
     enum memory_kind kind;
     uint32_t base, size;
+};
+
+/* The RCC's model, asked by others. Hz; bus: as in struct chip_part. */
+struct clocks {
+    uint64_t (*bus_hz)(struct board *b, const char *bus);
+    uint64_t (*timer_hz)(struct board *b, const char *bus);
+    uint64_t (*rtc_hz)(struct board *b); /* 0: none chosen, or it does not run */
+    bool (*crystal_runs)(struct board *b);
+    void (*crystal_changed)(struct board *b); /* around.crystal_hz is another */
 };
 
 struct chip {
@@ -63,6 +72,8 @@ struct chip {
     size_t n_memory;
     uint32_t stored_base, stored_size; /* flash that the firmware writes */
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
+    const struct clocks *clocks;
+    uint8_t (*pin_function)(struct board *b, char port, unsigned pin); /* models/models.h */
     const struct chip_part *parts;
     size_t n_parts;
 };
@@ -75,6 +86,9 @@ struct part {
 };
 
 extern const struct chip chip_stm32f405, chip_stm32f100;
+
+/* chips.c: the first chip whose name is in the text, capitals or not; NULL: none. */
+const struct chip *chip_named_in(const char *text);
 
 /* models/stored_flash.c; at: from the beginning of what is stored */
 uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes);

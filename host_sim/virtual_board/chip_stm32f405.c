@@ -50,6 +50,8 @@ const struct chip chip_stm32f405 = {
     .stored_base = 0x080C0000u,
     .stored_size = 0x40000u,
     .store = flash_f4_store,
+    .clocks = &clocks_f4,
+    .pin_function = pin_function_f4,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),
 };

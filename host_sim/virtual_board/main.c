@@ -179,8 +179,8 @@ int main(int argc, char **argv)
         (console == NULL) != (link == NULL) || optind < argc)
         return refuse("wants --image and --control, or --image, --console and --link",
                       optind < argc ? argv[optind] : "");
-    const char *from = name != NULL ? name : file;
-    const struct chip *chip = strstr(from, "stm32f405") != NULL ? &chip_stm32f405 : NULL;
+    const char *from = name != NULL ? name : strrchr(file, '/') != NULL ? strrchr(file, '/') : file;
+    const struct chip *chip = chip_named_in(from);
     if (chip == NULL)
         return refuse("no chip of that name:", from);
     size_t size = read_file(file, image, sizeof(image));
