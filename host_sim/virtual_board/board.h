@@ -100,7 +100,8 @@ void board_pause(struct board *b);
 void board_ask_reset(struct board *b, enum board_reset kind);
 
 uint64_t board_ns(const struct board *b);
-uint64_t board_internal_hz(const struct board *b); /* of the chip's own oscillator, with its error */
+uint64_t
+board_internal_hz(const struct board *b); /* of the chip's own oscillator, with its error */
 uint64_t board_cycles_at(const struct board *b,
                          uint64_t ns); /* the first cycle that is not before ns */
 void board_set_core_hz(struct board *b, uint64_t hz);

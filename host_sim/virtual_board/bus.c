@@ -27,6 +27,8 @@ void bus_start(struct board *b)
 void bus_stop(struct board *b)
 {
     for (size_t i = 0; i < b->n_parts; i++) {
+        if (b->parts[i]->row->class->stop != NULL)
+            b->parts[i]->row->class->stop(b->parts[i]);
         free(b->parts[i]->words);
         free(b->parts[i]->state);
         free(b->parts[i]);

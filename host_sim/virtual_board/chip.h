@@ -24,6 +24,7 @@ struct part_class {
     size_t state_bytes;
     uint8_t widths; /* of access that the manual allows: a sum of enum access_width */
     void (*start)(struct part *p); /* once */
+    void (*stop)(struct part *p);  /* gives back what it has beside its state */
     void (*reset)(struct part *p, enum board_reset kind);
     /* What is read in place of the stored word; NULL: the stored word. */
     uint32_t (*read)(struct part *p, uint32_t offset, uint32_t stored);

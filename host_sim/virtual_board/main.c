@@ -33,6 +33,8 @@ static const char usage[] =
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
+    "  --cut-word N      the supply goes within the N-th word written to the flash, and comes "
+    "back\n"
     "  --exact           by instructions: every verdict has the address of its instruction\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
     "  --help\n";
@@ -94,15 +96,23 @@ static void print_statistics(struct board *b)
 
 int main(int argc, char **argv)
 {
-    static const struct option known[] = {
-        {"image", 1, NULL, 'i'},      {"chip", 1, NULL, 'c'},
-        {"control", 1, NULL, 'C'},    {"console", 1, NULL, 'o'},
-        {"link", 1, NULL, 'l'},       {"nvm", 1, NULL, 'n'},
-        {"crystal", 1, NULL, 'x'},    {"slow-clock", 1, NULL, 's'},
-        {"oscillator", 1, NULL, 'p'}, {"supply", 1, NULL, 'v'},
-        {"brown-out", 1, NULL, 'b'},  {"seed", 1, NULL, 'r'},
-        {"exact", 0, NULL, 'e'},      {"statistics", 0, NULL, 't'},
-        {"help", 0, NULL, 'h'},       {0}};
+    static const struct option known[] = {{"image", 1, NULL, 'i'},
+                                          {"chip", 1, NULL, 'c'},
+                                          {"control", 1, NULL, 'C'},
+                                          {"console", 1, NULL, 'o'},
+                                          {"link", 1, NULL, 'l'},
+                                          {"nvm", 1, NULL, 'n'},
+                                          {"crystal", 1, NULL, 'x'},
+                                          {"slow-clock", 1, NULL, 's'},
+                                          {"oscillator", 1, NULL, 'p'},
+                                          {"supply", 1, NULL, 'v'},
+                                          {"brown-out", 1, NULL, 'b'},
+                                          {"seed", 1, NULL, 'r'},
+                                          {"cut-word", 1, NULL, 'w'},
+                                          {"exact", 0, NULL, 'e'},
+                                          {"statistics", 0, NULL, 't'},
+                                          {"help", 0, NULL, 'h'},
+                                          {0}};
     static uint8_t image[1u << 20];
     struct surroundings around = {.crystal_hz = 8000000,
                                   .slow_clock_hz = 32000,
@@ -114,6 +124,7 @@ int main(int argc, char **argv)
                *nvm = NULL;
     bool exact = false, statistics = false;
     long long n = 0;
+    uint64_t cut_word = 0;
     int option;
     while ((option = getopt_long(argc, argv, "", known, NULL)) != -1) {
         bool ok = true;
@@ -160,6 +171,10 @@ int main(int argc, char **argv)
             ok = whole_number(optarg, 0, INT64_MAX, &n);
             around.seed = (uint64_t)n;
             break;
+        case 'w':
+            ok = whole_number(optarg, 1, INT64_MAX, &n);
+            cut_word = (uint64_t)n;
+            break;
         case 'e':
             exact = true;
             break;
@@ -195,6 +210,7 @@ int main(int argc, char **argv)
     if (b != NULL) {
         if (nvm != NULL)
             (void)read_file(nvm, stored_flash(b)->bytes, chip->stored_size);
+        stored_flash(b)->cut_word = cut_word;
         board_power_on(b);
         status = control != NULL ? control_serve(b, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));

@@ -107,8 +107,8 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     if ((part_get(p, SR) & SR_BSY) != 0) {
         board_verdict(b, "store into the flash while it is busy");
     } else if ((cr & CR_LOCK) != 0 || (cr & CR_PG) == 0 || (cr & CR_PER) != 0) {
-        board_verdict(b, "store into the flash with FLASH_CR at 0x%08x, which is not for programming",
-                      cr);
+        board_verdict(
+            b, "store into the flash with FLASH_CR at 0x%08x, which is not for programming", cr);
     } else if (bytes != 2u || (at & 1u) != 0) {
         board_verdict(b, "store of %u bytes into the flash, which takes half-words; the bus fails",
                       bytes);
@@ -145,8 +145,9 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     if ((before & CR_LOCK) != 0)
         part_set(p, CR, before); /* only the keys open it */
     else if ((written & CR_OTHER) != 0)
-        board_verdict(p->board, "FLASH_CR of 0x%08x: mass erase, option bytes and interrupts are "
-                                "not modelled",
+        board_verdict(p->board,
+                      "FLASH_CR of 0x%08x: mass erase, option bytes and interrupts are "
+                      "not modelled",
                       written);
     else if ((written & CR_STRT) != 0)
         start_erase(p, written);

@@ -4,19 +4,11 @@
  */
 #include "models.h"
 
-enum {
-    CRL = 0x00,
-    CRH = 0x04,
-    IDR = 0x08,
-    ODR = 0x0C,
-    BSRR = 0x10,
-    BRR = 0x14,
-    LCKR = 0x18
-};
+enum { CRL = 0x00, CRH = 0x04, IDR = 0x08, ODR = 0x0C, BSRR = 0x10, BRR = 0x14, LCKR = 0x18 };
 
 #define ALL         UINT32_MAX
-#define MODE        3u  /* 0: input */
-#define ALTERNATE   8u  /* of an output */
+#define MODE        3u   /* 0: input */
+#define ALTERNATE   8u   /* of an output */
 #define INPUT_KINDS 0xCu /* 0: analog, 4: floating, 8: pulled */
 #define PULLED      8u
 

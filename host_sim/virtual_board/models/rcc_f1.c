@@ -46,7 +46,8 @@ enum {
 #define CSR_IWDGRST  (UINT32_C(1) << 29)
 #define PWR_CR_DBP   (UINT32_C(1) << 8)
 #define CORE_MOST_HZ 24000000u
-#define SLACK        20u /* 1 / 20: the internal oscillator may be fast, and a crystal is taken for its neighbour */
+#define SLACK                                                                                      \
+    20u /* 1 / 20: the internal oscillator may be fast, and a crystal is taken for its neighbour */
 
 /* DS5944 (unverified): start-up of the crystal 2 ms typical, lock of the PLL 200 us at most */
 #define CRYSTAL_START_NS 2000000u
@@ -304,8 +305,7 @@ static void write_cfgr2(struct part *p, uint32_t before)
     uint32_t word = part_get(p, CFGR2);
     if ((part_get(p, CR) & CR_PLLON) != 0 && word != before)
         board_verdict(p->board, "write of RCC_CFGR2 while the PLL is on");
-    part_set(p, CFGR,
-             (part_get(p, CFGR) & ~CFGR_PREDIV) | ((word & 1u) != 0 ? CFGR_PREDIV : 0));
+    part_set(p, CFGR, (part_get(p, CFGR) & ~CFGR_PREDIV) | ((word & 1u) != 0 ? CFGR_PREDIV : 0));
 }
 
 /* RM0041 6.3.9 and 4.1.2: closed until PWR_CR_DBP opens it; a clock of the RTC is chosen once after a reset of the domain. */

@@ -26,16 +26,11 @@ enum {
 #define NS_PER_S   UINT64_C(1000000000)
 
 static const struct reg regs[] = {
-    {"CRH", CRH, 0, 0x7u, 0x7u},
-    {"CRL", CRL, CRL_RTOFF, 0x3Fu, 0},
-    {"PRLH", PRLH, 0, 0xFu, 0},
-    {"PRLL", PRLL, PRESCALER, 0xFFFFu, 0},
-    {"DIVH", DIVH, 0, 0xFFFFu, 0},
-    {"DIVL", DIVL, PRESCALER, 0xFFFFu, 0},
-    {"CNTH", CNTH, 0, 0xFFFFu, 0},
-    {"CNTL", CNTL, 0, 0xFFFFu, 0},
-    {"ALRH", ALRH, 0xFFFFu, 0xFFFFu, 0},
-    {"ALRL", ALRL, 0xFFFFu, 0xFFFFu, 0},
+    {"CRH", CRH, 0, 0x7u, 0x7u},         {"CRL", CRL, CRL_RTOFF, 0x3Fu, 0},
+    {"PRLH", PRLH, 0, 0xFu, 0},          {"PRLL", PRLL, PRESCALER, 0xFFFFu, 0},
+    {"DIVH", DIVH, 0, 0xFFFFu, 0},       {"DIVL", DIVL, PRESCALER, 0xFFFFu, 0},
+    {"CNTH", CNTH, 0, 0xFFFFu, 0},       {"CNTL", CNTL, 0, 0xFFFFu, 0},
+    {"ALRH", ALRH, 0xFFFFu, 0xFFFFu, 0}, {"ALRL", ALRL, 0xFFFFu, 0xFFFFu, 0},
 };
 
 struct rtc {
