@@ -31,7 +31,7 @@ struct processor;
 /* What surrounds the chip. Zero in a field named *_hz or *_mv means: not there. */
 struct surroundings {
     uint32_t crystal_hz;    /* 0: none fitted */
-    uint32_t slow_clock_hz; /* of the watchdog: 17000 to 47000 on the STM32F405 */
+    uint32_t slow_clock_hz; /* of the watchdog */
     int32_t oscillator_ppm; /* error of the internal oscillator */
     uint32_t supply_mv;
     uint32_t brown_out_mv; /* below this the chip is held in reset; 0: brown-out reset off */

@@ -69,6 +69,8 @@ struct chip {
     uint8_t priority_bits;
     uint16_t interrupts;
     uint32_t internal_hz;
+    uint32_t slow_clock_hz, slow_clock_least,
+        slow_clock_most; /* of the watchdog: nominal, and over chips and temperature */
     const struct chip_memory *memory;
     size_t n_memory;
     uint32_t stored_base, stored_size; /* flash that the firmware writes */

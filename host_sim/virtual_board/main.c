@@ -28,7 +28,7 @@ static const char usage[] =
     "  --link PATH       unix socket of USART2, likewise\n"
     "  --nvm FILE        keep the flash for settings in FILE (default: it is erased at the start)\n"
     "  --crystal HZ      crystal of the board, Hz; 0: none (default 8000000)\n"
-    "  --slow-clock HZ   clock of the watchdog, Hz (default 32000; 17000 to 47000 on chips)\n"
+    "  --slow-clock HZ   clock of the watchdog, Hz (default: the chip's nominal one)\n"
     "  --oscillator PPM  error of the internal oscillator, millionths (default 0)\n"
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
@@ -114,12 +114,8 @@ int main(int argc, char **argv)
                                           {"help", 0, NULL, 'h'},
                                           {0}};
     static uint8_t image[1u << 20];
-    struct surroundings around = {.crystal_hz = 8000000,
-                                  .slow_clock_hz = 32000,
-                                  .supply_mv = 3300,
-                                  .brown_out_mv = 2700,
-                                  .baud = 115200,
-                                  .seed = 1};
+    struct surroundings around = {
+        .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2700, .baud = 115200, .seed = 1};
     const char *file = NULL, *name = NULL, *control = NULL, *console = NULL, *link = NULL,
                *nvm = NULL;
     bool exact = false, statistics = false;
@@ -152,7 +148,7 @@ int main(int argc, char **argv)
             around.crystal_hz = (uint32_t)n;
             break;
         case 's':
-            ok = whole_number(optarg, 10000, 100000, &n);
+            ok = whole_number(optarg, 1, 1000000, &n);
             around.slow_clock_hz = (uint32_t)n;
             break;
         case 'p':
@@ -198,6 +194,15 @@ int main(int argc, char **argv)
     const struct chip *chip = chip_named_in(from);
     if (chip == NULL)
         return refuse("no chip of that name:", from);
+    if (around.slow_clock_hz == 0)
+        around.slow_clock_hz = chip->slow_clock_hz;
+    if (around.slow_clock_hz < chip->slow_clock_least ||
+        around.slow_clock_hz > chip->slow_clock_most) {
+        (void)fprintf(stderr, "reflux-board: --slow-clock %u; from %u to %u Hz on the %s\n",
+                      around.slow_clock_hz, chip->slow_clock_least, chip->slow_clock_most,
+                      chip->name);
+        return 2;
+    }
     size_t size = read_file(file, image, sizeof(image));
     if (size == 0)
         return refuse("cannot read the image", file);

@@ -66,6 +66,20 @@ class StartTest(unittest.TestCase):
         self.assertIn("supply enough for the flash", version(SMALL, "--supply", "2400"))
         self.assertIn("TOO LOW for the flash", version(SMALL, "--supply", "2200"))
 
+    def test_the_watchdog_holds_over_the_range_of_its_clock(self) -> None:
+        for image, least, most in ((SMALL, 30000, 60000), (LARGE, 17000, 47000)):
+            for hz in (least, most):
+                with self.subTest(image=image, hz=hz), VirtualBoard(image, "--slow-clock", str(hz), "--statistics") as board:
+                    board.boot()
+                    for line in ("begin", "set meas1.name T1", "apply", "save"):
+                        board.do(line)
+                    end = board.now_s + 10.0
+                    while board.now_s < end:
+                        board.step(1.0)
+                    self.assertEqual(count(board.close(), "watchdog"), 0)
+        with self.assertRaisesRegex(Ended, "from 30000 to 60000 Hz on the STM32F100"):
+            VirtualBoard(SMALL, "--slow-clock", "61000")
+
     def test_an_image_that_is_too_large_is_refused(self) -> None:
         with self.assertRaisesRegex(Ended, "the STM32F100 has 131072 of flash"):
             VirtualBoard(LARGE, "--chip", "stm32f100")
