@@ -80,6 +80,7 @@
 #define SCB_AIRCR_RESET    (0x05FA0000u | BIT(2))
 #define SCB_CCR            REG32(0xE000ED14u)
 #define SCB_CCR_DIV_0_TRP  BIT(4)
+#define SCB_CCR_STKALIGN   BIT(9) /* not set by a reset on every revision of the Cortex-M3 */
 #define SCB_SHPR(handler)  REG8(0xE000ED14u + (handler)) /* handler: exception number, 4 to 15 */
 #define SCB_SHCSR          REG32(0xE000ED24u)
 #define SCB_SHCSR_FAULTS                                                                           \

@@ -72,11 +72,12 @@ static uint32_t measure_crystal_mhz(void)
                  : 0;
 }
 
-/* divided: of the crystal, 1 .. 16, before the PLL. */
+/* divided: of the crystal, 1 .. 16, before the PLL. RCC_CFGR2 comes last, because its lowest bit is also a bit of RCC_CFGR (RM0041
+ * 6.3.2, PLLXTPRE), which `settings` leaves at 0: the other way round a divider of 2 is lost and the PLL runs at 48 MHz. */
 static bool start_pll(uint32_t divided, uint32_t settings)
 {
-    RCC_CFGR2 = divided - 1u;
     RCC_CFGR = settings;
+    RCC_CFGR2 = divided - 1u;
     RCC_CR |= RCC_CR_PLLON;
     if (wait_for(&RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY)) {
         RCC_CFGR |= RCC_CFGR_SW_PLL;

@@ -26,6 +26,12 @@ uint64_t board_cycles_at(const struct board *b, uint64_t ns)
     return b->anchor_cycles + (uint64_t)((later * b->core_hz + NS_PER_S - 1) / NS_PER_S);
 }
 
+uint64_t board_internal_hz(const struct board *b)
+{
+    uint64_t hz = b->chip->internal_hz;
+    return hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000);
+}
+
 void board_set_core_hz(struct board *b, uint64_t hz)
 {
     uint64_t now = board_ns(b);
@@ -109,8 +115,7 @@ static void reset(struct board *b, enum board_reset kind)
     b->reset_asked = false;
     b->resets[kind]++;
     b->stalled_until_ns = 0;
-    uint64_t hz = b->chip->internal_hz;
-    board_set_core_hz(b, hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000));
+    board_set_core_hz(b, board_internal_hz(b));
     for (size_t i = 0; i < b->n_events; i++)
         b->events[i]->at_ns = BOARD_NEVER;
     find_next(b);

@@ -32,7 +32,7 @@ struct processor;
 /* What surrounds the chip. Zero in a field named *_hz or *_mv means: not there. */
 struct surroundings {
     uint32_t crystal_hz;    /* 0: none fitted */
-    uint32_t slow_clock_hz; /* of the watchdog: 17000 to 47000 on the STM32F405 */
+    uint32_t slow_clock_hz; /* of the watchdog */
     int32_t oscillator_ppm; /* error of the internal oscillator */
     uint32_t supply_mv;
     uint32_t brown_out_mv; /* below this the chip is held in reset; 0: brown-out reset off */
@@ -106,6 +106,8 @@ void board_pause(struct board *b);
 void board_ask_reset(struct board *b, enum board_reset kind);
 
 uint64_t board_ns(const struct board *b);
+uint64_t
+board_internal_hz(const struct board *b); /* of the chip's own oscillator, with its error */
 uint64_t board_cycles_at(const struct board *b,
                          uint64_t ns); /* the first cycle that is not before ns */
 void board_set_core_hz(struct board *b, uint64_t hz);

@@ -27,6 +27,8 @@ void bus_start(struct board *b)
 void bus_stop(struct board *b)
 {
     for (size_t i = 0; i < b->n_parts; i++) {
+        if (b->parts[i]->row->class->stop != NULL)
+            b->parts[i]->row->class->stop(b->parts[i]);
         free(b->parts[i]->words);
         free(b->parts[i]->state);
         free(b->parts[i]);
@@ -66,6 +68,12 @@ struct part *bus_part(struct board *b, const char *name)
     if (i < BOARD_NAMED && found != NULL)
         b->named[i] = (struct named){name, found};
     return found;
+}
+
+struct part *pins_part(struct board *b, char port)
+{
+    static const char *const names[] = {"GPIOA", "GPIOB", "GPIOC"};
+    return bus_part(b, names[port - 'A']);
 }
 
 static size_t index_of(const struct part_class *class, uint32_t offset)

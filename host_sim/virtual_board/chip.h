@@ -24,6 +24,7 @@ struct part_class {
     size_t state_bytes;
     uint8_t widths; /* of access that the manual allows: a sum of enum access_width */
     void (*start)(struct part *p); /* once */
+    void (*stop)(struct part *p);  /* gives back what it has beside its state */
     void (*reset)(struct part *p, enum board_reset kind);
     /* What is read in place of the stored word; NULL: the stored word. */
     uint32_t (*read)(struct part *p, uint32_t offset, uint32_t stored);
@@ -35,7 +36,7 @@ struct chip_part {
     const char *name;
     const struct part_class *class;
     uint32_t base, size;
-    const char *bus;        /* "ahb1", "apb1", "apb2": whose clock and which enable register */
+    const char *bus;        /* "ahb1" (one chip: "ahb"), "apb1", "apb2", "core": whose clock */
     uint16_t enable_offset; /* of the RCC; 0: always on */
     uint8_t enable_bit;
     uint8_t irq;    /* 0xFF: none */
@@ -49,6 +50,15 @@ struct chip_memory {
     uint32_t base, size;
 };
 
+/* The RCC's model, asked by others. Hz; bus: as in struct chip_part. */
+struct clocks {
+    uint64_t (*bus_hz)(struct board *b, const char *bus);
+    uint64_t (*timer_hz)(struct board *b, const char *bus);
+    uint64_t (*rtc_hz)(struct board *b); /* 0: none chosen, or it does not run */
+    bool (*crystal_runs)(struct board *b);
+    void (*crystal_changed)(struct board *b); /* around.crystal_hz is another */
+};
+
 struct chip {
     const char *name;
     int cpu_model; /* of the processor library */
@@ -59,10 +69,14 @@ struct chip {
     uint8_t priority_bits;
     uint16_t interrupts;
     uint32_t internal_hz;
+    uint32_t slow_clock_hz, slow_clock_least,
+        slow_clock_most; /* of the watchdog: nominal, and over chips and temperature */
     const struct chip_memory *memory;
     size_t n_memory;
     uint32_t stored_base, stored_size; /* flash that the firmware writes */
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
+    const struct clocks *clocks;
+    uint8_t (*pin_function)(struct board *b, char port, unsigned pin); /* models/models.h */
     const struct chip_part *parts;
     size_t n_parts;
 };
@@ -76,6 +90,9 @@ struct part {
 
 extern const struct chip chip_stm32f405, chip_stm32f100;
 
+/* chips.c: the first chip whose name is in the text, capitals or not; NULL: none. */
+const struct chip *chip_named_in(const char *text);
+
 /* models/stored_flash.c; at: from the beginning of what is stored */
 uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes);
 
@@ -85,7 +102,9 @@ void bus_stop(struct board *b);
 void bus_reset(struct board *b, enum board_reset kind);
 uint32_t bus_read(struct board *b, uint32_t address, unsigned bytes);
 void bus_write(struct board *b, uint32_t address, unsigned bytes, uint32_t value);
-struct part *bus_part(struct board *b, const char *name); /* NULL: the chip has none */
+/* name: one that lives as long as the board, a literal. NULL: the chip has none. */
+struct part *bus_part(struct board *b, const char *name);
+struct part *pins_part(struct board *b, char port); /* port: 'A' to 'C' */
 uint32_t part_get(const struct part *p, uint32_t offset);
 void part_set(struct part *p, uint32_t offset, uint32_t word);
 

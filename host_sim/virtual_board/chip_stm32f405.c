@@ -45,11 +45,16 @@ const struct chip chip_stm32f405 = {
     .priority_bits = 4,
     .interrupts = 82,
     .internal_hz = 16000000u,
+    .slow_clock_hz = 32000u, /* DS8626 */
+    .slow_clock_least = 17000u,
+    .slow_clock_most = 47000u,
     .memory = memory,
     .n_memory = sizeof(memory) / sizeof(memory[0]),
     .stored_base = 0x080C0000u,
     .stored_size = 0x40000u,
     .store = flash_f4_store,
+    .clocks = &clocks_f4,
+    .pin_function = pin_function_f4,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),
 };

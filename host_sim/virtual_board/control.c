@@ -10,6 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "models/models.h"
+
 #define REQUEST_BYTES 12u
 #define REPLY_BYTES   13u
 #define LOOK_NS       UINT64_C(200000) /* two bytes at 115200 baud and a little */
@@ -51,6 +53,17 @@ static bool whole(int fd, void *bytes, size_t n, bool out)
     return true;
 }
 
+/* Until the time. A supply that was cut (struct stored_flash) comes back at once. */
+static void run(struct board *b, uint64_t until_ns)
+{
+    board_run(b, until_ns);
+    struct stored_flash *f = stored_flash(b);
+    if (f->cut) {
+        f->cut = false;
+        board_power_on(b);
+    }
+}
+
 /* Until the time, or until what left has left. */
 static void step(struct board *b, uint64_t ns)
 {
@@ -59,7 +72,7 @@ static void step(struct board *b, uint64_t ns)
     while (b->verdict[0] == '\0' && board_ns(b) < end) {
         uint64_t to = board_ns(b) + LOOK_NS;
         b->from_board_moved = false;
-        board_run(b, to < end ? to : end);
+        run(b, to < end ? to : end);
         if (moved && !b->from_board_moved)
             return;
         moved = moved || b->from_board_moved;
@@ -197,7 +210,7 @@ int lines_serve(struct board *b, const char *console, const char *link, const vo
             1000000000u) /* a machine that stood still: the board does not run after it */
             behind += wall - now - WALL_STEP_NS;
         wait_for(ends, 0);
-        board_run(b, now + WALL_STEP_NS);
+        run(b, now + WALL_STEP_NS);
     }
     for (unsigned line = 0; line < BOARD_LINES; line++) {
         exchange(b, &ends[line], line);

@@ -28,11 +28,13 @@ static const char usage[] =
     "  --link PATH       unix socket of USART2, likewise\n"
     "  --nvm FILE        keep the flash for settings in FILE (default: it is erased at the start)\n"
     "  --crystal HZ      crystal of the board, Hz; 0: none (default 8000000)\n"
-    "  --slow-clock HZ   clock of the watchdog, Hz (default 32000; 17000 to 47000 on chips)\n"
+    "  --slow-clock HZ   clock of the watchdog, Hz (default: the chip's nominal one)\n"
     "  --oscillator PPM  error of the internal oscillator, millionths (default 0)\n"
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
+    "  --cut-word N      the supply goes within the N-th word written to the flash, and comes "
+    "back\n"
     "  --exact           by instructions: every verdict has the address of its instruction\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
     "  --help\n";
@@ -94,26 +96,31 @@ static void print_statistics(struct board *b)
 
 int main(int argc, char **argv)
 {
-    static const struct option known[] = {
-        {"image", 1, NULL, 'i'},      {"chip", 1, NULL, 'c'},
-        {"control", 1, NULL, 'C'},    {"console", 1, NULL, 'o'},
-        {"link", 1, NULL, 'l'},       {"nvm", 1, NULL, 'n'},
-        {"crystal", 1, NULL, 'x'},    {"slow-clock", 1, NULL, 's'},
-        {"oscillator", 1, NULL, 'p'}, {"supply", 1, NULL, 'v'},
-        {"brown-out", 1, NULL, 'b'},  {"seed", 1, NULL, 'r'},
-        {"exact", 0, NULL, 'e'},      {"statistics", 0, NULL, 't'},
-        {"help", 0, NULL, 'h'},       {0}};
+    static const struct option known[] = {{"image", 1, NULL, 'i'},
+                                          {"chip", 1, NULL, 'c'},
+                                          {"control", 1, NULL, 'C'},
+                                          {"console", 1, NULL, 'o'},
+                                          {"link", 1, NULL, 'l'},
+                                          {"nvm", 1, NULL, 'n'},
+                                          {"crystal", 1, NULL, 'x'},
+                                          {"slow-clock", 1, NULL, 's'},
+                                          {"oscillator", 1, NULL, 'p'},
+                                          {"supply", 1, NULL, 'v'},
+                                          {"brown-out", 1, NULL, 'b'},
+                                          {"seed", 1, NULL, 'r'},
+                                          {"cut-word", 1, NULL, 'w'},
+                                          {"exact", 0, NULL, 'e'},
+                                          {"statistics", 0, NULL, 't'},
+                                          {"help", 0, NULL, 'h'},
+                                          {0}};
     static uint8_t image[1u << 20];
-    struct surroundings around = {.crystal_hz = 8000000,
-                                  .slow_clock_hz = 32000,
-                                  .supply_mv = 3300,
-                                  .brown_out_mv = 2700,
-                                  .baud = 115200,
-                                  .seed = 1};
+    struct surroundings around = {
+        .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2700, .baud = 115200, .seed = 1};
     const char *file = NULL, *name = NULL, *control = NULL, *console = NULL, *link = NULL,
                *nvm = NULL;
     bool exact = false, statistics = false;
     long long n = 0;
+    uint64_t cut_word = 0;
     int option;
     while ((option = getopt_long(argc, argv, "", known, NULL)) != -1) {
         bool ok = true;
@@ -141,7 +148,7 @@ int main(int argc, char **argv)
             around.crystal_hz = (uint32_t)n;
             break;
         case 's':
-            ok = whole_number(optarg, 10000, 100000, &n);
+            ok = whole_number(optarg, 1, 1000000, &n);
             around.slow_clock_hz = (uint32_t)n;
             break;
         case 'p':
@@ -159,6 +166,10 @@ int main(int argc, char **argv)
         case 'r':
             ok = whole_number(optarg, 0, INT64_MAX, &n);
             around.seed = (uint64_t)n;
+            break;
+        case 'w':
+            ok = whole_number(optarg, 1, INT64_MAX, &n);
+            cut_word = (uint64_t)n;
             break;
         case 'e':
             exact = true;
@@ -179,10 +190,19 @@ int main(int argc, char **argv)
         (console == NULL) != (link == NULL) || optind < argc)
         return refuse("wants --image and --control, or --image, --console and --link",
                       optind < argc ? argv[optind] : "");
-    const char *from = name != NULL ? name : file;
-    const struct chip *chip = strstr(from, "stm32f405") != NULL ? &chip_stm32f405 : NULL;
+    const char *from = name != NULL ? name : strrchr(file, '/') != NULL ? strrchr(file, '/') : file;
+    const struct chip *chip = chip_named_in(from);
     if (chip == NULL)
         return refuse("no chip of that name:", from);
+    if (around.slow_clock_hz == 0)
+        around.slow_clock_hz = chip->slow_clock_hz;
+    if (around.slow_clock_hz < chip->slow_clock_least ||
+        around.slow_clock_hz > chip->slow_clock_most) {
+        (void)fprintf(stderr, "reflux-board: --slow-clock %u; from %u to %u Hz on the %s\n",
+                      around.slow_clock_hz, chip->slow_clock_least, chip->slow_clock_most,
+                      chip->name);
+        return 2;
+    }
     size_t size = read_file(file, image, sizeof(image));
     if (size == 0)
         return refuse("cannot read the image", file);
@@ -195,6 +215,7 @@ int main(int argc, char **argv)
     if (b != NULL) {
         if (nvm != NULL)
             (void)read_file(nvm, stored_flash(b)->bytes, chip->stored_size);
+        stored_flash(b)->cut_word = cut_word;
         board_power_on(b);
         status = control != NULL ? control_serve(b, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));

@@ -357,7 +357,9 @@ static void protect(struct processor *p)
     struct board *b = p->board;
     p->protection_changed = false;
     const struct chip_memory *flash = flash_of(b->chip);
-    (void)uc_mem_protect(p->uc, 0, flash->size, UC_PROT_READ | UC_PROT_EXEC);
+    uint32_t mapped =
+        flash->size - b->chip->stored_size; /* the library refuses a range of which some is not */
+    bool ok = uc_mem_protect(p->uc, 0, mapped, UC_PROT_READ | UC_PROT_EXEC) == UC_ERR_OK;
     p->n_forbidden = interrupts_forbidden(p->interrupts, p->forbidden,
                                           sizeof(p->forbidden) / sizeof(p->forbidden[0]));
     for (size_t i = 0; i < p->n_forbidden; i++) {
@@ -366,8 +368,10 @@ static void protect(struct processor *p)
             board_verdict(b, "a protected region of %u bytes at 0x%08x is not modelled", f->size,
                           f->base);
         else
-            (void)uc_mem_protect(p->uc, 0, flash->size, UC_PROT_NONE);
+            ok = uc_mem_protect(p->uc, 0, mapped, UC_PROT_NONE) == UC_ERR_OK && ok;
     }
+    if (!ok)
+        board_verdict(b, "the processor library did not protect the first %u bytes", mapped);
 }
 
 void processor_protection_changed(struct board *b)

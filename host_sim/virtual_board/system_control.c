@@ -433,10 +433,19 @@ static void flags_set(const struct part *p, bool *flags, uint32_t first, uint32_
     processor_break(p->board);
 }
 
+/* Registers of a floating-point unit, on a core that has none. */
+static void check_is_there(const struct part *p, uint32_t offset)
+{
+    if (!p->board->chip->fpu && (offset == CPACR || offset >= FPCCR))
+        board_verdict(p->board, "register 0x%03x of the floating-point unit, which the %s has not",
+                      offset, p->board->chip->name);
+}
+
 static uint32_t control_read(struct part *p, uint32_t offset, uint32_t stored)
 {
     struct interrupts *i = of(p);
     uint32_t first = 8u * (offset & 0x7Cu);
+    check_is_there(p, offset);
     if (offset >= ISER && offset < ISER + 0x100u)
         return flags_from(i->enabled, first);
     if (offset >= ISPR && offset < ISPR + 0x100u)
@@ -495,6 +504,7 @@ static void control_write(struct part *p, uint32_t offset, uint32_t before, uint
 {
     struct interrupts *i = of(p);
     uint32_t first = 8u * (offset & 0x7Cu);
+    check_is_there(p, offset);
     if (offset >= ISER && offset < ISER + 0x100u) {
         flags_set(p, i->enabled, first, written, offset < ICER);
     } else if (offset >= ISPR && offset < ISPR + 0x100u) {

@@ -41,6 +41,8 @@ class Firmware:
         """Last words of the process, when it is no longer there."""
         if self.process is None or self.process.poll() is None:
             return None
+        if self.kind in VIRTUAL and self.process.returncode == 0:  # its peer has left first
+            return None
         text = self.messages.read_text(errors="replace") if self.messages else ""
         lines = [line for line in text.splitlines() if line.strip() and ": info: " not in line]
         last = lines[-1] if lines else "it said nothing"

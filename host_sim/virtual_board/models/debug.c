@@ -1,4 +1,4 @@
-/* What tells one chip from another (RM0090 38.6.1 and 38.16, RM0041 25.6.1).
+/* What tells one chip from another (RM0090 38.6.1 and 38.16; RM0041 25.6.1 and 25.15, unverified). A system reset leaves it alone.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -11,5 +11,24 @@ static const struct reg f4[] = {
     {"APB2_FZ", 0xC, 0, 0x00070003u, 0x00070003u},
 };
 
-const struct part_class debug_f4_class = {
-    .name = "debug of the STM32F4", .regs = f4, .n_regs = 4, .widths = WIDTH_WORD};
+static const struct reg f1[] = {
+    {"IDCODE", 0x0, 0x10010420u, UINT32_MAX, 0}, /* low and medium density value line, revision Z */
+    {"CR", 0x4, 0, 0x0FDDBFE7u, 0x0FDDBFE7u},
+};
+
+static void reset(struct part *p, enum board_reset kind)
+{
+    for (size_t k = 0; kind == RESET_POWER && k < p->row->class->n_regs; k++)
+        p->words[k] = p->row->class->regs[k].reset;
+}
+
+const struct part_class debug_f4_class = {.name = "debug of the STM32F4",
+                                          .regs = f4,
+                                          .n_regs = sizeof(f4) / sizeof(f4[0]),
+                                          .widths = WIDTH_WORD,
+                                          .reset = reset};
+const struct part_class debug_f1_class = {.name = "debug of the STM32F1",
+                                          .regs = f1,
+                                          .n_regs = sizeof(f1) / sizeof(f1[0]),
+                                          .widths = WIDTH_WORD,
+                                          .reset = reset};

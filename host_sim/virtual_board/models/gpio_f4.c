@@ -43,12 +43,11 @@ static void reset(struct part *p, enum board_reset kind)
     }
 }
 
-uint8_t pin_function(struct board *b, char port, unsigned pin)
+uint8_t pin_function_f4(struct board *b, char port, unsigned pin)
 {
-    static const char *const names[] = {"GPIOA", "GPIOB", "GPIOC"};
-    const struct part *p = bus_part(b, names[port - 'A']);
-    if (p->row->class != &gpio_f4_class || (part_get(p, MODER) >> 2 * pin & 3u) != 2u)
-        return 0xFFu;
+    const struct part *p = pins_part(b, port);
+    if ((part_get(p, MODER) >> 2 * pin & 3u) != 2u)
+        return PIN_NO_FUNCTION;
     return (uint8_t)(part_get(p, pin < 8 ? AFRL : AFRH) >> 4 * (pin & 7u) & 15u);
 }
 

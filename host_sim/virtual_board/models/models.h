@@ -18,17 +18,29 @@ extern const struct part_class timer32_class, timer_capture_class;
 extern const struct part_class debug_f4_class, debug_f1_class;
 extern const struct part_class rtc_f1_class;
 
-/* Clocks of the buses, of the RCC's model. Hz. */
+/* Clocks of the buses, of the RCC's model that the chip names. Hz. */
 uint64_t bus_clock_hz(struct board *b, const char *bus);
 uint64_t timer_clock_hz(struct board *b, const char *bus);
 uint64_t rtc_clock_hz(struct board *b); /* 0: none chosen, or it does not run */
 bool crystal_runs(struct board *b);
 /* The crystal's far end: it fails or comes back in the run. */
 void crystal_changed(struct board *b);
-void rcc_note_reset(struct board *b, enum board_reset kind);
+extern const struct clocks clocks_f4, clocks_f1;
+/* For those models: dividers by their code in RCC_CFGR, and timers that run twice as fast as a divided bus. */
+uint32_t ahb_divider(uint32_t code);
+uint32_t apb_divider(uint32_t code);
+uint64_t timer_of_bus_hz(struct board *b, const char *bus);
 
-/* Is that pin (0 = PA0) given to its alternate function, and to which? 0xFF: it is not. */
+/* Of the RTC that lies in the backup domain: RCC_BDCR or what feeds it has changed; the domain is reset. */
+void rtc_f1_clock_changed(struct board *b);
+void rtc_f1_backup_reset(struct board *b);
+
+/* The alternate function that a pin (0 = PA0) is given to. Where a chip does not number them: 0 drives the pin, PIN_INPUT listens. */
+#define PIN_NO_FUNCTION 0xFFu
+#define PIN_INPUT       0xFEu
 uint8_t pin_function(struct board *b, char port, unsigned pin);
+uint8_t pin_function_f4(struct board *b, char port, unsigned pin);
+uint8_t pin_function_f1(struct board *b, char port, unsigned pin);
 
 /* The flash interface decides what a store into the array does. */
 void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word);

@@ -63,16 +63,10 @@ struct rcc {
     uint32_t reset_flags; /* live through every reset but power's */
 };
 
-static uint64_t internal_hz(const struct board *b)
-{
-    uint64_t hz = b->chip->internal_hz;
-    return hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000);
-}
-
 static uint64_t pll_hz(const struct part *p)
 {
     uint32_t c = part_get(p, PLLCFGR);
-    uint64_t in = (c & PLL_HSE) != 0 ? p->board->around.crystal_hz : internal_hz(p->board);
+    uint64_t in = (c & PLL_HSE) != 0 ? p->board->around.crystal_hz : board_internal_hz(p->board);
     uint64_t m = c & 63u, n = c >> 6 & 511u, half = (c >> 16 & 3u) + 1u;
     return m < 2 ? 0 : in / m * n / (2u * half) + in % m * n / m / (2u * half);
 }
@@ -81,7 +75,7 @@ static uint64_t system_hz(const struct part *p)
 {
     switch (part_get(p, CFGR) >> 2 & 3u) {
     case 0:
-        return internal_hz(p->board);
+        return board_internal_hz(p->board);
     case 1:
         return p->board->around.crystal_hz;
     default:
@@ -89,21 +83,13 @@ static uint64_t system_hz(const struct part *p)
     }
 }
 
-static uint32_t divider(uint32_t code, uint32_t bits)
-{
-    static const uint16_t ahb[] = {2, 4, 8, 16, 64, 128, 256, 512};
-    if (bits == 4)
-        return (code & 8u) == 0 ? 1u : ahb[code & 7u];
-    return (code & 4u) == 0 ? 1u : 2u << (code & 3u);
-}
-
 /* RM0090 7.2.3 and 3.5.1: what the PLL takes and gives, and what the flash and the buses take. */
 static void check_clocks(struct part *p)
 {
     struct board *b = p->board;
-    uint64_t core = system_hz(p) / divider(part_get(p, CFGR) >> 4 & 15u, 4);
-    uint64_t apb1 = core / divider(part_get(p, CFGR) >> 10 & 7u, 3),
-             apb2 = core / divider(part_get(p, CFGR) >> 13 & 7u, 3);
+    uint64_t core = system_hz(p) / ahb_divider(part_get(p, CFGR) >> 4 & 15u);
+    uint64_t apb1 = core / apb_divider(part_get(p, CFGR) >> 10 & 7u),
+             apb2 = core / apb_divider(part_get(p, CFGR) >> 13 & 7u);
     /* the internal oscillator may be fast by 4.5 %, a crystal not */
     uint64_t most = 168000000u + 168000000u / 20u;
     if (core == 0 || core > most || apb1 > most / 4u || apb2 > most / 2u)
@@ -121,34 +107,28 @@ static void check_clocks(struct part *p)
 
 static void clocks_changed(struct part *p)
 {
-    uint64_t hz = system_hz(p) / divider(part_get(p, CFGR) >> 4 & 15u, 4);
+    uint64_t hz = system_hz(p) / ahb_divider(part_get(p, CFGR) >> 4 & 15u);
     if (hz != 0)
         board_set_core_hz(p->board, hz);
 }
 
-uint64_t bus_clock_hz(struct board *b, const char *bus)
+static uint64_t bus_hz(struct board *b, const char *bus)
 {
     uint32_t cfgr = part_get(bus_part(b, "RCC"), CFGR);
     if (strcmp(bus, "ahb1") == 0)
         return b->core_hz;
-    return b->core_hz / divider(strcmp(bus, "apb1") == 0 ? cfgr >> 10 & 7u : cfgr >> 13 & 7u, 3);
+    return b->core_hz / apb_divider(strcmp(bus, "apb1") == 0 ? cfgr >> 10 & 7u : cfgr >> 13 & 7u);
 }
 
-uint64_t timer_clock_hz(struct board *b, const char *bus)
-{
-    uint64_t hz = bus_clock_hz(b, bus);
-    return hz == b->core_hz ? hz : 2u * hz;
-}
-
-bool crystal_runs(struct board *b)
+static bool crystal_ready(struct board *b)
 {
     return (part_get(bus_part(b, "RCC"), CR) & CR_HSERDY) != 0;
 }
 
-uint64_t rtc_clock_hz(struct board *b)
+static uint64_t rtc_hz(struct board *b)
 {
     uint32_t by = part_get(bus_part(b, "RCC"), CFGR) >> 16 & 31u;
-    return by < 2 || !crystal_runs(b) ? 0 : b->around.crystal_hz / by;
+    return by < 2 || !crystal_ready(b) ? 0 : b->around.crystal_hz / by;
 }
 
 /* ---- events ---- */
@@ -164,8 +144,8 @@ static void pll_locked(void *context)
 {
     struct part *p = context;
     uint32_t c = part_get(p, PLLCFGR);
-    uint64_t in = (c & PLL_HSE) != 0 ? (crystal_runs(p->board) ? p->board->around.crystal_hz : 0)
-                                     : internal_hz(p->board);
+    uint64_t in = (c & PLL_HSE) != 0 ? (crystal_ready(p->board) ? p->board->around.crystal_hz : 0)
+                                     : board_internal_hz(p->board);
     uint64_t fed = (c & 63u) == 0 ? 0 : in / (c & 63u), made = fed * (c >> 6 & 511u);
     if ((part_get(p, CR) & CR_PLLON) == 0 || in == 0)
         return;
@@ -186,7 +166,7 @@ static void internal_started(void *context)
 
 /* RM0090 7.2.7: with the security system on, the chip falls back to its own oscillator and raises the NMI. Without it, a core that ran
  * from the crystal stands still. */
-void crystal_changed(struct board *b)
+static void crystal_changes(struct board *b)
 {
     struct part *p = bus_part(b, "RCC");
     struct rcc *r = p->state;
@@ -212,6 +192,12 @@ void crystal_changed(struct board *b)
     clocks_changed(p);
     interrupt_nmi(b);
 }
+
+const struct clocks clocks_f4 = {.bus_hz = bus_hz,
+                                 .timer_hz = timer_of_bus_hz,
+                                 .rtc_hz = rtc_hz,
+                                 .crystal_runs = crystal_ready,
+                                 .crystal_changed = crystal_changes};
 
 static void start(struct part *p)
 {

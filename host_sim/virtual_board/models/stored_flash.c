@@ -24,6 +24,13 @@ static void start(struct part *p)
     (void)memset(f->bytes, 0xFF, size);
 }
 
+static void stop(struct part *p)
+{
+    struct stored_flash *f = p->state;
+    free(f->bytes);
+    free(f->unstable);
+}
+
 static void reset(struct part *p, enum board_reset kind)
 {
     (void)p;
@@ -84,4 +91,5 @@ void stored_flash_erase(struct board *b, uint32_t at, uint32_t bytes)
 const struct part_class stored_flash_class = {.name = "flash that is written",
                                               .state_bytes = sizeof(struct stored_flash),
                                               .start = start,
+                                              .stop = stop,
                                               .reset = reset};

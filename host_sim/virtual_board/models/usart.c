@@ -97,7 +97,7 @@ static void arrives(void *context)
         sr |= board_random(p->board) % 4u == 0 ? SR_FE : 0;
     }
     if ((cr1 & (CR1_UE | CR1_RE)) == (CR1_UE | CR1_RE) &&
-        pin_function(p->board, 'A', pins_of[p->row->number].rx) != 0xFFu) {
+        pin_function(p->board, 'A', pins_of[p->row->number].rx) != PIN_NO_FUNCTION) {
         if (!understood(p)) {
             byte = (uint8_t)board_random(p->board);
             sr |= SR_FE;
@@ -117,7 +117,7 @@ static void arrives(void *context)
 static void leave_for_line(struct part *p, uint8_t byte)
 {
     struct line *l = line_of(p);
-    if (pin_function(p->board, 'A', pins_of[p->row->number].tx) == 0xFFu)
+    if (pin_function(p->board, 'A', pins_of[p->row->number].tx) >= PIN_INPUT)
         return; /* nobody hears it */
     if (!understood(p))
         byte = (uint8_t)board_random(p->board);

@@ -113,6 +113,8 @@ def script_tests(label: str) -> list[Test]:
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables")
+        if path.stem == "test_virtual_board":
+            wanted |= needs("host", "reflux-board")
         if path.stem == "test_run_once":
             wanted = needs("asan") | needs("asan-fixed")
         out.append(script(f"{label}.{path.stem.removeprefix('test_')}", path, label, wanted))
@@ -151,6 +153,10 @@ def target_logs() -> list[Test]:
     """The same scenario on the host and on the image in the emulator gives one log."""
     whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
     return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
+            # The same files on the virtual board, which has the whole chip.
+            *(same_log(f"target.board-smoke-{image.test}", image.twin, f"board-{image.preset}", "target") for image in boards.RUNS),
+            *(same_log(f"target.board-demo-{image.test}", image.twin, f"board-{image.preset}", "target", "demo") for image in boards.RUNS
+              if image.test != "assert"),
             # Unsupervised, because the tick in which a proposal is adopted depends on the speed of the main loop.
             *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
                        ("begin", "set block1.supervise off", "apply"))

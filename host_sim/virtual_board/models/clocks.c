@@ -1,0 +1,53 @@
+/* Clocks, asked for whatever the chip: each chip names the RCC's model that answers.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include "models.h"
+
+uint64_t bus_clock_hz(struct board *b, const char *bus)
+{
+    return b->chip->clocks->bus_hz(b, bus);
+}
+
+uint64_t timer_clock_hz(struct board *b, const char *bus)
+{
+    return b->chip->clocks->timer_hz(b, bus);
+}
+
+uint64_t rtc_clock_hz(struct board *b)
+{
+    return b->chip->clocks->rtc_hz(b);
+}
+
+bool crystal_runs(struct board *b)
+{
+    return b->chip->clocks->crystal_runs(b);
+}
+
+void crystal_changed(struct board *b)
+{
+    b->chip->clocks->crystal_changed(b);
+}
+
+uint8_t pin_function(struct board *b, char port, unsigned pin)
+{
+    return b->chip->pin_function(b, port, pin);
+}
+
+/* RM0090 7.3.3, RM0041 6.3.2: codes below the first divider mean undivided. */
+uint32_t ahb_divider(uint32_t code)
+{
+    static const uint16_t by[] = {2, 4, 8, 16, 64, 128, 256, 512};
+    return (code & 8u) == 0 ? 1u : by[code & 7u];
+}
+
+uint32_t apb_divider(uint32_t code)
+{
+    return (code & 4u) == 0 ? 1u : 2u << (code & 3u);
+}
+
+uint64_t timer_of_bus_hz(struct board *b, const char *bus)
+{
+    uint64_t hz = bus_clock_hz(b, bus);
+    return hz == b->core_hz ? hz : 2u * hz;
+}

@@ -1,0 +1,62 @@
+/* The protection unit of the virtual STM32F405: a read through a null pointer is a fault once its region is on (PM0214 4.2, DDI 0403 B1.5.14). */
+#include <string.h>
+
+#include "chip.h"
+#include "stm32_addresses.h"
+#include "unity.h"
+
+static struct board *b;
+
+/* movs r0, #0; ldr r0, [r0]; b . and, for the fault, b . */
+static void start(void)
+{
+    static uint32_t image[0x18] = {[0] = 0x20001000u,    [1] = 0x08000041u, [3] = 0x08000051u,
+                                   [0x10] = 0x68002000u, [0x11] = 0xE7FEu,  [0x14] = 0xE7FEu};
+    const struct surroundings around = {.crystal_hz = 8000000,
+                                        .slow_clock_hz = 32000,
+                                        .supply_mv = 3300,
+                                        .baud = 115200,
+                                        .seed = 1};
+    char err[200] = "";
+    b = board_new(&chip_stm32f405, &around, (const uint8_t *)image, sizeof image, true, err,
+                  sizeof err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(b, err);
+    board_power_on(b);
+}
+
+void setUp(void)
+{
+    start();
+}
+
+void tearDown(void)
+{
+    TEST_ASSERT_EQUAL_STRING("", b->verdict);
+    board_free(b);
+}
+
+static void test_without_it_the_flash_is_read_there(void)
+{
+    board_run(b, 100000);
+    TEST_ASSERT_EQUAL_HEX32(0, bus_read(b, SCB_CFSR, 4));
+}
+
+static void test_with_it_the_read_is_a_fault_that_names_the_address(void)
+{
+    bus_write(b, MPU_RNR, 4, 0);
+    bus_write(b, MPU_RBAR, 4, 0);
+    bus_write(b, MPU_RASR, 4, MPU_RASR_XN | MPU_RASR_AP_NONE | MPU_RASR_SIZE(20) | MPU_RASR_ENABLE);
+    bus_write(b, MPU_CTRL, 4, MPU_CTRL_ENABLE | MPU_CTRL_PRIVDEFENA);
+    board_run(b, 100000);
+    TEST_ASSERT_EQUAL_HEX32(SCB_CFSR_MMARVALID | 2u, bus_read(b, SCB_CFSR, 4)); /* DACCVIOL */
+    TEST_ASSERT_EQUAL_HEX32(0, bus_read(b, SCB_MMFAR, 4));
+    TEST_ASSERT_EQUAL_HEX32(0x08000050u, processor_pc(b));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_without_it_the_flash_is_read_there);
+    RUN_TEST(test_with_it_the_read_is_a_fault_that_names_the_address);
+    return UNITY_END();
+}
