@@ -98,8 +98,8 @@ static enum err find_determinant(const struct polynomial_decoupler_config *c,
         work->b.rows == 1 ? polynomial_size(&d->det) : polynomial_size(&work->minors.part_size);
     if (!(real_abs(polynomial_value(&d->det, REAL_C(1.0))) >= c->determinant_lo * terms))
         return refuse_decoupler(reason, ERR_SINGULAR, "determinant",
-                                "far enough from 0 at rest for what the model is worth",
-                                DECOUPLED_NONE, DECOUPLED_NONE);
+                                "farther from 0 at rest; its terms nearly cancel", DECOUPLED_NONE,
+                                DECOUPLED_NONE);
     return ERR_OK;
 }
 
