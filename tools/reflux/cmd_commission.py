@@ -10,7 +10,7 @@ import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import TYPE_CHECKING, Callable, Iterator
 
 from reflux import build, keys, launch, runner, simulator
 from reflux import scenario as scenarios
@@ -22,9 +22,12 @@ from reflux.paths import named, out_root, shown, tool
 from reflux.ports import Port
 from reflux.schema import check_number, load_toml
 
+if TYPE_CHECKING:
+    from reflux.commission import closed_loops
+
 FIRMWARES = ("host", "host-fixed", "stm32f405", "stm32f405-fixed")
 RATE, RATE_UNATTENDED = 200.0, 1000.0  # samples a second of a simulated plant: its console keeps up with that
-LEFT_OVER = 3  # exit status
+DOUBTFUL = 3  # exit status
 FILES = ("transcript.txt", "telemetry.csv", "answers.toml", "board.conf", "report.html")
 
 
@@ -35,7 +38,7 @@ def parser() -> argparse.ArgumentParser:
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "
         "(the last line says why), 2 usage error, 3 the loops are kept, and something that was tested has "
-        "none (the last lines say what and why).")
+        "none, or a loop is far slower than its plant (the last lines say what and why).")
     p.add_argument("port", nargs="?", metavar="PORT")
     p.add_argument("--plant", metavar="NAME", help="instead of a board: firmware and a simulated plant on this computer, "
                    "a plant of reflux-sim --list or a plant file, .json")
@@ -88,9 +91,15 @@ def main(arguments: list[str]) -> int:
             transcript.telemetry.flush()
             if transcript.rows and not options.no_report:
                 write_report(out)
-    for words in (*margin_doubts(out), *left):
+    doubts = margin_doubts(out)
+    for words in (*(doubt.words for doubt in doubts), *left):
         print(words, flush=True)
-    return LEFT_OVER if left else 0
+    return status(doubts, left)
+
+
+def status(doubts: list[closed_loops.Doubt], left: list[str]) -> int:
+    """Of kept loops."""
+    return DOUBTFUL if left or any(doubt.slow for doubt in doubts) else 0
 
 
 def set_aside(out: Path) -> None:
@@ -199,12 +208,12 @@ def write_report(out: Path) -> None:
         print(f"\nno report: {error}", flush=True)
 
 
-def margin_doubts(out: Path) -> list[str]:
-    """A sentence for each kept loop whose margins need one. The loops run all the same where nothing was logged or a package is missing."""
+def margin_doubts(out: Path) -> list[closed_loops.Doubt]:
+    """What there is to say about the margins of each kept loop. The loops run all the same where nothing was logged or a package is missing."""
     with contextlib.suppress(RunFailed, UserError, ModuleNotFoundError):
         from reflux.commission import closed_loops, record  # numpy takes a part of a second to load
         r = record.load(out)
-        return [doubt.words for said in closed_loops.doubts(r, closed_loops.of_proposal(r)).values() for doubt in said]
+        return [doubt for said in closed_loops.doubts(r, closed_loops.of_proposal(r)).values() for doubt in said]
     return []
 
 
