@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Callable, Iterator
 
 from reflux import build, keys, launch, runner, simulator
 from reflux import scenario as scenarios
+from reflux.commission import first_settings
 from reflux.commission.board import Board, Transcript
 from reflux.commission.keyboard import Keyboard
 from reflux.commission.startup import Options, Startup
@@ -49,6 +50,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--tick", type=float, metavar="S", help="with --plant: sample interval (default: the plant's)")
     p.add_argument("--seed", type=int, metavar="N", help="with --plant: seed of the sensor noise")
     p.add_argument("--noise", type=float, metavar="X", help="with --plant: factor on the noise of all sensors")
+    p.add_argument("--conf", type=named, metavar="FILE", help="with --plant: settings that the board has before the start-up, as tools/console --run sends "
+                   "them: interlocks, alarms and estimators act in the rehearsal, and the board.conf that comes of it holds them")
     p.add_argument("--no-build", action="store_true", help="with --plant: do not build; use what is there")
     keys.add_option(p)
     p.add_argument("--file", type=named, metavar="FILE", help="take the answers from a .toml file instead of asking")
@@ -79,13 +82,14 @@ def main(arguments: list[str]) -> int:
     out = options.out or out_root() / name
     if options.file:
         load_toml(options.file)  # what is no file at all is told before anything is started
+    conf = first_settings.read(options.conf) if options.conf else None
     with runner.locked(out), contextlib.ExitStack() as stack:
         set_aside(out)
         bench = stack.enter_context(simulated(options)) if options.plant else Bench(options.port)
         port = stack.enter_context(contextlib.closing(Port(bench.console)))
         transcript = stack.enter_context(contextlib.closing(Transcript(out)))
         try:
-            left = start_up(bench, port, transcript, options, out)
+            left = start_up(bench, port, transcript, options, out, conf)
         finally:
             transcript.flush()
             transcript.telemetry.flush()
@@ -118,7 +122,7 @@ def check(options: argparse.Namespace) -> None:
     options.key = keys.key_of(options.key)
     if options.file and options.yes:
         raise UserError("--file has the answers, --yes takes the defaults: one of them")
-    for name in ("speed", "tick", "seed", "noise"):
+    for name in ("speed", "tick", "seed", "noise", "conf"):
         if options.port and getattr(options, name) is not None:
             raise UserError(f"--{name} goes with --plant")
     if options.speed is not None:
@@ -131,16 +135,19 @@ def check(options: argparse.Namespace) -> None:
         check_number("--noise", options.noise, low=0)
 
 
-def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> list[str]:
+def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path,
+             conf: list[tuple[int, str]] | None) -> list[str]:
     """Runs the start-up; returns what has no loop, where the loops are kept."""
     board = Board(port, transcript, options.key)
     unattended = options.yes or options.file is not None
     keyboard = Keyboard(board, listens=not unattended)
     if unattended and not keyboard.terminal:
         keyboard = None
-    run = Startup(board, Options(options.file, options.yes, options.write_file, out, options.plant is not None), bench.operating, bench.alive,
-                  keyboard)
+    run = Startup(board, Options(options.file, options.yes, options.write_file, out, options.plant is not None, options.conf), bench.operating,
+                  bench.alive, keyboard)
     try:
+        if conf is not None:
+            first_settings.send(run, conf)
         run.run()
     finally:
         with contextlib.suppress(RunFailed, OSError):
