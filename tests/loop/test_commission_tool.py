@@ -93,7 +93,8 @@ class Alone(Tool):
                      "Q is not an input; there are R, S", "rounds is 2.5; it must be a whole number",
                      "guard is circle; it must be model or line", "accpt is not an answer", "Type the whole word",
                      "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops matched the prediction and stay",
-                     "The simulated plant and its board end with this command.", f"board.conf` puts it into force, and `save` stores it."):
+                     "The simulated plant and its board end with this command.", f"board.conf` puts it into force, and `save` stores it.",
+                     "It has no interlocks: with --conf FILE yours act here, too"):
             self.assertIn(told, out)
         # The critical input comes first.
         self.assertLess(out.index("S: at rest; step"), out.index("R: at rest; step"))
@@ -108,6 +109,37 @@ class Alone(Tool):
         self.assertRegex(again, r"xD +R +900 +- +no\nxB +S +- +-20 +no")
         self.assertIn("loops matched the prediction and stay", again)
         self.assertFalse((self.out / "report.html").exists())
+
+    CONF = ["begin", "defaults", "set meas1.name xB", "set meas1.unit %w", "set meas1.lo -20", "set meas1.hi 20", "set mv1.name S", "set mv1.unit lb/min",
+            "set mv1.hi 4", "set mv1.safe 0", "set loop1.name bottom", "set loop1.pv xB", "set loop1.out S", "set loop1.action direct",
+            "set lock1.meas xB", "set lock1.mv S", "set lock1.side above", "set lock1.limit 12", "set lock1.hysteresis 1", "set lock1.value 0", "apply"]
+
+    def test_settings_of_ones_own_act_in_the_rehearsal_and_come_back_in_board_conf(self) -> None:
+        conf = self.file("mine.conf", "# mine\n" + "\n".join(self.CONF) + "\n")
+        out, _err = self.simulated("--yes", "--conf", str(conf), "--no-report")
+        self.assertIn("mine.conf: 18 settings, in force before the start-up", out)
+        self.assertIn("mine.conf, too.\n", out)
+        self.assertIn("A restore replaces all settings of that board: it deletes the interlocks and alarms that the file does not have.", out)
+        self.assertRegex(out, r"(?m)^input +S +lb/min +0 \.\. 4 +1\.71 +0$")  # at its operating point and not at its safe value
+        saved = (self.out / "board.conf").read_text().splitlines()
+        for line in self.CONF[-7:-1]:
+            self.assertIn(line, saved)
+        self.assertIn("set loop1.pv xB", saved)
+        conf = self.file("tight.conf", "\n".join(self.CONF).replace("limit 12", "limit 1"))
+        _out, err = self.simulated("--yes", "--conf", str(conf), "--no-report", expect=1)
+        self.assertRegex(err, r"(the start-up ended|rolled back): .*interlock")
+
+    def test_settings_that_cannot_be_are_told_with_their_line(self) -> None:
+        for text, words in (("set meas1.name xB\nout S 1\n", "bad.conf:2: `out S 1` is no setting; --conf takes"), ("begin\napply\n", "holds no `set` line"),
+                            ("begin\nset meas1.nam xB\n", "bad.conf:2: `set meas1.nam xB`: err UNKNOWN"),
+                            ("set meas1.name xB\nset meas1.lo 5\nset meas1.hi 5\n", "bad.conf: the board refuses `apply`: err")):
+            with self.subTest(words):
+                _out, err = self.simulated("--yes", "--conf", str(self.file("bad.conf", text)), expect=2)
+                self.assertIn(words, err)
+        _out, err = self.tool("nowhere", "--yes", "--conf", "bad.conf", expect=2)
+        self.assertIn("--conf goes with --plant", err)
+        _out, err = self.simulated("--yes", "--conf", str(self.folder / "none.conf"), expect=2)
+        self.assertIn("none.conf", err)
 
     def report_is_whole(self) -> None:
         page = (self.out / "report.html").read_text()

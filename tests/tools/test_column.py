@@ -212,15 +212,48 @@ class Board(FolderTest):
             self.assertIn(line, lines)
         self.assertIn("set mv1.safe 5.467094", lines)  # the steady state's, not the 9 t/h of the file
 
-    def test_the_interlock_is_above_what_composition_can_do_and_within_the_span(self) -> None:
-        limit = next(float(line.split()[2]) for line in self.board() if line.startswith("set lock1.limit "))
-        self.assertTrue(130 < limit < 160, limit)  # octane boils at 127 degC at 1050 + 120 mbar
+    def lock(self, k: int, lines: list[str]) -> dict[str, str]:
+        """Rows of an interlock."""
+        return {line.split()[1].split(".")[1]: line.split()[2] for line in lines if line.startswith(f"set lock{k}.")}
 
-        def short(plant: dict) -> None:
-            plant["outputs"][0]["hi"] = 120
+    def test_the_interlock_is_above_what_composition_can_do_whatever_the_span(self) -> None:
+        found = [self.lock(1, self.board(lambda plant: plant["outputs"][0].update(lo=lo, hi=hi))) for lo, hi in ((40, 160), (0, 300), (60, 140))]
+        self.assertEqual(found, found[:1] * 3)
+        self.assertEqual({x: found[0][x] for x in ("meas", "mv", "side", "value")}, {"meas": "TI1", "mv": "QC102", "side": "above", "value": "0"})
+        # Octane boils at 130.7 degC at 1.1 times 1050 + 120 mbar by Antoine's equation with the constants of the file.
+        self.assertAlmostEqual(float(found[0]["limit"]), 130.7, delta=0.2)
+        lines = self.board(lambda plant: plant["outputs"][0].update(hi=120))
+        self.assertEqual(self.lock(1, lines)["limit"], "119.5")
+        self.assertIn("and the span of TI1 ends at 120: the limit is below its end. A wider span is better.", "\n".join(lines))
 
-        limit = next(float(line.split()[2]) for line in self.board(short) if line.startswith("set lock1.limit "))
-        self.assertTrue(112.4 < limit < 120, limit)
+    def test_pressure_and_level_have_interlocks_where_they_are_measured(self) -> None:
+        self.assertEqual(self.lock(2, self.board()), {})
+        self.assertIn("No interlock sees the reboiler run dry: a thermometer there is then in vapour", "\n".join(self.board()))
+
+        def gauges(plant: dict) -> None:
+            plant["levels"] = {"capacity": 2, "condenser": {"by": "distillate", "gain": 0.02}, "reboiler": {"by": "bottoms", "gain": 0.02}}
+            plant["outputs"] += [{"name": "PI", "is": "pressure", "unit": "bar", "lo": 0.9, "hi": 1.5},
+                                 {"name": "LB", "is": "level", "stage": 1, "unit": "%", "lo": 0, "hi": 100}]
+
+        lines = self.board(gauges)
+        self.assertEqual(self.lock(2, lines), {"meas": "PI", "mv": "QC102", "side": "above", "limit": "1.155", "hysteresis": "0.0525", "value": "0"})
+        self.assertEqual(self.lock(3, lines), {"meas": "LB", "mv": "QC102", "side": "below", "limit": "25", "hysteresis": "10", "value": "0"})
+        self.assertNotIn("No interlock sees", "\n".join(lines))
+        lines = self.board(lambda plant: (gauges(plant), plant["outputs"][-2].update(hi=1.1)))
+        self.assertIn("# no interlock by pressure: the span of PI ends at 1.1 bar, below 1.155, 10 % above where it rests", lines)
+        self.assertEqual(self.lock(2, lines)["meas"], "LB")
+
+    def test_the_feed_has_a_loop_only_where_other_inputs_are_too_few(self) -> None:
+        def feed(plant: dict) -> None:
+            plant["inputs"].append(plant["disturbances"].pop(0))
+
+        lines = self.board(feed)
+        self.assertIn("# no loop moves F: the feed is yours to set, and FC101 and QC102 are enough", lines)
+        self.assertEqual([line for line in lines if line.endswith(".out F")], [])
+        self.assertEqual([line for line in lines if ".out " in line], [line for line in self.board() if ".out " in line])
+        moved, words = column_loops.movers([{"name": "F", "is": "feed"}, {"name": "Q", "is": "heat"}], 2)
+        self.assertEqual(moved, ["Q", "F"])
+        self.assertIn("a loop may move F, because other inputs are too few", words[0])
 
     def test_a_span_that_begins_above_the_rooms_temperature_needs_a_limit_of_belief(self) -> None:
         def begins(lo: float) -> bool:

@@ -1,17 +1,22 @@
 """tools/commission without a board: what is refused before one is looked for, what the board's lines mean, and the report
 of a folder. tests/loop/test_commission_tool.py has the rest."""
 
+import contextlib
+import io
 import math
 import os
 import unittest
+from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 from support import FolderTest, call
 
 from reflux import cmd_commission, session
-from reflux.commission import answers, answers_board, answers_file, board, dialogue, figures, next_steps, progress, record, results, results_text
+from reflux.commission import answers, answers_board, answers_file, board, dialogue, figures, next_steps, progress, record, results, results_text, startup
 from reflux.commission.answers import Room, Wrong
 from reflux.errors import RunFailed, UserError
+from reflux.session import Refused
 
 PLANT = ["plant tick s 60 name oven", "measurement T unit degC lo 0 hi 200", "measurement x unit - lo 0 hi 1",
          "output h unit kW lo 0 hi 4 safe 0", "output c unit l/h lo 0 hi 10 safe 5"]
@@ -413,6 +418,33 @@ class Reports(FolderTest):
         status, _out, err = call("commission", "--report", str(self.folder))
         self.assertEqual((status, err.count("\n")), (1, 1))
         self.assertIn("no telemetry header", err)
+
+
+class Workspace(unittest.TestCase):
+    """An estimator of --conf has the workspace when the start-up is to begin."""
+
+    def begin(self, conf: Path | None, kind: str = "composition") -> list[str]:
+        asked: list[str] = []
+
+        def ask(command: str) -> list[str]:
+            asked.append(command)
+            if command == "commission begin" and "block 2 free" not in asked[:-2]:  # freed at the next sample
+                raise Refused("err BUSY workspace: composition has it; `block N free` frees it")
+            return []
+
+        fake = SimpleNamespace(ask=ask, events=[board.Event(1.0, "info", "COMMISSION_BEGUN", "-", 0.0, "")], new_events=list, listen=lambda _: None,
+                               state=lambda: SimpleNamespace(plant_s=0.0), parameters=lambda: {"block1.kind": "column", "block2.kind": kind})
+        run = startup.Startup(fake, startup.Options(None, True, None, Path("."), conf is not None, conf), {}, lambda: None)  # type: ignore[arg-type]
+        with contextlib.redirect_stdout(io.StringIO()):
+            run.begin()
+        self.assertTrue(run.begun)
+        return asked
+
+    def test_it_gives_it_up_in_a_rehearsal_and_on_a_real_board_the_operator_decides(self) -> None:
+        self.assertEqual(self.begin(Path("mine.conf")), ["commission begin", "block 2 free", "commission begin", "commission begin"])
+        for conf, kind in ((None, "composition"), (Path("mine.conf"), "decoupler")):
+            with self.assertRaisesRegex(RunFailed, "the board will not begin: err BUSY workspace: composition has it"):
+                self.begin(conf, kind)
 
 
 if __name__ == "__main__":

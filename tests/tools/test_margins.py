@@ -2,8 +2,9 @@
 
 import math
 import unittest
+from unittest import mock
 
-import support  # noqa: F401  puts tools/ on the path
+import support
 import numpy as np
 
 from reflux import margins, run_margins, scenario_settings
@@ -101,6 +102,7 @@ class Doubts(unittest.TestCase):
         record = Bag(model=Model(elements={(name, "h"): element() for name in names}), proposal=Proposal(loops=loops), answers=answers)
         said = closed_loops.doubts(record, list(zip(names, found)))
         self.cells = {name: [x.cells for x in doubts] for name, doubts in said.items()}
+        self.slow = [name for name, doubts in said.items() if any(x.slow for x in doubts)]
         return [x.words for doubts in said.values() for x in doubts]
 
     def test_a_loop_near_its_limit_is_named_and_its_cells_are_marked(self) -> None:
@@ -119,8 +121,30 @@ class Doubts(unittest.TestCase):
         slow = margins.Margins(25.0, 80.0, 1.05, 1.1, True)
         self.assertEqual(self.words(slow, self.GOOD), [])  # 150 s: faster than 20 s and three times 60 s
         (words,) = self.words(slow, self.GOOD, settles_s=900.0)
-        self.assertIn("T: its gain margin is 25, so it is far slower than its plant: the doubts of the tests made it slow.", words)
-        self.assertEqual(self.cells, {"T": [(0,)]})
+        self.assertIn("T: its gain margin is 25, so it is far slower than its plant: a setpoint step settles in 15 min on the model, while the plant by "
+                      "itself takes 3 min.", words)
+        self.assertEqual((self.cells, self.slow), ({"T": [(0,)]}, ["T"]))
+        self.words(self.GOOD, margins.Margins(1.25, 20.0, 5.06, 1.8, True))
+        self.assertEqual(self.slow, [])
+
+    def test_only_loops_that_keep_up_with_their_plant_have_a_green_badge_and_status_0(self) -> None:
+        from types import SimpleNamespace as Bag
+        from reflux import cmd_commission
+        from reflux.commission import record, report
+        near, slow = closed_loops.Doubt("x: it may oscillate.", (2,)), closed_loops.Doubt("T: it is far slower than its plant.", (0,), slow=True)
+        for kept, left, said, badge, words, status in (
+                (True, [], {}, "pass", "2 loops kept", 0), (True, [], {"x": [near]}, "pass", "2 loops kept", 0),
+                (True, [("input", "u2", "")], {}, "doubt", "2 loops kept", 3),
+                (True, [], {"x": [near], "T": [near, slow]}, "doubt", "2 loops kept; far slower than its plant: T", 3),
+                (True, [], {"x": [slow], "T": [slow]}, "doubt", "2 loops kept; far slower than their plant: x, T", 3),
+                (False, [], {"T": [slow]}, "fail", "2 loops kept", 1)):
+            r = Bag(kept=kept, outcome="2 loops kept", pairing=Bag(left=left))
+            with self.subTest(badge=badge, words=words), mock.patch.object(closed_loops, "doubts", lambda *_: said), \
+                    mock.patch.object(closed_loops, "of_proposal", lambda _: []), mock.patch.object(record, "load", lambda _: r):
+                self.assertIn(f'class="verdict {badge}"', report.verdict(r).html)
+                self.assertEqual(report.outcome(r), words)
+                if kept:  # the tool ends with an error of its own where nothing is
+                    self.assertEqual(cmd_commission.status(cmd_commission.margin_doubts(support.ROOT), left), status)
 
 
 class Trial(unittest.TestCase):

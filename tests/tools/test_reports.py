@@ -140,6 +140,18 @@ send = "sp top 90"
             self.assertIn(f'alt="{plot.alt}"', page)
             self.assertIn('<source media="(max-width: 700px)"', page)
 
+    def test_an_estimate_that_the_board_calls_bad_is_drawn_apart(self) -> None:
+        log = logs.Log(["number", "time[s]", "fw.xD_est[%w]", "fw.xD_est.q"],
+                       [[str(k), str(100 * k), str(98 + k), q] for k, q in enumerate("0122103")])
+        trusted, doubted = run_plots.by_quality(log, "fw.xD_est")
+        self.assertEqual([k for k, v in enumerate(trusted) if math.isfinite(v)], [0, 1, 4, 5])
+        self.assertEqual([(k, v) for k, v in enumerate(doubted) if math.isfinite(v)], [(1, 99), (2, 100), (3, 101), (4, 102), (5, 103), (6, 104)])
+        plot = run_plots._estimates_plot(log, self.result().scenario, run_plots.estimates(log))
+        self.assertIn("of bad quality in 3 of 7 samples", plot.alt)
+        self.assertIn("Grey dashes: the board calls its estimate bad.", report.drawing(plot).html)
+        good = run_plots.scenario_plots(self.result().log, self.result().scenario)[1]
+        self.assertNotIn("Grey dashes", report.drawing(good).html)
+
     def test_a_scenario_without_limits_does_not_claim_to_have_kept_them(self) -> None:
         text = report.page(self.result(), [])
         self.assertNotIn("all limits kept", text)

@@ -1,4 +1,4 @@
-"""All console lines of a board for a column: channels, loops, interlock, table and estimator, as one paste (docs/use/columns.md, Onto a board)."""
+"""All console lines of a board for a column: channels, loops, interlocks, table and estimator, as one paste (docs/use/columns.md, Onto a board)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ FEED_F = 0.2  # part by which a feed that nobody measures may differ from the fi
 FILTERED = {2: 2, 3: 3, 4: 5}  # components, and the thermometers from which a filter does better than the geometric method
 SHOWN = {"-": 1.0, "%": 100.0, "ppm": 1e6, "%w": 100.0}  # a fraction in the unit of its channel
 ROOM_K, BROKEN = 293.15, 0.025  # a column before its start; of the span: a reading so far below it counts as broken (docs/inside/faults.md, Readings)
-TRIP = 0.05  # of the span: the interlock is so far above the hottest that composition can make a thermometer
+OVERPRESSURE = 0.1  # of the absolute pressure: an interlock acts where it is so much above the steady state's
+NEAR_END_K = 0.5  # least distance of a limit from the end of a span, and least hysteresis
+LOW_LEVEL = 0.5  # of the level at rest
 
 
 def lines(name: str, settings: tuple[str, ...], plant: dict[str, Any]) -> list[str]:
@@ -31,16 +33,16 @@ def lines(name: str, settings: tuple[str, ...], plant: dict[str, Any]) -> list[s
     found = column_loops.design(name, settings, plant, of, keys or of.names, rest)
     column = estimate_lines.Column(name, settings, plant, of, Thresholds(), tuple(plant["outputs"]), installed_only=True)
     points, basis, estimator, remarks = estimate(column, keys)
-    used = [*(loop.pv for loop in found.loops), *(estimator.inputs if estimator else ())]
+    used = [*(loop.pv for loop in found.loops), *watched(plant), *(estimator.inputs if estimator else ())]
     out = [
         f"# {plant['name']}: {plant['title']}",
-        "# Proposed from the column's file at its steady state: look at limits, safe values and the interlock before you trust it.",
+        "# Proposed from the column's file at its steady state: look at limits, safe values and interlocks before you trust it.",
         "begin",
         "defaults",
         *channels(plant, rest, used, points),
         *found.remarks,
         *(line for k, loop in enumerate(found.loops, 1) for line in loop_lines(k, loop)),
-        *interlock(plant, at.temperature, rest),
+        *interlocks(plant, at.temperature, rest),
         *dict.fromkeys(remarks),
     ]
     if estimator:
@@ -92,44 +94,99 @@ def loop_lines(k: int, loop: Loop) -> list[str]:
     return [f"set loop{k}.{field} {value}" for field, value in rows]
 
 
-def interlock(plant: dict[str, Any], temperature: list[float], rest: dict[str, float]) -> list[str]:
-    """The heat is cut where the lowest thermometer is hotter than any liquid of the column boils: pressure rises, or the reboiler runs dry."""
+def interlocks(plant: dict[str, Any], temperature: list[float], rest: dict[str, float]) -> list[str]:
+    """The heat is cut where the lowest thermometer is hotter than any liquid of the column boils at OVERPRESSURE, where the pressure is so high, and where
+    the reboiler's level is low."""
     heat = next((c for c in plant["inputs"] if c["is"] in HEATS), None)
-    there = [c for c in plant["outputs"] if c["is"] == "temperature" and "stage" in c]
-    if heat is None or not there:
-        return ["# no interlock: it needs a thermometer, and the heat or the boil-up among the inputs"]
-    lowest = min(there, key=lambda c: int(c["stage"]))
-    zero = gradients.KELVIN if lowest["unit"] == "degC" else 0.0
-    reserve = TRIP * column_loops.span(lowest)
-    limit = min(max(hottest(plant, rest), temperature[int(lowest["stage"]) - 1]) - zero + reserve, lowest["hi"] - 0.2 * reserve)
-    room = ROOM_K - zero
-    cold = [f"# Cold, {lowest['name']} reads below its span and counts as broken: lock1 then keeps the heat off. Set its valid_lo below the room's "
-            f"temperature to start from cold."] if room < lowest["lo"] - BROKEN * column_loops.span(lowest) else []
-    return [
-        *cold,
-        f"# {lowest['name']} hotter than the highest-boiling component by 5 % of the span: pressure rises, or the reboiler runs dry. Cut the heat.",
-        f"set lock1.meas {lowest['name']}",
-        f"set lock1.mv {heat['name']}",
-        "set lock1.side above",
-        f"set lock1.limit {limit:.4g}",
-        f"set lock1.hysteresis {0.5 * reserve:.4g}",
-        f"set lock1.value {safe_value(heat, {}):.7g}",
-    ]
+    if heat is None:
+        return ["# no interlock: it needs the heat or the boil-up among the inputs"]
+    found = [*hot(plant, temperature, rest), *pressed(plant, rest), *dry(plant, rest)]
+    out, k = [], 0
+    for remark, rows in found:
+        out += remark
+        if rows:
+            k += 1
+            out += [f"set lock{k}.{row}" for row in (rows[0], f"mv {heat['name']}", *rows[1:], f"value {safe_value(heat, {}):.7g}")]
+    return out
 
 
-def hottest(plant: dict[str, Any], rest: dict[str, float]) -> float:
-    """Boiling point of the highest-boiling component at the reboiler's pressure, K, or the end of the range of temperatures."""
+Lock = tuple[list[str], list[str]]  # remarks, and rows without output and value: none where there is no interlock
+
+
+def hot(plant: dict[str, Any], temperature: list[float], rest: dict[str, float]) -> list[Lock]:
+    lowest = lowest_thermometer(plant)
+    if lowest is None:
+        return [(["# no interlock by temperature: it needs the thermometer of a stage"], [])]
+    name, zero = lowest["name"], gradients.KELVIN if lowest["unit"] == "degC" else 0.0
+    pascal = reboiler_pressure(plant, rest)
+    boils, above = boiling(plant, pascal), boiling(plant, (1 + OVERPRESSURE) * pascal)
+    limit = max(boils, temperature[int(lowest["stage"]) - 1]) + above - boils - zero
+    cold, low = ROOM_K - zero, lowest["lo"] - BROKEN * column_loops.span(lowest)
+    remarks = [f"# Cold, {name} reads below its span and counts as broken: lock1 then keeps the heat off. Set its valid_lo below the room's temperature "
+               f"to start from cold."] if cold < low else []
+    remarks.append(f"# {name} hotter than the highest-boiling component boils at {100 * OVERPRESSURE:.0f} % more than the reboiler's {pascal / 1000:.4g} kPa: "
+                   "cut the heat.")
+    if limit > lowest["hi"] - NEAR_END_K:
+        remarks.append(f"# That is {limit:.4g} {lowest['unit']}, and the span of {name} ends at {lowest['hi']:.4g}: the limit is below its end. A wider span is better.")
+        limit = lowest["hi"] - NEAR_END_K
+    return [(remarks, [f"meas {name}", "side above", f"limit {limit:.4g}", f"hysteresis {max((above - boils) / 2, NEAR_END_K):.4g}"])]
+
+
+def pressed(plant: dict[str, Any], rest: dict[str, float]) -> list[Lock]:
+    gauge = next((c for c in plant["outputs"] if c["is"] == "pressure"), None)
+    if gauge is None:
+        return []
+    name, at = gauge["name"], rest[gauge["name"]]
+    limit = (1 + OVERPRESSURE) * at
+    if limit >= gauge["hi"]:
+        return [([f"# no interlock by pressure: the span of {name} ends at {gauge['hi']:.4g} {gauge['unit']}, below {limit:.4g}, {100 * OVERPRESSURE:.0f} % above "
+                  "where it rests"], [])]
+    return [([f"# {name} {100 * OVERPRESSURE:.0f} % above where it rests: cooling or vent fails. Cut the heat."],
+             [f"meas {name}", "side above", f"limit {limit:.4g}", f"hysteresis {(limit - at) / 2:.4g}"])]
+
+
+def dry(plant: dict[str, Any], rest: dict[str, float]) -> list[Lock]:
+    level = reboiler_level(plant)
+    if level is None:
+        return [(["# No interlock sees the reboiler run dry: a thermometer there is then in vapour and reads no more than before. Measure the level, and cut the heat "
+                  "below a limit."], [])]
+    name, at = level["name"], rest[level["name"]]
+    limit = level["lo"] + LOW_LEVEL * (at - level["lo"])
+    return [([f"# {name} below half of where it rests: cut the heat before the reboiler runs dry."],
+             [f"meas {name}", "side below", f"limit {limit:.4g}", f"hysteresis {0.2 * (at - level['lo']):.4g}"])]
+
+
+def watched(plant: dict[str, Any]) -> list[str]:
+    """Measurements that the interlocks need."""
+    gauge = next((c for c in plant["outputs"] if c["is"] == "pressure"), None)
+    return [c["name"] for c in (lowest_thermometer(plant), gauge, reboiler_level(plant)) if c]
+
+
+def lowest_thermometer(plant: dict[str, Any]) -> dict[str, Any] | None:
+    return min((c for c in plant["outputs"] if c["is"] == "temperature" and "stage" in c), key=lambda c: int(c["stage"]), default=None)
+
+
+def reboiler_level(plant: dict[str, Any]) -> dict[str, Any] | None:
+    return next((c for c in plant["outputs"] if c["is"] == "level" and c.get("stage") == 1), None)
+
+
+def reboiler_pressure(plant: dict[str, Any], rest: dict[str, float]) -> float:
+    """Pa"""
     constant = plant.get("constants", {}).get("pressure")
     channel = next((c for c in (*plant["inputs"], *plant.get("disturbances", [])) if c["is"] == "pressure"), None)
     value, unit = (rest[channel["name"]], channel["unit"]) if channel else (constant["value"], constant["unit"])
-    pascal = value * estimate_lines.SI[unit][0] + plant.get("pressure_drop", 0)
+    return float(value * estimate_lines.SI[unit][0] + plant.get("pressure_drop", 0))
+
+
+def boiling(plant: dict[str, Any], pascal: float) -> float:
+    """Boiling point of the highest-boiling component, K, or the end of the range of temperatures."""
     low, high = plant["temperature_range"]
     constants = list(gradients.constants_of(plant).values())
     for _ in range(60):
         middle = (low + high) / 2
         boils = min(gradients.vapour_pressure(c, middle)[0] for c in constants) > pascal
         low, high = (low, middle) if boils else (middle, high)
-    return high
+    return float(high)
 
 
 # ---- estimator ----

@@ -10,10 +10,11 @@ import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import TYPE_CHECKING, Callable, Iterator
 
 from reflux import build, keys, launch, runner, simulator
 from reflux import scenario as scenarios
+from reflux.commission import first_settings
 from reflux.commission.board import Board, Transcript
 from reflux.commission.keyboard import Keyboard
 from reflux.commission.startup import Options, Startup
@@ -22,9 +23,12 @@ from reflux.paths import named, out_root, shown, tool
 from reflux.ports import Port
 from reflux.schema import check_number, load_toml
 
+if TYPE_CHECKING:
+    from reflux.commission import closed_loops
+
 FIRMWARES = ("host", "host-fixed", "stm32f405", "stm32f405-fixed")
 RATE, RATE_UNATTENDED = 200.0, 1000.0  # samples a second of a simulated plant: its console keeps up with that
-LEFT_OVER = 3  # exit status
+DOUBTFUL = 3  # exit status
 FILES = ("transcript.txt", "telemetry.csv", "answers.toml", "board.conf", "report.html")
 
 
@@ -35,7 +39,7 @@ def parser() -> argparse.ArgumentParser:
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "
         "(the last line says why), 2 usage error, 3 the loops are kept, and something that was tested has "
-        "none (the last lines say what and why).")
+        "none, or a loop is far slower than its plant (the last lines say what and why).")
     p.add_argument("port", nargs="?", metavar="PORT")
     p.add_argument("--plant", metavar="NAME", help="instead of a board: firmware and a simulated plant on this computer, "
                    "a plant of reflux-sim --list or a plant file, .json")
@@ -46,6 +50,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--tick", type=float, metavar="S", help="with --plant: sample interval (default: the plant's)")
     p.add_argument("--seed", type=int, metavar="N", help="with --plant: seed of the sensor noise")
     p.add_argument("--noise", type=float, metavar="X", help="with --plant: factor on the noise of all sensors")
+    p.add_argument("--conf", type=named, metavar="FILE", help="with --plant: settings that the board has before the start-up, as tools/console --run sends "
+                   "them: interlocks, alarms and estimators act in the rehearsal, and the board.conf that comes of it holds them")
     p.add_argument("--no-build", action="store_true", help="with --plant: do not build; use what is there")
     keys.add_option(p)
     p.add_argument("--file", type=named, metavar="FILE", help="take the answers from a .toml file instead of asking")
@@ -76,21 +82,28 @@ def main(arguments: list[str]) -> int:
     out = options.out or out_root() / name
     if options.file:
         load_toml(options.file)  # what is no file at all is told before anything is started
+    conf = first_settings.read(options.conf) if options.conf else None
     with runner.locked(out), contextlib.ExitStack() as stack:
         set_aside(out)
         bench = stack.enter_context(simulated(options)) if options.plant else Bench(options.port)
         port = stack.enter_context(contextlib.closing(Port(bench.console)))
         transcript = stack.enter_context(contextlib.closing(Transcript(out)))
         try:
-            left = start_up(bench, port, transcript, options, out)
+            left = start_up(bench, port, transcript, options, out, conf)
         finally:
             transcript.flush()
             transcript.telemetry.flush()
             if transcript.rows and not options.no_report:
                 write_report(out)
-    for words in (*margin_doubts(out), *left):
+    doubts = margin_doubts(out)
+    for words in (*(doubt.words for doubt in doubts), *left):
         print(words, flush=True)
-    return LEFT_OVER if left else 0
+    return status(doubts, left)
+
+
+def status(doubts: list[closed_loops.Doubt], left: list[str]) -> int:
+    """Of kept loops."""
+    return DOUBTFUL if left or any(doubt.slow for doubt in doubts) else 0
 
 
 def set_aside(out: Path) -> None:
@@ -109,7 +122,7 @@ def check(options: argparse.Namespace) -> None:
     options.key = keys.key_of(options.key)
     if options.file and options.yes:
         raise UserError("--file has the answers, --yes takes the defaults: one of them")
-    for name in ("speed", "tick", "seed", "noise"):
+    for name in ("speed", "tick", "seed", "noise", "conf"):
         if options.port and getattr(options, name) is not None:
             raise UserError(f"--{name} goes with --plant")
     if options.speed is not None:
@@ -122,16 +135,19 @@ def check(options: argparse.Namespace) -> None:
         check_number("--noise", options.noise, low=0)
 
 
-def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> list[str]:
+def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path,
+             conf: list[tuple[int, str]] | None) -> list[str]:
     """Runs the start-up; returns what has no loop, where the loops are kept."""
     board = Board(port, transcript, options.key)
     unattended = options.yes or options.file is not None
     keyboard = Keyboard(board, listens=not unattended)
     if unattended and not keyboard.terminal:
         keyboard = None
-    run = Startup(board, Options(options.file, options.yes, options.write_file, out, options.plant is not None), bench.operating, bench.alive,
-                  keyboard)
+    run = Startup(board, Options(options.file, options.yes, options.write_file, out, options.plant is not None, options.conf), bench.operating,
+                  bench.alive, keyboard)
     try:
+        if conf is not None:
+            first_settings.send(run, conf)
         run.run()
     finally:
         with contextlib.suppress(RunFailed, OSError):
@@ -199,12 +215,12 @@ def write_report(out: Path) -> None:
         print(f"\nno report: {error}", flush=True)
 
 
-def margin_doubts(out: Path) -> list[str]:
-    """A sentence for each kept loop whose margins need one. The loops run all the same where nothing was logged or a package is missing."""
+def margin_doubts(out: Path) -> list[closed_loops.Doubt]:
+    """What there is to say about the margins of each kept loop. The loops run all the same where nothing was logged or a package is missing."""
     with contextlib.suppress(RunFailed, UserError, ModuleNotFoundError):
         from reflux.commission import closed_loops, record  # numpy takes a part of a second to load
         r = record.load(out)
-        return [doubt.words for said in closed_loops.doubts(r, closed_loops.of_proposal(r)).values() for doubt in said]
+        return [doubt for said in closed_loops.doubts(r, closed_loops.of_proposal(r)).values() for doubt in said]
     return []
 
 

@@ -35,7 +35,7 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument("--run", type=named, metavar="FILE", help="send the lines of FILE (- for standard input), each "
                       "after the reply to the one before; stop at the first refusal")
     what.add_argument("--dump", type=named, metavar="FILE", help="save the configuration as commands (- prints it)")
-    what.add_argument("--restore", type=named, metavar="FILE", help="send such a file, then compare")
+    what.add_argument("--restore", type=named, metavar="FILE", help="send such a file, then compare; it replaces all settings")
     what.add_argument("--plot", metavar="T1,T10", help="plot channels as they come: a window, or a PNG file where "
                       "there is no display; ^C ends it")
     what.add_argument("--watch", action="store_true", help="loops, outputs and alarms above the line where you type; ^C or ^] leaves")

@@ -65,11 +65,22 @@ def design(column: str, settings: tuple[str, ...], plant: dict[str, Any], of: Di
     obstacle = linear.obstacle(linear.poles(model))
     seen = [c for c in plant["outputs"] if c["lo"] < rest[c["name"]] < c["hi"]]
     pvs = controlled(plant, seen, of, keys)
-    mvs = [c["name"] for c in plant["inputs"] if c["name"] not in {loop.mv for loop in levels}]
+    mvs, spared = movers([c for c in plant["inputs"] if c["name"] not in {loop.mv for loop in levels}], len(pvs))
     if obstacle or not pvs or not mvs:
         return Found([renamed(loop, channels) for loop in levels], [f"# no more loops: {obstacle or 'no temperature and no product composition that is measured says anything'}"])
     loops, words = paired(model.only(tuple(mvs), tuple(pvs.values())), dict(zip(pvs.values(), pvs)), channels, float(plant["tick_s"]))
-    return Found([renamed(loop, channels) for loop in (*levels, *loops)], words)
+    return Found([renamed(loop, channels) for loop in (*levels, *loops)], [*spared, *words])
+
+
+def movers(inputs: list[dict[str, Any]], wanted: int) -> tuple[list[str], list[str]]:
+    """What loops may move, and remarks. What concerns the feed is left to the operator while the other inputs are enough."""
+    feed = [c["name"] for c in inputs if c["is"].startswith("feed")]
+    others = [c["name"] for c in inputs if c["name"] not in feed]
+    if not feed:
+        return others, []
+    if len(others) >= wanted:
+        return others, [f"# no loop moves {', '.join(feed)}: the feed is yours to set, and {' and '.join(others)} are enough"]
+    return [*others, *feed], [f"# a loop may move {', '.join(feed)}, because other inputs are too few; make it a disturbance in the column's file if it must not"]
 
 
 def renamed(loop: Loop, channels: dict[str, Any]) -> Loop:

@@ -13,9 +13,9 @@ PHONE_PX = 700
 
 CSS = """
 :root { color-scheme: light dark; --ink: #22292f; --paper: #fff; --dim: #55606b; --line: #d8dde3; --faint: #e4e7eb; --strong: #aab3bd;
-  --box: #f5f7f9; --good: #14532d; --good-box: #dcf3e3; --bad: #7f1d1d; --bad-box: #fbdede; }
+  --box: #f5f7f9; --good: #14532d; --good-box: #dcf3e3; --bad: #7f1d1d; --bad-box: #fbdede; --doubt: #713f12; --doubt-box: #fdf0c4; }
 @media screen and (prefers-color-scheme: dark) { :root { --ink: #dfe4e8; --paper: #16191d; --dim: #a3adb6; --line: #3a424a; --faint: #2b3238;
-  --strong: #66717b; --box: #20252a; --good: #a7e8bf; --good-box: #14402a; --bad: #f6b3b3; --bad-box: #531d1d; }
+  --strong: #66717b; --box: #20252a; --good: #a7e8bf; --good-box: #14402a; --bad: #f6b3b3; --bad-box: #531d1d; --doubt: #f3dc8f; --doubt-box: #4d3a0b; }
   figure img { filter: invert(.9) hue-rotate(180deg); } }
 html { color: var(--ink); background: var(--paper); }
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1.2rem; overflow-wrap: break-word; }
@@ -23,6 +23,7 @@ h1 { font-size: 1.55rem; line-height: 1.25; margin: 0 0 .2rem; }
 h2 { font-size: 1.1rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); padding-bottom: .2rem; }
 .verdict { display: inline-block; padding: .15rem .7rem; border-radius: .9rem; font-weight: 600; }
 .pass { color: var(--good); background: var(--good-box); } .fail { color: var(--bad); background: var(--bad-box); }
+.doubt { color: var(--doubt); background: var(--doubt-box); }
 .what { color: var(--dim); margin: .2rem 0 1rem; }
 table { border-collapse: collapse; font-size: .88rem; width: 100%; margin: .6rem 0; }
 th { text-align: left; font-weight: 600; border-bottom: 2px solid var(--strong); padding: .3rem .6rem; vertical-align: bottom; }
@@ -69,6 +70,11 @@ def grid(header: list[str], rows: Sequence[Sequence[Content]], text_columns: int
 
 def badge(passed: bool, yes: str = "pass", no: str = "fail") -> Markup:
     return element("span", yes if passed else no, class_="verdict pass" if passed else "verdict fail")
+
+
+def doubtful(words: str) -> Markup:
+    """A badge between pass and fail."""
+    return element("span", words, class_="verdict doubt")
 
 
 def note(*content: Content) -> Markup:

@@ -18,6 +18,7 @@ MAX_MARKER = 26
 FAR = 2.0  # ranges of the true value beyond which a measurement is left out of a picture
 LABEL_ROOM = 0.025  # of the run, between two labels
 LABEL_ROOM_NARROW = 0.08
+BAD = 2  # quality from which on the board does not rely on a value
 ESTIMATE = "_est"  # ends the name of a channel that the board computes (docs/methods/composition-estimation.md)
 
 
@@ -180,7 +181,10 @@ def _estimates_plot(log: Log, scenario: Scenario, found: list[tuple[str, str, st
         for ax, (name, column, real) in zip(rows, found):
             if real:
                 ax.plot(*thinned(t, log.numbers(real), size.points), color=BLUE, linewidth=1.3, label=f"{name.removesuffix(ESTIMATE)} true")
-            ax.plot(*thinned(t, log.numbers(column), size.points), color=ORANGE, linewidth=1.1, label="estimated")
+            trusted, doubted = by_quality(log, column)
+            ax.plot(*thinned(t, trusted, size.points), color=ORANGE, linewidth=1.1, label="estimated")
+            if any(map(math.isfinite, doubted)):
+                ax.plot(*thinned(t, doubted, size.points), color=GREY, linewidth=1.1, linestyle=(0, (3, 2)), label="estimated, quality bad")
             ax.set_ylabel(f"{name.removesuffix(ESTIMATE)} [{log.unit(column)}]")
             legend_beside(ax, size, labelled=ax is rows[-1])
         rows[-1].set_xlabel("plant time [h]")
@@ -189,9 +193,24 @@ def _estimates_plot(log: Log, scenario: Scenario, found: list[tuple[str, str, st
         return figure
 
     alt = "Estimates of the board: " + "; ".join(
-        from_to(name.removesuffix(ESTIMATE), log.numbers(column), log.unit(column)) + (f", {distance(log, column, real)}" if real else "")
+        from_to(name.removesuffix(ESTIMATE), log.numbers(column), log.unit(column)) + (f", {distance(log, column, real)}" if real else "") + bad_share(log, column)
         for name, column, real in found) + "."
-    return drawn(draw, "estimates", "What the board estimated, beside the plant's true value where the simulator logs it.", alt)
+    words = "What the board estimated, beside the plant's true value where the simulator logs it."
+    if any(bad_share(log, column) for _, column, _ in found):
+        words += " Grey dashes: the board calls its estimate bad. Do not rely on it there."
+    return drawn(draw, "estimates", words, alt)
+
+
+def by_quality(log: Log, column: str) -> tuple[list[float], list[float]]:
+    """An estimate while the board relies on it, and while it does not; NaN elsewhere. The second begins and ends where it meets the first."""
+    values, bad = log.numbers(column), [q >= BAD for q in log.numbers(f"{column}.q")]
+    meets = [any(bad[max(k - 1, 0) : k + 2]) for k in range(len(bad))]
+    return [math.nan if x else v for v, x in zip(values, bad)], [v if x else math.nan for v, x in zip(values, meets)]
+
+
+def bad_share(log: Log, column: str) -> str:
+    bad = sum(q >= BAD for q in log.numbers(f"{column}.q"))
+    return f", of bad quality in {bad} of {len(log.rows)} samples" if bad else ""
 
 
 def distance(log: Log, column: str, real: str) -> str:

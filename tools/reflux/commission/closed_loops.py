@@ -9,6 +9,7 @@ import numpy as np
 
 from reflux import margins, scenario_settings, table
 from reflux.commission import frequency
+from reflux.commission.progress import span_of_time
 from reflux.commission.record import Record
 from reflux.commission.results import Element, Loop
 
@@ -76,10 +77,11 @@ def of_proposal(r: Record) -> list[tuple[str, margins.Margins]]:
 
 @dataclass(frozen=True)
 class Doubt:
-    """Why a loop is named. cells: columns of its row of margins."""
+    """Why a loop is named. cells: columns of its row of margins. slow: it is far slower than its plant."""
 
     words: str
     cells: tuple[int, ...]
+    slow: bool = False
 
 
 def doubts(r: Record, found: list[tuple[str, margins.Margins]]) -> dict[str, list[Doubt]]:
@@ -90,7 +92,7 @@ def doubts(r: Record, found: list[tuple[str, margins.Margins]]) -> dict[str, lis
     for (name, m), loop in zip(found, r.proposal.loops, strict=True):
         said = [x for x in (_too_near(name, m, manual), _too_slow(name, m, loop, r.model.elements[loop.measurement, loop.input])) if x]
         if said:
-            out[name] = [Doubt(x.words + edited, x.cells) for x in said]
+            out[name] = [Doubt(x.words + edited, x.cells, x.slow) for x in said]
     return out
 
 
@@ -113,8 +115,9 @@ def _too_slow(name: str, m: margins.Margins, loop: Loop, e: Element) -> Doubt | 
     alone_s = e.dead_s + SETTLED_TIMES * e.time_s
     if not (m.stable and GAIN_MARGIN_SLOW < m.gain < math.inf and loop.settles_s > alone_s):
         return None
-    return Doubt(f"{name}: its gain margin is {table.figure(m.gain)}, so it is far slower than its plant: the doubts of the tests made it slow. "
-                 "Another start-up, or `commission repeat` during it, may help.", (0,))
+    return Doubt(f"{name}: its gain margin is {table.figure(m.gain)}, so it is far slower than its plant: a setpoint step settles in "
+                 f"{span_of_time(loop.settles_s)} on the model, while the plant by itself takes {span_of_time(alone_s)}. The doubts of the tests made it slow. "
+                 "Another start-up, or `commission repeat` during it, may help.", (0,), slow=True)
 
 
 def predicted(r: Record, setpoints: list[np.ndarray], inputs: list[np.ndarray]) -> list[np.ndarray] | None:

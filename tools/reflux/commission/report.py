@@ -10,7 +10,7 @@ from reflux.commission import closed_loops, figures, results_text, second_opinio
 from reflux.commission.record import Record, load
 from reflux.commission.progress import span_of_time
 from reflux.markup import Content, Markup, element
-from reflux.page_style import CSS, badge, folded, grid, listed, note
+from reflux.page_style import CSS, badge, doubtful, folded, grid, listed, note
 from reflux.paths import tool
 from reflux.report import drawing
 
@@ -142,11 +142,31 @@ def events_part(r: Record) -> Markup:
     return grid(["plant time [s]", "level", "what"], rows, text_columns=3)
 
 
+def slow_loops(r: Record) -> list[str]:
+    """Kept loops that are far slower than their plant."""
+    if not r.kept:
+        return []
+    return [name for name, said in closed_loops.doubts(r, closed_loops.of_proposal(r)).items() if any(doubt.slow for doubt in said)]
+
+
+def verdict(r: Record) -> Markup:
+    """Green only where tools/commission ends with status 0."""
+    if r.kept and (r.pairing.left or slow_loops(r)):
+        return doubtful("loops kept, with doubts")
+    return badge(r.kept, "loops kept", "no loops")
+
+
+def outcome(r: Record) -> str:
+    slow = slow_loops(r)
+    far = f"; far slower than {'its' if len(slow) == 1 else 'their'} plant: {', '.join(slow)}" if slow else ""
+    return r.outcome + far
+
+
 def page(r: Record, pictures: list[plotting.Plot]) -> str:
     by_name = {p.name: p for p in pictures}
     title = f"Start-up of {r.plant.name}" if r.plant else "Start-up"
     parts = [element("h1", title),
-             element("p", badge(r.kept, "loops kept", "no loops"), f" {r.outcome}", class_="what"),
+             element("p", verdict(r), f" {outcome(r)}", class_="what"),
              element("h2", "What was run"), facts(r), *tests_part(r, by_name), *model_part(r), *analysis_part(r, by_name),
              *proposal_part(r, by_name), element("h2", "What happened"), events_part(r)]
     if r.answers:

@@ -148,8 +148,8 @@ def proposal_words(p: Proposal) -> list[str]:
         return [f"no proposal: {p.why_not}"]
     f = table.figure
     if p.sensitivity:
-        lowered = f", all gains lowered to {100 * p.lowered:.0f} %" if p.lowered < 1 else ""
-        settings = f"settings {p.rule}: Ms {f(p.sensitivity[0])}, of the model {f(p.sensitivity[1])}{lowered}"
+        lowered = f"; for that the last step lowered every gain to {100 * p.lowered:.0f} % of what the search had found" if p.lowered < 1 else ""
+        settings = f"settings {p.rule}: Ms {f(p.sensitivity[0])} there, {f(p.sensitivity[1])} on the fitted model{lowered}"
     else:
         most = f"{f(p.factor_least)} to {f(p.factor)}, each independent part by its own," if p.factor_least < p.factor else f(p.factor)
         settings = f"settings {p.rule}, detuned by {most} for joint stability (largest log modulus {f(p.log_modulus_db)} dB)"

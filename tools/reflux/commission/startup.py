@@ -34,6 +34,7 @@ class Options:
     write_file: Path | None
     out: Path
     simulated: bool = False  # the board ends with the tool
+    conf: Path | None = None  # what the simulated board has before
 
     @property
     def unattended(self) -> bool:
@@ -197,7 +198,7 @@ class Startup:
 
     def begin(self) -> None:
         """Readings of channels that have just been configured are valid a sample later."""
-        board, began, said = self.board, time.monotonic(), False
+        board, began, said, freed = self.board, time.monotonic(), False, False
         until_s = board.state().plant_s + PATIENCE_TICKS * self.tick_s
         board.new_events()
         while True:
@@ -208,7 +209,12 @@ class Startup:
             except Refused as error:
                 self.pending = False
                 refusal = str(error)
-            passing = "is not valid" in refusal or "safe state" in refusal
+            passing = "is not valid" in refusal or "safe state" in refusal or (freed and "workspace" in refusal)
+            if not passing and self.options.conf and "workspace" in refusal and self.free_workspace():
+                freed = True
+                until_s = board.state().plant_s + PATIENCE_TICKS * self.tick_s
+                board.listen(0.2)  # the board does it at its next sample
+                continue
             if not passing or board.state().plant_s > until_s:
                 raise RunFailed(f"the board will not begin: {refusal}")
             if not said and time.monotonic() - began > SAY_S:
@@ -218,6 +224,16 @@ class Startup:
             self.alive()
         self.await_event("COMMISSION_BEGUN", "REQUEST_REFUSED")
         self.begun, self.pending = True, False
+
+    def free_workspace(self) -> bool:
+        """Takes the workspace from estimators of --conf, which go on without it; false where there are none."""
+        blocks = [name.removesuffix(".kind").removeprefix("block") for name, value in self.board.parameters().items()
+                  if name.startswith("block") and name.endswith(".kind") and value == "composition"]
+        for number in blocks:
+            with contextlib.suppress(Refused):
+                self.board.ask(f"block {number} free")
+                say(f"block {number} gives its workspace to the start-up (`block {number} free`): its estimates are uncertain from here on")
+        return bool(blocks)
 
     def await_event(self, wanted: str, refused: str, subjects: tuple[str, ...] = ()) -> Event:
         """Comes with the plant's next sample."""
@@ -412,8 +428,11 @@ class Startup:
         saved = self.options.out / "board.conf"
         saved.write_text("\n".join(session.dump(self.board.session)) + "\n", encoding="latin-1")
         if self.options.simulated:
-            say(f"\nThe simulated plant and its board end with this command. {shown(saved)} holds the configuration; on a board with such a plant\n"
-                f"`{tool('console')} PORT --restore {shown(saved)}` puts it into force, and `save` stores it.")
+            name, conf = shown(saved), self.options.conf
+            lacks = f"It holds the settings of {shown(conf)}, too." if conf else "It has no interlocks: with --conf FILE yours act here, too, and it holds them."
+            say(f"\nThe simulated plant and its board end with this command. {name} holds the configuration.\n{lacks}\n"
+                f"On a board with such a plant `{tool('console')} PORT --restore {name}` puts it into force, and `save` stores it.\n"
+                "A restore replaces all settings of that board: it deletes the interlocks and alarms that the file does not have.")
             return
         say("\nThe loops stay in automatic. Nothing is stored: `save` at the board's console keeps the configuration over "
             f"a restart\n({tool('console')} PORT, then save); {shown(saved)} holds it too ({tool('console')} PORT --restore {shown(saved)}).")
