@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "chip.h"
+#include "faults.h"
 
 #define NS_PER_S UINT64_C(1000000000)
 
@@ -94,28 +95,56 @@ struct board *board_new(const struct chip *chip, const struct surroundings *arou
         return NULL;
     }
     bus_start(b);
+    b->faults = faults_new(b);
     return b;
 }
 
 void board_free(struct board *b)
 {
+    faults_free(b->faults);
     bus_stop(b);
     processor_stop(b);
     free(b);
 }
 
-static void reset(struct board *b, enum board_reset kind)
+/* What runs on from before a reset ends with it. */
+static void end_events(struct board *b)
 {
     b->reset_asked = false;
-    b->resets[kind]++;
     b->stalled_until_ns = 0;
+    for (size_t i = 0; i < b->n_events; i++)
+        if (!b->events[i]->outlives_reset)
+            b->events[i]->at_ns = BOARD_NEVER;
+    find_next(b);
+}
+
+static void reset(struct board *b, enum board_reset kind)
+{
+    b->resets[kind]++;
+    b->hang_main = b->hang_tick = false;
+    end_events(b);
     uint64_t hz = b->chip->internal_hz;
     board_set_core_hz(b, hz + (uint64_t)((int64_t)hz * b->around.oscillator_ppm / 1000000));
-    for (size_t i = 0; i < b->n_events; i++)
-        b->events[i]->at_ns = BOARD_NEVER;
-    find_next(b);
     bus_reset(b, kind);
     processor_reset(b);
+}
+
+void board_hold(struct board *b, enum board_reset kind)
+{
+    b->held = true;
+    for (unsigned line = 0; line < BOARD_LINES; line++)
+        b->lines[line].to_head = b->lines[line].to_tail;
+    bus_reset(b, kind); /* while it is still known what the flash was about */
+    end_events(b);
+    processor_break(b);
+}
+
+void board_release(struct board *b, enum board_reset kind, bool forgets)
+{
+    b->held = false;
+    if (forgets)
+        processor_scramble(b);
+    reset(b, kind);
 }
 
 void board_power_on(struct board *b)
@@ -156,8 +185,8 @@ void board_verdict(struct board *b, const char *format, ...)
     int n = vsnprintf(b->verdict, sizeof(b->verdict), format, list);
     va_end(list);
     if (n > 0 && (size_t)n < sizeof(b->verdict))
-        (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at %s0x%08x, %.6f s",
-                       processor_is_exact(b) ? "" : "or after ", processor_pc(b),
+        (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at 0x%08x, %.6f s",
+                       processor_pc(b),
                        (double)board_ns(b) / 1e9);
     processor_break(b);
 }

@@ -117,7 +117,7 @@ static void arrives(void *context)
 static void leave_for_line(struct part *p, uint8_t byte)
 {
     struct line *l = line_of(p);
-    if (pin_function(p->board, 'A', pins_of[p->row->number].tx) == 0xFFu)
+    if (l->unplugged || pin_function(p->board, 'A', pins_of[p->row->number].tx) == 0xFFu)
         return; /* nobody hears it */
     if (!understood(p))
         byte = (uint8_t)board_random(p->board);
@@ -224,6 +224,8 @@ size_t line_give(struct board *b, unsigned line, const uint8_t *bytes, size_t n)
 {
     struct line *l = &b->lines[line];
     size_t given = 0;
+    if (b->held || l->unplugged)
+        return n; /* nobody hears it */
     while (given < n && l->to_tail - l->to_head < BOARD_LINE_ROOM)
         l->to_board[l->to_tail++ % BOARD_LINE_ROOM] = bytes[given++];
     if (l->port != NULL)
