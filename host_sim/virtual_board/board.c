@@ -8,6 +8,7 @@
 
 #include "chip.h"
 #include "faults.h"
+#include "replay.h"
 
 #define NS_PER_S UINT64_C(1000000000)
 
@@ -101,6 +102,7 @@ struct board *board_new(const struct chip *chip, const struct surroundings *arou
 
 void board_free(struct board *b)
 {
+    replay_free(b);
     faults_free(b->faults);
     bus_stop(b);
     processor_stop(b);
@@ -136,6 +138,7 @@ void board_hold(struct board *b, enum board_reset kind)
         b->lines[line].to_head = b->lines[line].to_tail;
     bus_reset(b, kind); /* while it is still known what the flash was about */
     end_events(b);
+    processor_reset(b);
     processor_break(b);
 }
 
@@ -176,6 +179,16 @@ void board_run(struct board *b, uint64_t until_ns)
     }
 }
 
+void board_run_to_cycle(struct board *b, uint64_t cycle)
+{
+    b->paused = false;
+    while (b->verdict[0] == '\0' && !b->paused && b->cycles < cycle) {
+        if (b->reset_asked)
+            reset(b, b->reset_kind);
+        processor_run(b, cycle);
+    }
+}
+
 void board_verdict(struct board *b, const char *format, ...)
 {
     if (b->verdict[0] != '\0')
@@ -185,8 +198,8 @@ void board_verdict(struct board *b, const char *format, ...)
     int n = vsnprintf(b->verdict, sizeof(b->verdict), format, list);
     va_end(list);
     if (n > 0 && (size_t)n < sizeof(b->verdict))
-        (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at 0x%08x, %.6f s",
-                       processor_pc(b),
+        (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at %s0x%08x, %.6f s",
+                       processor_pc_is_exact(b) ? "" : "or after ", processor_pc(b),
                        (double)board_ns(b) / 1e9);
     processor_break(b);
 }

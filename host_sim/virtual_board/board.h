@@ -26,6 +26,7 @@
 
 struct chip;
 struct faults;
+struct replay;
 struct part;
 struct processor;
 
@@ -81,6 +82,9 @@ struct board {
     bool held;                 /* no supply, or the reset pin is low: nothing runs */
     bool hang_main, hang_tick; /* the main loop or the tick no longer gets on */
     struct faults *faults;
+    struct replay *replay;     /* NULL: what comes is not kept */
+    bool found;                /* of a second board: it has come to the access whose address is wanted */
+    uint32_t found_pc;
     uint32_t flipped; /* where the last bit turned over: address, or number of the register */
     bool reset_asked;
     enum board_reset reset_kind;
@@ -102,6 +106,7 @@ void board_free(struct board *b);
 void board_power_on(struct board *b);
 /* Runs until the time, a verdict, or board_pause(). */
 void board_run(struct board *b, uint64_t until_ns);
+void board_run_to_cycle(struct board *b, uint64_t cycle);
 void board_pause(struct board *b);
 /* A reset at the next block. */
 void board_ask_reset(struct board *b, enum board_reset kind);

@@ -109,6 +109,9 @@ void processor_protection_changed(struct board *b);
 void processor_flip_register(struct board *b, uint32_t number, uint32_t bit);
 void processor_forget_code(struct board *b, uint32_t address);
 uint32_t processor_image_bytes(const struct board *b);
+/* Steps by instructions from the block on that begins at this cycle or after it; the first access that fails is then `found`. */
+void processor_exact_from(struct board *b, uint64_t cycle);
+bool processor_pc_is_exact(struct board *b);
 void processor_set_fpu(struct board *b, bool on);
 
 /* system_control.c */

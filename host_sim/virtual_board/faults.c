@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "faults.h"
 
+#include "replay.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -280,6 +282,7 @@ static bool has_memory(const struct chip *chip, enum memory_kind kind)
 bool faults_add(struct board *b, enum fault_kind kind, double value, char *err, size_t err_size)
 {
     struct faults *f = b->faults;
+    char line[TEXT];
     if (kind >= FAULT_KINDS) {
         (void)snprintf(err, err_size, "the board knows no such fault");
         return false;
@@ -294,6 +297,8 @@ bool faults_add(struct board *b, enum fault_kind kind, double value, char *err, 
         (void)snprintf(err, err_size, "board.flip_ccm: the %s has no such memory", b->chip->name);
         return false;
     }
+    int n = snprintf(line, sizeof(line), "%s %.17g\n", row->name, value);
+    replay_note(b, REPLAY_FAULT, line, (size_t)n);
     if (set_up(f, kind, value))
         return true;
     if (f->n == WAITING) {

@@ -12,6 +12,7 @@
 
 #include "control.h"
 #include "models/models.h"
+#include "replay.h"
 
 static const char usage[] =
     "usage: reflux-board [options] --image FILE (--control PATH | --console PATH --link PATH)\n"
@@ -33,7 +34,7 @@ static const char usage[] =
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
-    "  --exact           by instructions: every verdict has the address of its instruction\n"
+    "  --exact           instruction by instruction: faults and verdicts are the same, and come sooner\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
     "  --help\n";
 
@@ -195,6 +196,7 @@ int main(int argc, char **argv)
     if (b != NULL) {
         if (nvm != NULL)
             (void)read_file(nvm, stored_flash(b)->bytes, chip->stored_size);
+        replay_begin(b);
         board_power_on(b);
         status = control != NULL ? control_serve(b, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));

@@ -13,6 +13,7 @@
 
 #include "faults.h"
 #include "interrupts.h"
+#include "replay.h"
 #include "thumb.h"
 
 #define PAGE         0x400u
@@ -50,6 +51,9 @@ struct processor {
     uint32_t image_bytes;
     uint64_t slice_end, fault_at; /* cycles */
     bool fpu_on, stepping;
+    uint64_t exact_from, block_began, looked_for; /* cycles */
+    uint32_t looked_pc;
+    bool looked_known;
     uint32_t partly; /* bytes of the block that is only run up to some instruction; 0: none */
     bool running; /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
@@ -91,11 +95,38 @@ static struct masks masks_of(const struct processor *p)
                           .basepri = (uint8_t)get(p, UC_ARM_REG_BASEPRI)};
 }
 
-/* The library notes the program counter before each access to memory, in fast mode too (a test compares the two modes). */
+/* Of the access that is under way within the library. */
+static uint32_t access_pc(struct processor *p)
+{
+    struct board *b = p->board;
+    if (p->exact) {
+        b->found = p->exact_from != BOARD_NEVER;
+        b->found_pc = p->pc;
+        if (b->found)
+            board_pause(b);
+        return p->pc;
+    }
+    if (p->looked_for != b->cycles) {
+        p->looked_for = b->cycles;
+        p->looked_pc = p->block;
+        p->looked_known = replay_find_pc(b, p->block_began, &p->looked_pc);
+    }
+    p->pc_known = p->looked_known;
+    return p->looked_known ? p->looked_pc : p->block;
+}
+
 uint32_t processor_pc(struct board *b)
 {
-    const struct processor *p = b->processor;
-    return p->exact && p->running ? p->pc : get(p, UC_ARM_REG_PC) & ~1u;
+    struct processor *p = b->processor;
+    if (p->failed_pc != 0)
+        return p->failed_pc;
+    return p->running ? access_pc(p) : get(p, UC_ARM_REG_PC) & ~1u;
+}
+
+bool processor_pc_is_exact(struct board *b)
+{
+    (void)processor_pc(b);
+    return b->processor->pc_known;
 }
 
 uint32_t processor_image_bytes(const struct board *b)
@@ -167,7 +198,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
     }
     if (p->first) {
         p->first = false;
-    } else if (b->cycles >= p->slice_end ||
+    } else if (b->cycles >= p->slice_end || (b->cycles >= p->exact_from && !p->exact) ||
                (p->attend && interrupts_pick(p->interrupts, masks_of(p), false) != 0)) {
         p->cut =
             true; /* a stop here comes before the block runs; the library may not have noted where that is */
@@ -176,6 +207,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
         return;
     }
     p->block = (uint32_t)address;
+    p->block_began = b->cycles;
     b->cycles += n;
     b->instructions += n;
 }
@@ -223,7 +255,6 @@ static bool on_bad_access(uc_engine *uc, uc_mem_type type, uint64_t address, int
     }
     p->failed = true;
     p->failed_type = type;
-    p->failed_pc = get(p, UC_ARM_REG_PC) & ~1u;
     p->failed_address = (uint32_t)address;
     return false;
 }
@@ -380,7 +411,8 @@ static bool forbidden(const struct processor *p, uint32_t address)
 static void access_failed(struct processor *p)
 {
     struct board *b = p->board;
-    uint32_t at = p->failed_address, pc = p->failed_pc;
+    uint32_t at = p->failed_address, pc = access_pc(p);
+    p->failed_pc = pc;
     bool fetch = p->failed_type == UC_MEM_FETCH_UNMAPPED || p->failed_type == UC_MEM_FETCH_PROT;
     p->failed = false;
     if (forbidden(p, at)) {
@@ -394,6 +426,7 @@ static void access_failed(struct processor *p)
         fault(p, EXCEPTION_BUS_FAULT, fetch ? CFSR_IBUSERR : CFSR_PRECISERR | CFSR_BFARVALID, at,
               fetch ? at : pc);
     }
+    p->failed_pc = 0;
 }
 
 /* The protection unit has been set: what is forbidden leaves the address space. Only whole regions of memory, and the alias. */
@@ -450,11 +483,28 @@ static void pass_time(struct board *b, uint64_t until)
         b->cycles = next;
 }
 
+static void turn_exact(struct processor *p)
+{
+    uc_hook hook;
+    const struct chip_memory *flash = flash_of(p->board->chip);
+    (void)uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_instruction, p, 1, 0);
+    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
+    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
+    p->exact = true;
+}
+
+void processor_exact_from(struct board *b, uint64_t cycle)
+{
+    b->processor->exact_from = cycle;
+}
+
 static uc_err start_library(struct processor *p)
 {
     p->running = true;
+    p->pc_known = p->exact;
     uc_err e = uc_emu_start(p->uc, get(p, UC_ARM_REG_PC) | 1u, UINT32_MAX - 1u, 0, 0);
     p->running = false;
+    p->pc_known = true;
     return e;
 }
 
@@ -514,6 +564,8 @@ static void run_code(struct board *b, uint64_t until)
     p->cut = p->left = p->failed = false;
     p->attend = interrupts_any(p->interrupts);
     p->fault_at = faults_next(b, false);
+    if (b->cycles >= p->exact_from && !p->exact)
+        turn_exact(p);
     p->partly = 0;
     p->divided_by_zero = false;
     uc_err e = start_library(p);
@@ -728,7 +780,7 @@ bool processor_start(struct board *b, const uint8_t *image, size_t image_bytes, 
     }
     (void)memcpy(p->memory[0], image, image_bytes);
     p->image_bytes = (uint32_t)image_bytes;
-    p->fault_at = BOARD_NEVER;
+    p->fault_at = p->exact_from = BOARD_NEVER;
     if (!add_hooks(p)) {
         (void)snprintf(err, err_size, "the processor library took no hooks");
         return false;

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "models.h"
+#include "replay.h"
 
 enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTPR = 0x18 };
 
@@ -224,6 +225,7 @@ size_t line_give(struct board *b, unsigned line, const uint8_t *bytes, size_t n)
 {
     struct line *l = &b->lines[line];
     size_t given = 0;
+    replay_note(b, line == 0 ? REPLAY_CONSOLE : REPLAY_LINK, bytes, n);
     if (b->held || l->unplugged)
         return n; /* nobody hears it */
     while (given < n && l->to_tail - l->to_head < BOARD_LINE_ROOM)
