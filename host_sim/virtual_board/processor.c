@@ -53,7 +53,7 @@ struct processor {
     bool fpu_on, stepping;
     uint64_t exact_from, block_began, looked_for; /* cycles */
     uint32_t looked_pc;
-    bool looked_known;
+    bool looked_known, pc_known;
     uint32_t partly; /* bytes of the block that is only run up to some instruction; 0: none */
     bool running; /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
@@ -68,7 +68,7 @@ struct processor {
     uc_mem_type failed_type;
     uint32_t failed_address, failed_pc;
 
-    bool divided_by_zero;
+    bool divided_by_zero, division_by_step;
 };
 
 static const struct chip_memory *flash_of(const struct chip *chip)
@@ -212,11 +212,28 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
     b->instructions += n;
 }
 
+/* At each division: the library's gives 0 where the core traps (PM0214 4.4.7, DIV_0_TRP). */
+static void on_division(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
+{
+    struct processor *p = context;
+    const uint8_t *code = processor_memory(p->board, (uint32_t)address, 4);
+    (void)bytes;
+    if (code == NULL || !thumb_divides(code) || !interrupts_divide_traps(p->interrupts))
+        return;
+    unsigned divisor = code[2] & 15u;
+    if (divisor > 12 || get(p, UC_ARM_REG_R0 + (int)divisor) != 0)
+        return;
+    p->divided_by_zero = true;
+    (void)uc_emu_stop(uc);
+}
+
 static void on_instruction(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
 {
-    (void)uc;
-    (void)bytes;
-    ((struct processor *)context)->pc = (uint32_t)address;
+    struct processor *p = context;
+    uint32_t at = (uint32_t)address - flash_of(p->board->chip)->base;
+    p->pc = (uint32_t)address;
+    if (p->division_by_step && at < p->image_bytes && thumb_divides(p->memory[0] + at))
+        on_division(uc, address, bytes, context);
 }
 
 static void on_step_end(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
@@ -224,21 +241,6 @@ static void on_step_end(uc_engine *uc, uint64_t address, uint32_t bytes, void *c
     (void)address;
     (void)bytes;
     (void)context;
-    (void)uc_emu_stop(uc);
-}
-
-/* At each division: the library's gives 0 where the core traps (PM0214 4.4.7, DIV_0_TRP). */
-static void on_division(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
-{
-    struct processor *p = context;
-    const uint8_t *code = processor_memory(p->board, (uint32_t)address, 4);
-    (void)bytes;
-    if (code == NULL || !interrupts_divide_traps(p->interrupts))
-        return;
-    unsigned divisor = code[2] & 15u;
-    if (divisor > 12 || get(p, UC_ARM_REG_R0 + (int)divisor) != 0)
-        return;
-    p->divided_by_zero = true;
     (void)uc_emu_stop(uc);
 }
 
@@ -746,7 +748,8 @@ static bool add_hooks(struct processor *p)
                   UC_ERR_OK &&
               uc_hook_add(p->uc, &hook, UC_HOOK_INTR, (void *)on_exception, p, 1, 0) == UC_ERR_OK;
     const struct chip_memory *flash = flash_of(p->board->chip);
-    for (uint32_t at = 0; ok && at + 4u <= p->image_bytes; at += 2u) {
+    p->division_by_step = p->exact; /* one hook for all is faster there */
+    for (uint32_t at = 0; ok && !p->exact && at + 4u <= p->image_bytes; at += 2u) {
         uint32_t place = flash->base + at;
         if (thumb_divides(p->memory[0] + at))
             ok = uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_division, p, place, place) ==
