@@ -147,7 +147,8 @@ static bool add_fault(struct event *event, const char *text, const char *name, c
     event->kind = EVENT_BOARD;
     event->fault = fault_find(name);
     if (event->fault == FAULT_KINDS) {
-        (void)sim_fail(err, err_size, "--event %s: a board has no fault \"%s\"; it has ", text, name);
+        (void)sim_fail(err, err_size, "--event %s: a board has no fault \"%s\"; it has ", text,
+                       name);
         for (size_t k = 0; k < FAULT_KINDS; k++) {
             sim_append(err, err_size, "%s%s", k > 0 ? ", " : "", fault_table[k].name);
         }
@@ -396,7 +397,8 @@ static bool overridden(const struct events *e, size_t at)
     const struct event *x = &e->list[at];
     for (size_t i = at + 1; i < e->next; i++) {
         const struct event *later = &e->list[i];
-        if (later->kind == x->kind && x->kind != EVENT_BOARD && later->channel == x->channel && later->option == x->option) {
+        if (later->kind == x->kind && x->kind != EVENT_BOARD && later->channel == x->channel &&
+            later->option == x->option) {
             return true;
         }
     }

@@ -23,7 +23,14 @@ struct event {
     double time_s;
     size_t channel;
     double value;
-    enum { EVENT_DISTURBANCE, EVENT_SWING, EVENT_PERIOD, EVENT_OPTION, EVENT_NOISE, EVENT_BOARD } kind;
+    enum {
+        EVENT_DISTURBANCE,
+        EVENT_SWING,
+        EVENT_PERIOD,
+        EVENT_OPTION,
+        EVENT_NOISE,
+        EVENT_BOARD
+    } kind;
     enum instrument_option option;
     enum fault_kind fault;
 };

@@ -60,10 +60,9 @@ void options_print_help(void)
         stdout);
     print_options("measurements", PLANT_MEASUREMENT);
     print_options("manipulated variables", PLANT_MV);
-    (void)fputs(
-        "                         (docs/inside/faults.md says what each does)\n"
-        "                         of a virtual board, as board.power_cut=2:\n",
-        stdout);
+    (void)fputs("                         (docs/inside/faults.md says what each does)\n"
+                "                         of a virtual board, as board.power_cut=2:\n",
+                stdout);
     print_faults();
     (void)fputs(
         "  --measure NAME         a truth of the plant becomes a measurement, without lag and "

@@ -82,8 +82,8 @@ struct board {
     bool held;                 /* no supply, or the reset pin is low: nothing runs */
     bool hang_main, hang_tick; /* the main loop or the tick no longer gets on */
     struct faults *faults;
-    struct replay *replay;     /* NULL: what comes is not kept */
-    bool found;                /* of a second board: it has come to the access whose address is wanted */
+    struct replay *replay; /* NULL: what comes is not kept */
+    bool found; /* of a second board: it has come to the access whose address is wanted */
     uint32_t found_pc;
     uint32_t flipped; /* where the last bit turned over: address, or number of the register */
     bool reset_asked;

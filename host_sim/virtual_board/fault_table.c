@@ -6,8 +6,9 @@
 const struct fault_row fault_table[FAULT_KINDS] = {
     [FAULT_POWER_CUT] = {"power_cut", "s", 0.001, 3600, false,
                          "the supply is off for so long; memory is lost, flash kept"},
-    [FAULT_SUPPLY] = {"supply", "V", 0, 3.6, false,
-                      "the supply steps to this; below the brown-out level the chip is held in reset"},
+    [FAULT_SUPPLY] =
+        {"supply", "V", 0, 3.6, false,
+         "the supply steps to this; below the brown-out level the chip is held in reset"},
     [FAULT_SUPPLY_RAMP] = {"supply_ramp", "V", 0, 3.6, false,
                            "the supply goes to this in even steps of 1 ms, within ramp_time"},
     [FAULT_CRYSTAL] = {"crystal", "Hz", 0, 26e6, true,

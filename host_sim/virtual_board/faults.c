@@ -11,10 +11,11 @@
 #include "chip.h"
 #include "models/models.h"
 
-#define WAITING    16u
-#define S          1e9
-#define RAMP_NS    UINT64_C(1000000)
-#define POWER_MV   1700u /* below this the chip is held in reset whatever its options (DS8626 5.3.5, unverified) */
+#define WAITING 16u
+#define S       1e9
+#define RAMP_NS UINT64_C(1000000)
+#define POWER_MV                                                                                   \
+    1700u /* below this the chip is held in reset whatever its options (DS8626 5.3.5, unverified) */
 #define KEEPS_MV   1000u /* below this memory forgets: a guess on the safe side */
 #define HYSTERESIS 100u  /* of the brown-out reset, mV (DS8626 5.3.5, typical; unverified) */
 #define TEXT       64u
@@ -356,7 +357,7 @@ uint64_t faults_next(const struct board *b, bool asleep)
         if (w->at_instruction != BOARD_NEVER)
             at = w->at_instruction <= b->instructions ? b->cycles
                  : asleep                             ? BOARD_NEVER
-                                                      : b->cycles + (w->at_instruction - b->instructions);
+                          : b->cycles + (w->at_instruction - b->instructions);
         next = at < next ? at : next;
     }
     return next;
@@ -368,7 +369,8 @@ static void run(struct board *b, uint64_t now, uint64_t instruction)
     size_t i = 0;
     while (i < f->n) {
         struct waiting w = f->waiting[i];
-        bool due = w.at_instruction != BOARD_NEVER ? w.at_instruction <= instruction : w.at_ns <= now;
+        bool due =
+            w.at_instruction != BOARD_NEVER ? w.at_instruction <= instruction : w.at_ns <= now;
         if (!due) {
             i++;
             continue;

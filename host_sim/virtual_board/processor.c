@@ -55,7 +55,7 @@ struct processor {
     uint32_t looked_pc;
     bool looked_known, pc_known;
     uint32_t partly; /* bytes of the block that is only run up to some instruction; 0: none */
-    bool running; /* within the library */
+    bool running;    /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
     bool protection_changed;
     struct window windows[WINDOWS];
@@ -671,7 +671,7 @@ void processor_set_fpu(struct board *b, bool on)
 void processor_flip_register(struct board *b, uint32_t number, uint32_t bit)
 {
     static const int names[] = {UC_ARM_REG_R13, UC_ARM_REG_R14, UC_ARM_REG_R15};
-    int name = number < 13 ? UC_ARM_REG_R0 + (int)number
+    int name = number < 13   ? UC_ARM_REG_R0 + (int)number
                : number < 16 ? names[number - 13u]
                              : UC_ARM_REG_S0 + (int)number - 16;
     struct processor *p = b->processor;

@@ -68,8 +68,7 @@ void replay_note(struct board *b, enum replay_input what, const void *bytes, siz
     }
     if (r->list == NULL || r->bytes == NULL)
         abort();
-    r->list[r->n++] =
-        (struct input){.cycles = b->cycles, .what = what, .at = r->n_bytes, .n = n};
+    r->list[r->n++] = (struct input){.cycles = b->cycles, .what = what, .at = r->n_bytes, .n = n};
     (void)memcpy(r->bytes + r->n_bytes, bytes, n);
     r->n_bytes += n;
 }

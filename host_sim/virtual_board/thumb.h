@@ -35,7 +35,8 @@ static inline uint32_t thumb_offset(const uint8_t *code, uint32_t bytes, uint32_
 static inline uint32_t thumb_first_fpu(const uint8_t *code, uint32_t bytes)
 {
     uint32_t i = 0;
-    while (i < bytes && !((code[i + 1u] & 0xECu) == 0xECu && ((code[i + 3u] & 0xFu) == 10u || (code[i + 3u] & 0xFu) == 11u)))
+    while (i < bytes && !((code[i + 1u] & 0xECu) == 0xECu &&
+                          ((code[i + 3u] & 0xFu) == 10u || (code[i + 3u] & 0xFu) == 11u)))
         i += thumb_length(code + i);
     return i < bytes ? i : bytes;
 }

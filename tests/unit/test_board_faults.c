@@ -37,7 +37,8 @@ static struct board *make(const uint16_t *code, size_t n, bool exact)
     (void)memcpy(image, vectors, sizeof(vectors));
     (void)memcpy(image + CODE, code, 2u * n);
     (void)memcpy(image + HANDLER, handler, sizeof(handler));
-    struct board *b = board_new(&chip_stm32f405, &around, image, sizeof(image), exact, err, sizeof(err));
+    struct board *b =
+        board_new(&chip_stm32f405, &around, image, sizeof(image), exact, err, sizeof(err));
     TEST_ASSERT_NOT_NULL_MESSAGE(b, err);
     replay_begin(b);
     board_power_on(b);
@@ -64,7 +65,8 @@ static void check_fault(const uint16_t *code, size_t n, uint32_t at, uint32_t st
 /* ldr r4,[pc,#..] of an address that is nothing, three harmless ones, the load, one more */
 static void test_pc_of_a_bad_load(void)
 {
-    static const uint16_t code[] = {0x4C03, 0x2001, 0x3001, 0x3001, 0x6823, 0x3001, 0xE7FE, 0xBF00, 0x0000, 0xA000};
+    static const uint16_t code[] = {0x4C03, 0x2001, 0x3001, 0x3001, 0x6823,
+                                    0x3001, 0xE7FE, 0xBF00, 0x0000, 0xA000};
     check_fault(code, 10, 8, 1u << 9);
 }
 
@@ -77,9 +79,9 @@ static void test_pc_of_an_undefined_instruction(void)
 /* CCR |= DIV_0_TRP, then two divisions, the second by nothing */
 static void test_division_by_nothing_traps(void)
 {
-    static const uint16_t code[] = {0x4C07, 0x6820, 0xF040, 0x0010, 0x6020, 0x2064, 0x2105, 0xFBB0,
-                                    0xF0F1, 0x2100, 0xFB90, 0xF0F1, 0x3001, 0xE7FE, 0xBF00, 0xBF00,
-                                    0xED14, 0xE000};
+    static const uint16_t code[] = {0x4C07, 0x6820, 0xF040, 0x0010, 0x6020, 0x2064,
+                                    0x2105, 0xFBB0, 0xF0F1, 0x2100, 0xFB90, 0xF0F1,
+                                    0x3001, 0xE7FE, 0xBF00, 0xBF00, 0xED14, 0xE000};
     check_fault(code, 18, 20, UINT32_C(1) << 25);
 }
 
@@ -141,7 +143,8 @@ static void test_power_cut_forgets_memory_and_keeps_flash(void)
     static const uint8_t known[4] = {1, 2, 3, 4};
     (void)memcpy(processor_memory(b, 0x20000400u, 4), known, 4);
     stored_flash(b)->bytes[0] = 0x55;
-    TEST_ASSERT_TRUE(faults_add_text(b, "after_ns 5000000\npower_cut 0.25\n", 32, err, sizeof(err)));
+    TEST_ASSERT_TRUE(
+        faults_add_text(b, "after_ns 5000000\npower_cut 0.25\n", 32, err, sizeof(err)));
     board_run(b, 250000000);
     TEST_ASSERT_TRUE(b->held);
     board_run(b, 300000000);
@@ -196,23 +199,21 @@ static void test_flips_turn_as_many_bits(void)
 static void test_what_cannot_be_is_refused(void)
 {
     static const uint16_t code[] = {0xE7FE};
-    static const char *const wrong[] = {"power_cut 0\n", "crystal 1.5\n", "flip_ram 0.5\n", "meteor 1\n", "button\n"};
+    static const char *const wrong[] = {"power_cut 0\n", "crystal 1.5\n", "flip_ram 0.5\n",
+                                        "meteor 1\n", "button\n"};
     struct board *b = make(code, 1, false);
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         char err[200] = "";
-        TEST_ASSERT_FALSE_MESSAGE(faults_add_text(b, wrong[i], strlen(wrong[i]), err, sizeof(err)), wrong[i]);
+        TEST_ASSERT_FALSE_MESSAGE(faults_add_text(b, wrong[i], strlen(wrong[i]), err, sizeof(err)),
+                                  wrong[i]);
         TEST_ASSERT_TRUE(err[0] != '\0');
     }
     board_free(b);
 }
 
-void setUp(void)
-{
-}
+void setUp(void) {}
 
-void tearDown(void)
-{
-}
+void tearDown(void) {}
 
 int main(void)
 {

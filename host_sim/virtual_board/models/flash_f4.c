@@ -97,7 +97,8 @@ static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
-    if (f->done.at_ns != BOARD_NEVER) /* RM0090 3.6: what a reset interrupts is not guaranteed (unverified) */
+    if (f->done.at_ns !=
+        BOARD_NEVER) /* RM0090 3.6: what a reset interrupts is not guaranteed (unverified) */
         interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
