@@ -34,7 +34,8 @@ static const char usage[] =
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
-    "  --exact           instruction by instruction: faults and verdicts are the same, and come sooner\n"
+    "  --exact           instruction by instruction: faults and verdicts are the same, and come "
+    "sooner\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
     "  --help\n";
 

@@ -93,7 +93,7 @@ class Cell:
 
 def run(fault: Fault, state: str, board_seed: int = 1) -> Cell:
     """One cell: the set is saved first, then the state is entered, then the fault comes."""
-    conf = (build.ROOT if hasattr(build, "ROOT") else board.ROOT) / "host_sim" / "scenarios" / "pilot.conf"
+    conf = board.ROOT / "host_sim" / "scenarios" / "pilot.conf"
     lines = [f"0 {line}" for line in conf.read_text().splitlines() if line and not line.startswith("#")]
     lines += ["10 mode top manual", "10 mode bottom manual", "20 save", "30 out Lr 4.5", "30 out Qrb 0.8", *STATES[state],
               f"{ASK_S} ?version", f"{ASK_S} ?get loop1.gain", f"{ASK_S} ?events"]
