@@ -1,5 +1,6 @@
 #include "bench/events.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -140,6 +141,39 @@ static bool add_swing(struct event *event, const struct plant_class *class, cons
                     text, name, option);
 }
 
+static bool add_fault(struct event *event, const char *text, const char *name, char *err,
+                      size_t err_size)
+{
+    event->kind = EVENT_BOARD;
+    event->fault = fault_find(name);
+    if (event->fault == FAULT_KINDS) {
+        (void)sim_fail(err, err_size, "--event %s: a board has no fault \"%s\"; it has ", text,
+                       name);
+        for (size_t k = 0; k < FAULT_KINDS; k++) {
+            sim_append(err, err_size, "%s%s", k > 0 ? ", " : "", fault_table[k].name);
+        }
+        return false;
+    }
+    const struct fault_row *row = &fault_table[event->fault];
+    char full[64];
+    (void)snprintf(full, sizeof(full), "board.%s", name);
+    if (!check_range(text, full, event->value, row->lo, row->hi, row->unit, err, err_size)) {
+        return false;
+    }
+    return !row->whole || event->value == floor(event->value) ||
+           sim_fail(err, err_size, "--event %s: %s must be a whole number", text, full);
+}
+
+bool events_want_board(const struct events *e)
+{
+    for (size_t i = 0; i < e->n; i++) {
+        if (e->list[i].kind == EVENT_BOARD) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool add_option(struct event *event, const struct plant_class *class, const char *text,
                        const char *name, const char *option, char *err, size_t err_size)
 {
@@ -265,7 +299,10 @@ bool events_add(struct events *e, const struct plant_class *class, const char *t
     bool good;
     if (dot != NULL) {
         *dot = '\0';
-        good = add_option(&event, class, text, name, dot + 1, err, err_size);
+        size_t unused;
+        bool board = strcmp(name, "board") == 0 && find(class, name, &unused) == NULL;
+        good = board ? add_fault(&event, text, dot + 1, err, err_size)
+                     : add_option(&event, class, text, name, dot + 1, err, err_size);
     } else {
         good = add_plain(&event, class, text, name, err, err_size);
     }
@@ -360,7 +397,8 @@ static bool overridden(const struct events *e, size_t at)
     const struct event *x = &e->list[at];
     for (size_t i = at + 1; i < e->next; i++) {
         const struct event *later = &e->list[i];
-        if (later->kind == x->kind && later->channel == x->channel && later->option == x->option) {
+        if (later->kind == x->kind && x->kind != EVENT_BOARD && later->channel == x->channel &&
+            later->option == x->option) {
             return true;
         }
     }
@@ -454,6 +492,15 @@ bool events_apply(struct events *e, double time_s, struct plant *plant, struct i
             break;
         case EVENT_NOISE:
             instruments_noise(in, event->value);
+            break;
+        case EVENT_BOARD:
+            if (e->board == NULL ||
+                !transport_fault(e->board, fault_table[event->fault].name, event->value)) {
+                return sim_fail(err, err_size,
+                                "--event: board.%s is a fault of a virtual board (--port "
+                                "board:PATH), and the firmware runs on none",
+                                fault_table[event->fault].name);
+            }
             break;
         }
     }

@@ -5,6 +5,7 @@
  *     600:F.period=1200  ... with this period, s
  *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/inside/faults.md)
  *     1200:noise=2       the noise of all sensors, times their own
+ *     900:board.power_cut=2   a fault of a virtual board (virtual_board/fault_table.h)
  *
  * Everything is checked before the run begins.
  */
@@ -12,7 +13,9 @@
 #define REFLUX_HOST_SIM_EVENTS_H
 
 #include "bench/swings.h"
+#include "bench/transport.h"
 #include "instruments.h"
+#include "virtual_board/fault_table.h"
 
 #define EVENTS_MAX 1024
 
@@ -20,18 +23,30 @@ struct event {
     double time_s;
     size_t channel;
     double value;
-    enum { EVENT_DISTURBANCE, EVENT_SWING, EVENT_PERIOD, EVENT_OPTION, EVENT_NOISE } kind;
+    enum {
+        EVENT_DISTURBANCE,
+        EVENT_SWING,
+        EVENT_PERIOD,
+        EVENT_OPTION,
+        EVENT_NOISE,
+        EVENT_BOARD
+    } kind;
     enum instrument_option option;
+    enum fault_kind fault;
 };
 
 struct events {
     struct event list[EVENTS_MAX];
     size_t n, next;
     struct swings swings;
+    struct transport *board; /* that faults of a board go to; NULL: none takes them */
 };
 
 /* Returns the name of the n-th option of a measurement or of a manipulated variable, and NULL past the last. */
 const char *events_option(enum plant_kind kind, size_t n);
+
+/* Is a fault of the board among them? */
+bool events_want_board(const struct events *e);
 
 /* Reads one event; false with one line saying what is wrong, where, and what would be right. */
 bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,

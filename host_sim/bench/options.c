@@ -27,6 +27,15 @@ static void print_options(const char *title, enum plant_kind kind)
     (void)putchar('\n');
 }
 
+static void print_faults(void)
+{
+    for (size_t k = 0; k < FAULT_KINDS; k++) {
+        const struct fault_row *row = &fault_table[k];
+        (void)printf(HELP_INDENT " %-18s %g to %g%s%s: %s\n", row->name, row->lo, row->hi,
+                     row->unit[0] != '\0' ? " " : "", row->unit, row->about);
+    }
+}
+
 void options_print_help(void)
 {
     (void)fputs(
@@ -51,8 +60,11 @@ void options_print_help(void)
         stdout);
     print_options("measurements", PLANT_MEASUREMENT);
     print_options("manipulated variables", PLANT_MV);
+    (void)fputs("                         (docs/inside/faults.md says what each does)\n"
+                "                         of a virtual board, as board.power_cut=2:\n",
+                stdout);
+    print_faults();
     (void)fputs(
-        "                         (docs/inside/faults.md says what each does)\n"
         "  --measure NAME         a truth of the plant becomes a measurement, without lag and "
         "noise;\n"
         "                         repeatable\n"

@@ -35,6 +35,12 @@ bool run_parts_read(struct run_parts *p, char *err, size_t err_size)
     if (!events_finish(&p->events, o->class, err, err_size)) {
         return false;
     }
+    if (events_want_board(&p->events) && strncmp(o->port, "board:", 6) != 0) {
+        return sim_fail(err, err_size,
+                        "--port %s: an event is a fault of a virtual board, and only one at "
+                        "board:PATH can have it",
+                        o->port);
+    }
     if (o->script != NULL && !script_load(&p->script, o->script, err, err_size)) {
         return false;
     }
@@ -84,6 +90,7 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
     if (!p->port_open) {
         return false;
     }
+    p->events.board = &p->port;
     if (o->console != NULL) {
         p->console_open = transport_open(&p->console_port, o->console, patience, err, err_size);
         if (!p->console_open) {

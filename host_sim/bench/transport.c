@@ -368,3 +368,8 @@ uint64_t transport_now_ms(struct transport *t)
 {
     return t->ops->now_ms != NULL ? t->ops->now_ms(t) : sim_clock_ms();
 }
+
+bool transport_fault(struct transport *t, const char *name, double value)
+{
+    return t->ops != NULL && t->ops->fault != NULL && t->ops->fault(t, name, value);
+}

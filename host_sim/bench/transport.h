@@ -31,6 +31,8 @@ struct transport_ops {
     /* Milliseconds; NULL = this machine's monotonic clock. */
     uint64_t (*now_ms)(struct transport *t);
     void (*close)(struct transport *t);
+    /* A fault of the hardware (virtual_board/fault_table.h); NULL: that hardware is real, or there is none. */
+    bool (*fault)(struct transport *t, const char *name, double value);
 };
 
 struct transport {
@@ -68,6 +70,9 @@ bool transport_write(struct transport *t, const void *data, size_t n);
 void transport_wait(struct transport *const *list, size_t n, uint64_t timeout_ms);
 
 uint64_t transport_now_ms(struct transport *t);
+
+/* Has what is at the other end have that fault; false: it cannot. */
+bool transport_fault(struct transport *t, const char *name, double value);
 
 /* For the implementations: marks the peer as gone and returns -1. */
 long transport_lost(struct transport *t, const char *reason);

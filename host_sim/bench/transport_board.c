@@ -11,10 +11,11 @@
 
 /* The protocol: host_sim/virtual_board/control.h */
 #define STEP_NS       UINT64_C(1000000) /* how far time goes on when nobody has anything to say */
-#define REQUEST_BYTES 12u
+#define REQUEST_BYTES 14u
 #define REPLY_BYTES   13u
 #define MOST          16384u
 #define AGAIN_US      10000u
+#define FAULTS        4096u
 
 enum { LINE_CONSOLE, LINE_LINK, LINES };
 
@@ -22,6 +23,8 @@ static struct {
     int fd;
     uint64_t now_ns;
     bool open[LINES], gone;
+    uint8_t faults[FAULTS]; /* lines for the next step */
+    size_t n_faults;
     struct half {
         uint8_t bytes[MOST];
         size_t n, taken;
@@ -84,10 +87,11 @@ static uint64_t number(const uint8_t *at, unsigned bytes)
 /* One step: what was written goes there, what came back waits to be read. What was not read yet stays in front. */
 static bool step(void)
 {
-    uint8_t head[REPLY_BYTES];
+    uint8_t head[REQUEST_BYTES];
     put(head, STEP_NS, 8);
     put(head + 8, board.to[LINE_CONSOLE].n, 2);
     put(head + 10, board.to[LINE_LINK].n, 2);
+    put(head + 12, board.n_faults, 2);
     if (!whole(head, REQUEST_BYTES, true))
         return false;
     for (unsigned line = 0; line < LINES; line++) {
@@ -95,6 +99,9 @@ static bool step(void)
             return false;
         board.to[line].n = 0;
     }
+    if (!whole(board.faults, board.n_faults, true))
+        return false;
+    board.n_faults = 0;
     if (!whole(head, REPLY_BYTES, false))
         return false;
     board.now_ns = number(head, 8);
@@ -120,6 +127,18 @@ static void board_turn(struct transport *t)
     board.gone = board.gone || !step();
 }
 
+static bool board_fault(struct transport *t, const char *name, double value)
+{
+    char line[96];
+    int n = snprintf(line, sizeof(line), "%s %.17g\n", name, value);
+    (void)t;
+    if (n < 0 || (size_t)n > sizeof(board.faults) - board.n_faults)
+        return false;
+    (void)memcpy(board.faults + board.n_faults, line, (size_t)n);
+    board.n_faults += (size_t)n;
+    return true;
+}
+
 static uint64_t board_now(struct transport *t)
 {
     (void)t;
@@ -139,6 +158,7 @@ static const struct transport_ops board_ops = {.read = board_read,
                                                .write = board_write,
                                                .turn = board_turn,
                                                .now_ms = board_now,
+                                               .fault = board_fault,
                                                .close = board_close};
 
 static bool connect_to(const char *path, uint64_t until_ms)

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "chip.h"
+#include "faults.h"
+#include "replay.h"
 
 #define NS_PER_S UINT64_C(1000000000)
 
@@ -100,27 +102,57 @@ struct board *board_new(const struct chip *chip, const struct surroundings *arou
         return NULL;
     }
     bus_start(b);
+    b->faults = faults_new(b);
     return b;
 }
 
 void board_free(struct board *b)
 {
+    replay_free(b);
+    faults_free(b->faults);
     bus_stop(b);
     processor_stop(b);
     free(b);
 }
 
-static void reset(struct board *b, enum board_reset kind)
+/* What runs on from before a reset ends with it. */
+static void end_events(struct board *b)
 {
     b->reset_asked = false;
-    b->resets[kind]++;
     b->stalled_until_ns = 0;
-    board_set_core_hz(b, board_internal_hz(b));
     for (size_t i = 0; i < b->n_events; i++)
-        b->events[i]->at_ns = BOARD_NEVER;
+        if (!b->events[i]->outlives_reset)
+            b->events[i]->at_ns = BOARD_NEVER;
     find_next(b);
+}
+
+static void reset(struct board *b, enum board_reset kind)
+{
+    b->resets[kind]++;
+    b->hang_main = b->hang_tick = false;
+    end_events(b);
+    board_set_core_hz(b, board_internal_hz(b));
     bus_reset(b, kind);
     processor_reset(b);
+}
+
+void board_hold(struct board *b, enum board_reset kind)
+{
+    b->held = true;
+    for (unsigned line = 0; line < BOARD_LINES; line++)
+        b->lines[line].to_head = b->lines[line].to_tail;
+    bus_reset(b, kind); /* while it is still known what the flash was about */
+    end_events(b);
+    processor_reset(b);
+    processor_break(b);
+}
+
+void board_release(struct board *b, enum board_reset kind, bool forgets)
+{
+    b->held = false;
+    if (forgets)
+        processor_scramble(b);
+    reset(b, kind);
 }
 
 void board_power_on(struct board *b)
@@ -152,6 +184,16 @@ void board_run(struct board *b, uint64_t until_ns)
     }
 }
 
+void board_run_to_cycle(struct board *b, uint64_t cycle)
+{
+    b->paused = false;
+    while (b->verdict[0] == '\0' && !b->paused && b->cycles < cycle) {
+        if (b->reset_asked)
+            reset(b, b->reset_kind);
+        processor_run(b, cycle);
+    }
+}
+
 void board_verdict(struct board *b, const char *format, ...)
 {
     if (b->verdict[0] != '\0')
@@ -162,7 +204,7 @@ void board_verdict(struct board *b, const char *format, ...)
     va_end(list);
     if (n > 0 && (size_t)n < sizeof(b->verdict))
         (void)snprintf(b->verdict + n, sizeof(b->verdict) - (size_t)n, ", at %s0x%08x, %.6f s",
-                       processor_is_exact(b) ? "" : "or after ", processor_pc(b),
+                       processor_pc_is_exact(b) ? "" : "or after ", processor_pc(b),
                        (double)board_ns(b) / 1e9);
     processor_break(b);
 }

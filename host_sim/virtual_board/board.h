@@ -26,6 +26,8 @@
 #define BOARD_LAST_FLASH 16 /* regions of memory */
 
 struct chip;
+struct faults;
+struct replay;
 struct part;
 struct processor;
 
@@ -44,6 +46,7 @@ struct board_event {
     uint64_t at_ns;
     void (*due)(void *context);
     void *context;
+    bool outlives_reset; /* of what surrounds the chip */
 };
 
 /* Bytes on their way between a line's far end and its serial port. */
@@ -52,6 +55,9 @@ struct line {
     uint8_t from_board[BOARD_LINE_ROOM];
     uint32_t to_head, to_tail, from_head, from_tail;
     uint32_t corrupt_per_million; /* bytes of either direction that noise changes */
+    bool unplugged;               /* bytes of either direction are lost */
+    bool far_end_obeys; /* a terminal at the console: it stops at XOFF and goes on at XON */
+    bool asked_to_wait;
     struct part *port;
 };
 
@@ -81,6 +87,13 @@ struct board {
     struct line lines[BOARD_LINES];
 
     uint64_t stalled_until_ns; /* the flash answers no fetch */
+    bool held;                 /* no supply, or the reset pin is low: nothing runs */
+    bool hang_main, hang_tick; /* the main loop or the tick no longer gets on */
+    struct faults *faults;
+    struct replay *replay; /* NULL: what comes is not kept */
+    bool found; /* of a second board: it has come to the access whose address is wanted */
+    uint32_t found_pc;
+    uint32_t flipped; /* where the last bit turned over: address, or number of the register */
     bool reset_asked;
     enum board_reset reset_kind;
     uint32_t resets[RESET_WATCHDOG + 1];
@@ -101,9 +114,14 @@ void board_free(struct board *b);
 void board_power_on(struct board *b);
 /* Runs until the time, a verdict, or board_pause(). */
 void board_run(struct board *b, uint64_t until_ns);
+void board_run_to_cycle(struct board *b, uint64_t cycle);
 void board_pause(struct board *b);
 /* A reset at the next block. */
 void board_ask_reset(struct board *b, enum board_reset kind);
+
+/* The supply has gone, or a reset is held; then it ends. forgets: memory holds random bits. */
+void board_hold(struct board *b, enum board_reset kind);
+void board_release(struct board *b, enum board_reset kind, bool forgets);
 
 uint64_t board_ns(const struct board *b);
 uint64_t

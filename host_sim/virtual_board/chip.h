@@ -115,9 +115,7 @@ void processor_stop(struct board *b);
 void processor_reset(struct board *b);
 void processor_scramble(struct board *b); /* memory at power-on */
 void processor_run(struct board *b, uint64_t until_cycles);
-uint32_t processor_pc(
-    struct board *b); /* for verdicts: of the instruction in exact mode, else of its block */
-bool processor_is_exact(const struct board *b);
+uint32_t processor_pc(struct board *b); /* of the instruction that runs, or comes next */
 uint8_t *processor_memory(struct board *b, uint32_t address,
                           uint32_t bytes); /* NULL: not memory, or not all of it */
 void processor_attend(
@@ -125,6 +123,15 @@ void processor_attend(
 /* A reset ends what runs at the next block. */
 void processor_break(struct board *b);
 void processor_protection_changed(struct board *b);
+
+/* For faults: flips a bit of R0 to R15, S0 to S31; forgets how code was counted and translated. */
+void processor_flip_register(struct board *b, uint32_t number, uint32_t bit);
+void processor_forget_code(struct board *b, uint32_t address);
+uint32_t processor_image_bytes(const struct board *b);
+/* Steps by instructions from the block on that begins at this cycle or after it; the first access that fails is then `found`. */
+void processor_exact_from(struct board *b, uint64_t cycle);
+bool processor_pc_is_exact(struct board *b);
+void processor_set_fpu(struct board *b, bool on);
 
 /* system_control.c */
 struct interrupts;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "control.h"
 
+#include "faults.h"
+
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>
@@ -10,9 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "models/models.h"
-
-#define REQUEST_BYTES 12u
+#define REQUEST_BYTES 14u
 #define REPLY_BYTES   13u
 #define LOOK_NS       UINT64_C(200000) /* two bytes at 115200 baud and a little */
 #define WALL_STEP_NS  UINT64_C(1000000)
@@ -53,17 +53,6 @@ static bool whole(int fd, void *bytes, size_t n, bool out)
     return true;
 }
 
-/* Until the time. A supply that was cut (struct stored_flash) comes back at once. */
-static void run(struct board *b, uint64_t until_ns)
-{
-    board_run(b, until_ns);
-    struct stored_flash *f = stored_flash(b);
-    if (f->cut) {
-        f->cut = false;
-        board_power_on(b);
-    }
-}
-
 /* Until the time, or until what left has left. */
 static void step(struct board *b, uint64_t ns)
 {
@@ -72,7 +61,8 @@ static void step(struct board *b, uint64_t ns)
     while (b->verdict[0] == '\0' && board_ns(b) < end) {
         uint64_t to = board_ns(b) + LOOK_NS;
         b->from_board_moved = false;
-        run(b, to < end ? to : end);
+        board_run(b, to < end ? to : end);
+        (void)faults_take_flash_cut(b);
         if (moved && !b->from_board_moved)
             return;
         moved = moved || b->from_board_moved;
@@ -96,7 +86,7 @@ static void put(uint8_t *at, uint64_t n, unsigned bytes)
 static bool serve_one(struct board *b, int fd)
 {
     static uint8_t bytes[2 * MOST];
-    uint8_t head[REPLY_BYTES];
+    uint8_t head[REQUEST_BYTES];
     if (!whole(fd, head, REQUEST_BYTES, false))
         return false;
     size_t n[BOARD_LINES] = {number(head + 8, 2), number(head + 10, 2)};
@@ -105,6 +95,12 @@ static bool serve_one(struct board *b, int fd)
             return false;
         (void)line_give(b, line, bytes, n[line]);
     }
+    size_t faults = number(head + 12, 2);
+    char refused[BOARD_VERDICT];
+    if (faults > MOST || !whole(fd, bytes, faults, false))
+        return false;
+    if (!faults_add_text(b, (const char *)bytes, faults, refused, sizeof(refused)))
+        board_verdict(b, "%s", refused);
     step(b, number(head, 8));
     n[0] = line_take(b, 0, bytes, MOST);
     n[1] = line_take(b, 1, bytes + n[0], MOST);
@@ -210,7 +206,8 @@ int lines_serve(struct board *b, const char *console, const char *link, const vo
             1000000000u) /* a machine that stood still: the board does not run after it */
             behind += wall - now - WALL_STEP_NS;
         wait_for(ends, 0);
-        run(b, now + WALL_STEP_NS);
+        board_run(b, now + WALL_STEP_NS);
+        (void)faults_take_flash_cut(b);
     }
     for (unsigned line = 0; line < BOARD_LINES; line++) {
         exchange(b, &ends[line], line);

@@ -1,7 +1,11 @@
 /* One who decides how time goes on: over a unix socket, in steps, with the bytes of both lines. All numbers are little-endian.
  *
- *     to the board    u64 ns to run at most, u16 bytes for the console, u16 bytes for the link, then these bytes
- *     from the board  u64 ns since power first came on, u16, u16, u8 state (0 runs, 1 ended by a verdict), then the bytes of console and link
+ *     to the board    u64 ns to run at most, u16 bytes for the console, u16 bytes for the link, u16 bytes of faults, then these bytes
+ *     from the board  u64 ns since power first came on, u16, u16, u8 state (0 runs, 1 ended by a verdict or a
+ *                     fault that it cannot have), then the bytes of console and link
+ *
+ * Faults are lines "NAME VALUE\n" of fault_table.h, for the moment at which the step begins; after_ns and after_instructions put the next
+ * one later, to the instruction.
  *
  * A step ends early when bytes have left and the lines have been quiet for two byte times. So a run depends on nothing but what was sent.
  *

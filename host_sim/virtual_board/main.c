@@ -12,6 +12,7 @@
 
 #include "control.h"
 #include "models/models.h"
+#include "replay.h"
 
 static const char usage[] =
     "usage: reflux-board [options] --image FILE (--control PATH | --console PATH --link PATH)\n"
@@ -35,7 +36,8 @@ static const char usage[] =
     "  --seed N          of what memory holds at power-on (default 1)\n"
     "  --cut-word N      the supply goes within the N-th word written to the flash, and comes "
     "back\n"
-    "  --exact           by instructions: every verdict has the address of its instruction\n"
+    "  --exact           instruction by instruction: faults and verdicts are the same, and come "
+    "sooner\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
     "  --help\n";
 
@@ -216,6 +218,7 @@ int main(int argc, char **argv)
         if (nvm != NULL)
             (void)read_file(nvm, stored_flash(b)->bytes, chip->stored_size);
         stored_flash(b)->cut_word = cut_word;
+        replay_begin(b);
         board_power_on(b);
         status = control != NULL ? control_serve(b, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));

@@ -11,7 +11,10 @@
 #include <string.h>
 #include <unicorn/unicorn.h>
 
+#include "faults.h"
 #include "interrupts.h"
+#include "replay.h"
+#include "thumb.h"
 
 #define PAGE         0x400u
 #define EXC_RETURNS  0xFFFFFF00u
@@ -45,7 +48,14 @@ struct processor {
         uint16_t bytes, instructions;
     } * counted; /* blocks of the flash, by address */
 
-    uint64_t slice_end;
+    uint32_t image_bytes;
+    uint64_t slice_end, fault_at; /* cycles */
+    bool fpu_on, stepping;
+    uint64_t exact_from, block_began, looked_for; /* cycles */
+    uint32_t looked_pc;
+    bool looked_known, pc_known;
+    uint32_t partly; /* bytes of the block that is only run up to some instruction; 0: none */
+    bool running;    /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
     bool protection_changed;
     struct window windows[WINDOWS];
@@ -56,7 +66,9 @@ struct processor {
     /* of the access that the library could not do */
     bool failed;
     uc_mem_type failed_type;
-    uint32_t failed_address;
+    uint32_t failed_address, failed_pc;
+
+    bool divided_by_zero, division_by_step;
 };
 
 static const struct chip_memory *flash_of(const struct chip *chip)
@@ -83,15 +95,43 @@ static struct masks masks_of(const struct processor *p)
                           .basepri = (uint8_t)get(p, UC_ARM_REG_BASEPRI)};
 }
 
+/* Of the access that is under way within the library. */
+static uint32_t access_pc(struct processor *p)
+{
+    struct board *b = p->board;
+    if (p->exact) {
+        b->found = p->exact_from != BOARD_NEVER;
+        b->found_pc = p->pc;
+        if (b->found)
+            board_pause(b);
+        return p->pc;
+    }
+    if (p->looked_for != b->cycles) {
+        p->looked_for = b->cycles;
+        p->looked_pc = p->block;
+        p->looked_known = replay_find_pc(b, p->block_began, &p->looked_pc);
+    }
+    p->pc_known = p->looked_known;
+    return p->looked_known ? p->looked_pc : p->block;
+}
+
 uint32_t processor_pc(struct board *b)
 {
     struct processor *p = b->processor;
-    return p->exact ? p->pc : p->block;
+    if (p->failed_pc != 0)
+        return p->failed_pc;
+    return p->running ? access_pc(p) : get(p, UC_ARM_REG_PC) & ~1u;
 }
 
-bool processor_is_exact(const struct board *b)
+bool processor_pc_is_exact(struct board *b)
 {
-    return b->processor->exact;
+    (void)processor_pc(b);
+    return b->processor->pc_known;
+}
+
+uint32_t processor_image_bytes(const struct board *b)
+{
+    return b->processor->image_bytes;
 }
 
 struct interrupts *processor_interrupts(struct board *b)
@@ -131,21 +171,34 @@ static uint32_t instructions_in(struct processor *p, uint32_t address, uint32_t 
     struct counted *c = &p->counted[at / 2u];
     if (c->bytes == bytes)
         return c->instructions;
-    const uint8_t *code = p->memory[0] + at;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < bytes; n++)
-        i += code[i + 1u] >= 0xE8u ? 4u : 2u;
+    uint32_t n = thumb_count(p->memory[0] + at, bytes);
     *c = (struct counted){.bytes = (uint16_t)bytes, .instructions = (uint16_t)n};
     return n;
+}
+
+static bool uses_fpu(struct processor *p, uint32_t address, uint32_t bytes)
+{
+    const uint8_t *code = processor_memory(p->board, address, bytes);
+    return p->board->chip->fpu && code != NULL && thumb_first_fpu(code, bytes) < bytes;
 }
 
 static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
 {
     struct processor *p = context;
     struct board *b = p->board;
+    if (p->stepping)
+        return; /* step_to() counts */
+    uint32_t n = instructions_in(p, (uint32_t)address, bytes);
+    if (b->cycles + n > p->fault_at || (!p->fpu_on && uses_fpu(p, (uint32_t)address, bytes))) {
+        p->partly = bytes;
+        p->cut = true;
+        p->resume = (uint32_t)address;
+        (void)uc_emu_stop(uc);
+        return;
+    }
     if (p->first) {
         p->first = false;
-    } else if (b->cycles >= p->slice_end ||
+    } else if (b->cycles >= p->slice_end || (b->cycles >= p->exact_from && !p->exact) ||
                (p->attend && interrupts_pick(p->interrupts, masks_of(p), false) != 0)) {
         p->cut =
             true; /* a stop here comes before the block runs; the library may not have noted where that is */
@@ -154,16 +207,41 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
         return;
     }
     p->block = (uint32_t)address;
-    uint32_t n = instructions_in(p, (uint32_t)address, bytes);
+    p->block_began = b->cycles;
     b->cycles += n;
     b->instructions += n;
 }
 
+/* At each division: the library's gives 0 where the core traps (PM0214 4.4.7, DIV_0_TRP). */
+static void on_division(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
+{
+    struct processor *p = context;
+    const uint8_t *code = processor_memory(p->board, (uint32_t)address, 4);
+    (void)bytes;
+    if (code == NULL || !thumb_divides(code) || !interrupts_divide_traps(p->interrupts))
+        return;
+    unsigned divisor = code[2] & 15u;
+    if (divisor > 12 || get(p, UC_ARM_REG_R0 + (int)divisor) != 0)
+        return;
+    p->divided_by_zero = true;
+    (void)uc_emu_stop(uc);
+}
+
 static void on_instruction(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
 {
-    (void)uc;
+    struct processor *p = context;
+    uint32_t at = (uint32_t)address - flash_of(p->board->chip)->base;
+    p->pc = (uint32_t)address;
+    if (p->division_by_step && at < p->image_bytes && thumb_divides(p->memory[0] + at))
+        on_division(uc, address, bytes, context);
+}
+
+static void on_step_end(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
+{
+    (void)address;
     (void)bytes;
-    ((struct processor *)context)->pc = (uint32_t)address;
+    (void)context;
+    (void)uc_emu_stop(uc);
 }
 
 static bool on_bad_access(uc_engine *uc, uc_mem_type type, uint64_t address, int size,
@@ -335,7 +413,8 @@ static bool forbidden(const struct processor *p, uint32_t address)
 static void access_failed(struct processor *p)
 {
     struct board *b = p->board;
-    uint32_t at = p->failed_address, pc = p->exact ? p->pc : p->block;
+    uint32_t at = p->failed_address, pc = access_pc(p);
+    p->failed_pc = pc;
     bool fetch = p->failed_type == UC_MEM_FETCH_UNMAPPED || p->failed_type == UC_MEM_FETCH_PROT;
     p->failed = false;
     if (forbidden(p, at)) {
@@ -349,6 +428,7 @@ static void access_failed(struct processor *p)
         fault(p, EXCEPTION_BUS_FAULT, fetch ? CFSR_IBUSERR : CFSR_PRECISERR | CFSR_BFARVALID, at,
               fetch ? at : pc);
     }
+    p->failed_pc = 0;
 }
 
 /* The protection unit has been set: what is forbidden leaves the address space. Only whole regions of memory, and the alias. */
@@ -400,10 +480,81 @@ static void pass_time(struct board *b, uint64_t until)
         if (stalled < next)
             next = stalled;
     }
+    uint64_t fault_at = faults_next(b, true);
+    if (fault_at < next)
+        next = fault_at;
     if (until < next)
         next = until;
     if (next > b->cycles)
         b->cycles = next;
+}
+
+static void turn_exact(struct processor *p)
+{
+    uc_hook hook;
+    const struct chip_memory *flash = flash_of(p->board->chip);
+    (void)uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_instruction, p, 1, 0);
+    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
+    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
+    p->exact = true;
+}
+
+void processor_exact_from(struct board *b, uint64_t cycle)
+{
+    b->processor->exact_from = cycle;
+}
+
+static uc_err start_library(struct processor *p)
+{
+    p->running = true;
+    p->pc_known = p->exact;
+    uc_err e = uc_emu_start(p->uc, get(p, UC_ARM_REG_PC) | 1u, UINT32_MAX - 1u, 0, 0);
+    p->running = false;
+    p->pc_known = true;
+    return e;
+}
+
+/* Runs a block up to an instruction. Its translation is made anew with a hook there, and once more without. */
+static uc_err step_to(struct processor *p, uint32_t block, uint32_t bytes, uint32_t to)
+{
+    uc_hook hook;
+    if (uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_step_end, p, to, to) != UC_ERR_OK)
+        return UC_ERR_HOOK;
+    (void)uc_ctl_remove_cache(p->uc, block, block + bytes);
+    p->stepping = true;
+    uc_err e = start_library(p);
+    p->stepping = false;
+    (void)uc_hook_del(p->uc, hook);
+    (void)uc_ctl_remove_cache(p->uc, block, block + bytes);
+    return e;
+}
+
+/* Runs a block as far as the next fault of the hardware, or as far as an instruction for the unit for numbers while that is off. An
+ * IT instruction and those that it governs are one place: where the fault falls among them, it comes before. */
+static uc_err run_partly(struct processor *p, uint32_t block, uint32_t bytes)
+{
+    struct board *b = p->board;
+    const uint8_t *code = processor_memory(b, block, bytes);
+    uint32_t fpu = p->fpu_on || code == NULL ? bytes : thumb_first_fpu(code, bytes);
+    uint32_t room = p->fault_at - b->cycles < bytes ? (uint32_t)(p->fault_at - b->cycles) : bytes;
+    uint32_t to = code == NULL ? 0 : thumb_offset(code, bytes, room);
+    bool no_fpu = fpu < to || (fpu < bytes && fpu <= to);
+    uint32_t place = no_fpu ? fpu : to, governed = code == NULL ? 0 : thumb_it_start(code, place);
+    uc_err e = UC_ERR_OK;
+    if (governed != 0) {
+        uint32_t n = thumb_count(code, governed);
+        e = step_to(p, block, bytes, block + governed);
+        b->cycles += n;
+        b->instructions += n;
+    }
+    if (e != UC_ERR_OK || p->left || p->failed || p->divided_by_zero)
+        return e;
+    if (no_fpu) {
+        fault(p, EXCEPTION_USAGE_FAULT, CFSR_NOCP, 0, block + place);
+        return e;
+    }
+    faults_run_at_stop(b);
+    return e;
 }
 
 static void run_code(struct board *b, uint64_t until)
@@ -418,11 +569,25 @@ static void run_code(struct board *b, uint64_t until)
     p->first = true;
     p->cut = p->left = p->failed = false;
     p->attend = interrupts_any(p->interrupts);
-    uc_err e = uc_emu_start(p->uc, get(p, UC_ARM_REG_PC) | 1u, UINT32_MAX - 1u, 0, 0);
+    p->fault_at = faults_next(b, false);
+    if (b->cycles >= p->exact_from && !p->exact)
+        turn_exact(p);
+    p->partly = 0;
+    p->divided_by_zero = false;
+    uc_err e = start_library(p);
     if (p->cut)
         set(p, UC_ARM_REG_PC, p->resume | 1u);
+    if (p->partly != 0) {
+        uint32_t bytes = p->partly;
+        p->cut = false;
+        e = run_partly(p, p->resume, bytes);
+        if (e == UC_ERR_OK && !p->left && !p->failed && !p->divided_by_zero)
+            return;
+    }
     if (p->left) {
         leave(p);
+    } else if (p->divided_by_zero) {
+        fault(p, EXCEPTION_USAGE_FAULT, CFSR_DIVBYZERO, 0, get(p, UC_ARM_REG_PC));
     } else if (p->failed) {
         access_failed(p);
     } else if (e == UC_ERR_INSN_INVALID) {
@@ -443,6 +608,11 @@ void processor_run(struct board *b, uint64_t until)
     struct processor *p = b->processor;
     while (b->verdict[0] == '\0' && !b->paused && !b->reset_asked && b->cycles < until) {
         board_run_events(b);
+        faults_run(b);
+        if (b->held) {
+            pass_time(b, until);
+            continue;
+        }
         systick_run(p->interrupts);
         if (b->reset_asked || b->paused)
             break;
@@ -467,7 +637,11 @@ void processor_run(struct board *b, uint64_t until)
             p->sleeping = false;
         }
         unsigned n = takes_interrupts(p) ? interrupts_pick(p->interrupts, masks_of(p), false) : 0;
-        if (n != 0)
+        unsigned active = interrupts_active(p->interrupts);
+        bool hangs = (b->hang_main && active == 0) || (b->hang_tick && active == EXCEPTION_PENDSV);
+        if (n == 0 && hangs)
+            pass_time(b, until);
+        else if (n != 0)
             enter(p, n, get(p, UC_ARM_REG_PC));
         else
             run_code(b, until);
@@ -481,6 +655,7 @@ void processor_reset(struct board *b)
                                   UC_ARM_REG_CONTROL, UC_ARM_REG_LR};
     uint32_t vector[2];
     (void)memcpy(vector, p->memory[0], sizeof(vector));
+    p->fpu_on = false;
     interrupts_reset(p->interrupts);
     p->sleeping = p->locked_up = p->left = p->failed = false;
     p->protection_changed = true;
@@ -490,6 +665,32 @@ void processor_reset(struct board *b)
     set(p, UC_ARM_REG_SP, vector[0] & ~3u);
     set(p, UC_ARM_REG_PC, vector[1]);
     p->pc = p->block = vector[1] & ~1u;
+}
+
+void processor_set_fpu(struct board *b, bool on)
+{
+    b->processor->fpu_on = on;
+}
+
+void processor_flip_register(struct board *b, uint32_t number, uint32_t bit)
+{
+    static const int names[] = {UC_ARM_REG_R13, UC_ARM_REG_R14, UC_ARM_REG_R15};
+    int name = number < 13   ? UC_ARM_REG_R0 + (int)number
+               : number < 16 ? names[number - 13u]
+                             : UC_ARM_REG_S0 + (int)number - 16;
+    struct processor *p = b->processor;
+    uint32_t word = get(p, name) ^ UINT32_C(1) << bit;
+    set(p, name, name == UC_ARM_REG_R15 ? word | 1u : word);
+}
+
+void processor_forget_code(struct board *b, uint32_t address)
+{
+    struct processor *p = b->processor;
+    const struct chip_memory *flash = flash_of(b->chip);
+    (void)memset(p->counted, 0, flash->size / 2u * sizeof(*p->counted));
+    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
+    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
+    (void)address;
 }
 
 void processor_scramble(struct board *b)
@@ -550,6 +751,14 @@ static bool add_hooks(struct processor *p)
               uc_hook_add(p->uc, &hook, UC_HOOK_MEM_INVALID, (void *)on_bad_access, p, 1, 0) ==
                   UC_ERR_OK &&
               uc_hook_add(p->uc, &hook, UC_HOOK_INTR, (void *)on_exception, p, 1, 0) == UC_ERR_OK;
+    const struct chip_memory *flash = flash_of(p->board->chip);
+    p->division_by_step = p->exact; /* one hook for all is faster there */
+    for (uint32_t at = 0; ok && !p->exact && at + 4u <= p->image_bytes; at += 2u) {
+        uint32_t place = flash->base + at;
+        if (thumb_divides(p->memory[0] + at))
+            ok = uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_division, p, place, place) ==
+                 UC_ERR_OK;
+    }
     if (ok && p->exact)
         ok = uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_instruction, p, 1, 0) == UC_ERR_OK;
     return ok;
@@ -572,11 +781,17 @@ bool processor_start(struct board *b, const uint8_t *image, size_t image_bytes, 
     }
     if (uc_open(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS, &p->uc) != UC_ERR_OK ||
         uc_ctl_set_cpu_model(p->uc, b->chip->cpu_model) != UC_ERR_OK || !map_memory(b, p) ||
-        !map_windows(b, p) || !add_hooks(p)) {
+        !map_windows(b, p)) {
         (void)snprintf(err, err_size, "the processor library could not be set up");
         return false;
     }
     (void)memcpy(p->memory[0], image, image_bytes);
+    p->image_bytes = (uint32_t)image_bytes;
+    p->fault_at = p->exact_from = BOARD_NEVER;
+    if (!add_hooks(p)) {
+        (void)snprintf(err, err_size, "the processor library took no hooks");
+        return false;
+    }
     if (b->chip->fpu) { /* the library looks at registers that this core does not have */
         set(p, UC_ARM_REG_C1_C0_2, 0xFu << 20);
         set(p, UC_ARM_REG_FPEXC, 0x40000000u);

@@ -527,6 +527,8 @@ static void control_write(struct part *p, uint32_t offset, uint32_t before, uint
         part_set(p, offset, before & ~written); /* cleared by ones */
     } else if (offset == MPU_CTRL || offset == MPU_RBAR || offset == MPU_RASR) {
         write_mpu(p, i, offset, written);
+    } else if (offset == CPACR) {
+        processor_set_fpu(p->board, interrupts_fpu_on(i));
     } else if (offset == SCR && (written & 0x4u) != 0) {
         board_verdict(p->board, "deep sleep is not modelled");
     }

@@ -59,7 +59,7 @@ class VirtualBoard:
 
     def step(self, seconds: float = STEP_S, console: bytes = b"") -> None:
         """Runs the board, until the time at most, or until what left has left."""
-        self.control.sendall(struct.pack("<QHH", round(seconds * 1e9), len(console), 0) + console)
+        self.control.sendall(struct.pack("<QHHH", round(seconds * 1e9), len(console), 0, 0) + console)
         ns, n_console, n_link, state = struct.unpack("<QHHB", self._whole(13))
         self.now_s = ns / 1e9
         self.text += self._whole(n_console).decode("latin-1").replace("\r", "")

@@ -38,10 +38,11 @@ static void refused(const char *text, const char *because)
 
 static void good_events_are_taken(void)
 {
-    const char *good[] = {"0:d=5",          "10.5:d=-1e0",    "1e3:u1.hi=50",  "1:u1.lo=0",
-                          "5:u2.slew=0.1",  "5:u2.stuck=12",  "6:u2.free=1",   "7:y1.bias=-3",
-                          "7:y1.noise=0.5", "8:y1.quality=2", "9:y2.lag=12.5", "9:y2.resolution=0",
-                          "10:noise=3",     "11:u1.lag=4"};
+    const char *good[] = {"0:d=5",          "10.5:d=-1e0",   "1e3:u1.hi=50",
+                          "1:u1.lo=0",      "5:u2.slew=0.1", "5:u2.stuck=12",
+                          "6:u2.free=1",    "7:y1.bias=-3",  "7:y1.noise=0.5",
+                          "8:y1.quality=2", "9:y2.lag=12.5", "9:y2.resolution=0",
+                          "10:noise=3",     "11:u1.lag=4",   "12:board.power_cut=2"};
     for (size_t i = 0; i < sizeof(good) / sizeof(good[0]); i++) {
         TEST_ASSERT_TRUE_MESSAGE(event(good[i]), err);
     }
@@ -49,6 +50,16 @@ static void good_events_are_taken(void)
     for (size_t i = 1; i < events.n; i++) {
         TEST_ASSERT_TRUE(events.list[i - 1].time_s <= events.list[i].time_s);
     }
+}
+
+static void faults_of_a_board_are_checked(void)
+{
+    refused("1:board.meteor=1", "a board has no fault");
+    refused("1:board.power_cut=0", "board.power_cut must be 0.001 to 3600 s");
+    refused("1:board.flip_ram=1.5", "board.flip_ram must be a whole number");
+    TEST_ASSERT_FALSE(events_want_board(&events));
+    TEST_ASSERT_TRUE(event("1:board.crystal=0"));
+    TEST_ASSERT_TRUE(events_want_board(&events));
 }
 
 static void events_of_wrong_form_are_refused(void)
@@ -230,6 +241,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(good_events_are_taken);
+    RUN_TEST(faults_of_a_board_are_checked);
     RUN_TEST(events_of_wrong_form_are_refused);
     RUN_TEST(the_example_of_the_form_is_one_the_plant_takes);
     RUN_TEST(events_with_wrong_times_are_refused);

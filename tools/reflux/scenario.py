@@ -13,7 +13,7 @@ from reflux.scenario_keys import EVENT, FIRMWARES, LIMIT, LINE, LOOP, METRICS, T
 from reflux.schema import Table, check_number, load_toml
 
 CHANNEL = re.compile(r"[A-Za-z0-9_]{1,15}")
-EVENT_NAME = re.compile(r"[A-Za-z0-9_]{1,15}(\.[a-z]{1,15})?")
+EVENT_NAME = re.compile(r"[A-Za-z0-9_]{1,15}(\.[a-z_]{1,20})?")
 LINE_MAX = 120  # bytes of one console line that the firmware is sure to take
 
 

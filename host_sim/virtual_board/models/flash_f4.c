@@ -41,6 +41,8 @@ struct flash {
     unsigned keys; /* given so far; 3: a wrong one, locked until reset */
     bool erasing;
     uint32_t erased; /* sector */
+    uint32_t stored; /* place of the word under way */
+    uint64_t began_ns;
 };
 
 static void done(void *context)
@@ -61,6 +63,7 @@ static void busy(struct part *p, uint64_t ns)
     struct flash *f = p->state;
     uint64_t until = board_ns(b) + ns;
     part_set(p, SR, part_get(p, SR) | SR_BSY);
+    f->began_ns = board_ns(b);
     b->stalled_until_ns = until;
     board_schedule(b, &f->done, until);
 }
@@ -78,10 +81,25 @@ static uint32_t option_brown_out(const struct board *b)
     return mv == 0 ? 3u : mv >= 2700u ? 0u : mv >= 2400u ? 1u : 2u;
 }
 
+static void interrupted(struct part *p)
+{
+    struct flash *f = p->state;
+    uint64_t spent = board_ns(p->board) - f->began_ns;
+    f->done.at_ns = BOARD_NEVER;
+    if (f->erasing)
+        stored_flash_erase_partly(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
+                                  SECTOR_BYTES, (uint32_t)(1000u * spent / SECTOR_NS));
+    else
+        stored_flash_weaken(p->board, f->stored, 4);
+}
+
 static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
+    if (f->done.at_ns !=
+        BOARD_NEVER) /* RM0090 3.6: what a reset interrupts is not guaranteed (unverified) */
+        interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     part_set(p, OPTCR, (p->row->class->regs[5].reset & ~0xCu) | option_brown_out(p->board) << 2);
@@ -92,6 +110,7 @@ static void reset(struct part *p, enum board_reset kind)
 void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
 {
     struct part *p = bus_part(b, "FLASH");
+    struct flash *f = p->state;
     uint32_t cr = part_get(p, CR), width = 1u << (cr >> 8 & 3u);
     if ((part_get(p, SR) & SR_BSY) != 0) {
         board_verdict(b, "store into the flash while it is busy");
@@ -104,6 +123,7 @@ void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
             board_verdict(b, "word programmed into the flash at %u mV; 2700 are needed",
                           b->around.supply_mv);
         stored_flash_program(b, at, bytes, word);
+        f->stored = at & ~3u;
         busy(p, WORD_NS);
     }
 }
@@ -140,7 +160,7 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
                           b->around.supply_mv);
         f->erasing = true;
         f->erased = sector;
-        busy(p, SECTOR_NS);
+        busy(p, SECTOR_NS / 1000u * stored_flash_erase_share(b));
     }
 }
 

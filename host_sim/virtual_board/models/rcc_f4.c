@@ -174,6 +174,7 @@ static void crystal_changes(struct board *b)
     if (b->around.crystal_hz != 0) {
         if ((cr & CR_HSEON) != 0)
             board_schedule(b, &r->crystal, board_ns(b) + CRYSTAL_START_NS);
+        clocks_changed(p);
         return;
     }
     bool was_running = (cr & CR_HSERDY) != 0;

@@ -73,19 +73,39 @@ void stored_flash_erase(struct board *b, uint32_t at, uint32_t bytes)
         (void)memset(f->unstable + at, 0, bytes);
         return;
     }
+    stored_flash_erase_partly(b, at, bytes, f->cut_per_mille);
+    f->cut = true;
+    board_pause(b);
+}
+
+void stored_flash_erase_partly(struct board *b, uint32_t at, uint32_t bytes, uint32_t per_mille)
+{
+    struct stored_flash *f = stored_flash(b);
     /* The charge leaves all cells together: early on few bits have turned, near the end few have not, and those between are weak. */
     for (uint32_t i = 0; i < bytes; i++) {
         for (unsigned bit = 0; bit < 8; bit++) {
             uint32_t place = board_random(b) % 1000u, mask = 1u << bit;
-            if ((f->bytes[at + i] & mask) != 0 || place > f->cut_per_mille + 100u)
+            if ((f->bytes[at + i] & mask) != 0 || place > per_mille + 100u)
                 continue;
             f->bytes[at + i] = (uint8_t)(f->bytes[at + i] | mask);
-            if (place + 100u > f->cut_per_mille)
+            if (place + 100u > per_mille)
                 f->unstable[at + i] = (uint8_t)(f->unstable[at + i] | mask);
         }
     }
-    f->cut = true;
-    board_pause(b);
+}
+
+uint32_t stored_flash_erase_share(struct board *b)
+{
+    const struct stored_flash *f = stored_flash(b);
+    return f->erase_count + 1u == f->cut_erase ? f->cut_per_mille : 1000u;
+}
+
+void stored_flash_weaken(struct board *b, uint32_t at, uint32_t bytes)
+{
+    struct stored_flash *f = stored_flash(b);
+    for (uint32_t i = 0; i < bytes; i++)
+        f->unstable[at + i] =
+            (uint8_t)(f->unstable[at + i] | (~f->bytes[at + i] & board_random(b)));
 }
 
 const struct part_class stored_flash_class = {.name = "flash that is written",

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "models.h"
+#include "replay.h"
 
 enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTPR = 0x18 };
 
@@ -19,6 +20,8 @@ enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTP
 #define CR1_TE    (UINT32_C(1) << 3)
 #define CR1_IRQS  0x1F0u
 #define CR1_UE    (UINT32_C(1) << 13)
+#define XON       0x11u
+#define XOFF      0x13u
 #define BITS      10u
 #define NS_PER_S  UINT64_C(1000000000)
 #define MISMATCH  20u /* 1 / 20: a rate that far off is not understood; half a bit in ten */
@@ -72,7 +75,7 @@ static void await_byte(struct part *p)
 {
     struct usart *u = p->state;
     const struct line *l = line_of(p);
-    if (l->to_head != l->to_tail && u->arrives.at_ns == BOARD_NEVER)
+    if (l->to_head != l->to_tail && !l->asked_to_wait && u->arrives.at_ns == BOARD_NEVER)
         board_schedule(p->board, &u->arrives,
                        board_ns(p->board) + BITS * NS_PER_S / p->board->around.baud);
 }
@@ -117,12 +120,16 @@ static void arrives(void *context)
 static void leave_for_line(struct part *p, uint8_t byte)
 {
     struct line *l = line_of(p);
-    if (pin_function(p->board, 'A', pins_of[p->row->number].tx) >= PIN_INPUT)
+    if (l->unplugged || pin_function(p->board, 'A', pins_of[p->row->number].tx) >= PIN_INPUT)
         return; /* nobody hears it */
     if (!understood(p))
         byte = (uint8_t)board_random(p->board);
     else if (noisy(p->board, l))
         byte ^= (uint8_t)(1u << (board_random(p->board) & 7u));
+    if (l->far_end_obeys && (byte == XOFF || byte == XON)) {
+        l->asked_to_wait = byte == XOFF;
+        await_byte(p);
+    }
     if (l->from_tail - l->from_head < BOARD_LINE_ROOM)
         l->from_board[l->from_tail++ % BOARD_LINE_ROOM] = byte;
     p->board->from_board_moved = true;
@@ -163,6 +170,7 @@ static void start(struct part *p)
     board_add_event(p->board, &u->arrives);
     board_add_event(p->board, &u->sent);
     line_of(p)->port = p;
+    line_of(p)->far_end_obeys = p->row->number == 0;
 }
 
 static void reset(struct part *p, enum board_reset kind)
@@ -224,6 +232,9 @@ size_t line_give(struct board *b, unsigned line, const uint8_t *bytes, size_t n)
 {
     struct line *l = &b->lines[line];
     size_t given = 0;
+    replay_note(b, line == 0 ? REPLAY_CONSOLE : REPLAY_LINK, bytes, n);
+    if (b->held || l->unplugged)
+        return n; /* nobody hears it */
     while (given < n && l->to_tail - l->to_head < BOARD_LINE_ROOM)
         l->to_board[l->to_tail++ % BOARD_LINE_ROOM] = bytes[given++];
     if (l->port != NULL)
