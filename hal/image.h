@@ -8,7 +8,8 @@
 enum hal_image {
     HAL_IMAGE_NO_CHECKSUM, /* a process of an operating system has none */
     HAL_IMAGE_WHOLE,
-    HAL_IMAGE_DAMAGED
+    HAL_IMAGE_DAMAGED,   /* this and the following: nothing may act */
+    HAL_IMAGE_RAM_FAILED /* its test at power-on (hal/self_check.h) */
 };
 
 /* Reads the whole image: once, at start. Eleven instructions a byte, which a Cortex-M does in some 18 cycles where the

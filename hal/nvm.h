@@ -7,13 +7,13 @@
  *     multiples of program_size.
  *  3. An erase may stall the processor (up to seconds): callers do it only at start or in manual.
  *  4. read() tells what the memory holds at that moment, not what a cache remembers of an earlier reading.
- *  5. With a supply too low for it nothing is programmed or erased: hal_nvm_supply_low().
+ *  5. With a supply too low for it nothing is programmed or erased. An erase in which the supply has been too low may have left weak bits
+ *     and counts as none. Both end in ERR_STATE.
  *  6. A port whose memory silently ignores writes (an emulator) reports ERR_IO: every write is read back.
  */
 #ifndef REFLUX_HAL_NVM_H
 #define REFLUX_HAL_NVM_H
 
-#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -32,9 +32,7 @@ MUST_CHECK enum err hal_nvm_read(uint32_t address, void *data, uint32_t n);
  * far as it has got), ERR_IO when the target must be erased and is not (nothing is
  * written then) or the read-back differs, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n);
-/* ERR_RANGE no such sector, ERR_STATE with a low supply, ERR_IO when it does not read erased, ERR_TIMEOUT. */
+/* ERR_RANGE no such sector, ERR_STATE with a low supply before or in it, ERR_IO when it does not read erased, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_erase(uint32_t sector);
-/* The supply is too low for a write, now. */
-bool hal_nvm_supply_low(void);
 
 #endif

@@ -24,6 +24,9 @@ if(REFLUX_BOARD MATCHES "^stm32")
   if(REFLUX_HAS_WORKSPACE_BYTES)
     target_sources(${image} PRIVATE ${port}/workspace.c)
   endif()
+  if(REFLUX_BOARD STREQUAL "stm32f405")
+    target_sources(${image} PRIVATE ${port}/options.c ${port}/ram_test.c)
+  endif()
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
     "-fno-builtin;-fno-tree-loop-distribute-patterns")

@@ -10,6 +10,7 @@
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/retained.h"
+#include "hal/self_check.h"
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
@@ -42,8 +43,19 @@ static void start_watching(struct app *app)
     tick_context_start(app, cause);
     service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
     app->service.image = (uint8_t)hal_image_check();
+    if (BOARD_CHECKS && app->service.image == HAL_IMAGE_RAM_FAILED)
+        service_record(&app->service, EVENT_RAM_FAILED, NULL, 0.0f, 0);
     if (app->service.image == HAL_IMAGE_DAMAGED)
         service_record(&app->service, EVENT_IMAGE_DAMAGED, NULL, 0.0f, 0);
+}
+
+/* Goes on with the check of the image while it runs. From the next tick on nothing acts if it is damaged. */
+static void watch_image(struct app *app)
+{
+    if (app->service.image != HAL_IMAGE_WHOLE || hal_image_watch() != HAL_IMAGE_DAMAGED)
+        return;
+    app->service.image = HAL_IMAGE_DAMAGED;
+    service_record(&app->service, EVENT_IMAGE_DAMAGED, NULL, 0.0f, 0);
 }
 
 void app_init(struct app *app)
@@ -107,7 +119,16 @@ void app_background(struct app *app)
     busy = storage_poll(&app->storage) || busy;
     if (hal_uart_pump(HAL_UART_CONSOLE) != 0 && !hal_uart_sends_alone())
         busy = true;
+    if (BOARD_CHECKS && !busy)
+        watch_image(app);
     hal_idle(!busy);
+}
+
+_Static_assert(APP_KEEP_ALIVE_BYTES == LINK_KEEP_ALIVE_BYTES, "one frame of the link");
+
+size_t app_keep_alive(struct app *app, uint8_t *wire)
+{
+    return plant_link_keep_alive(&app->link, wire);
 }
 
 void app_tick(struct app *app)

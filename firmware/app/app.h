@@ -8,6 +8,9 @@
 #ifndef REFLUX_APP_APP_H
 #define REFLUX_APP_APP_H
 
+#include <stddef.h>
+#include <stdint.h>
+
 struct app;
 struct operate;
 
@@ -25,6 +28,11 @@ struct operate *app_door(struct app *app);
 
 /* Handles link input, the tick when a sample is due, and silence of the link. Short and never waits. */
 void app_tick(struct app *app);
+
+/* Writes the next frame that keeps the plant link alive, for a port that sends it while it erases flash and no tick can run. Returns its
+ * bytes, 0 if no plant is there. For the main loop, with the tick held off. */
+#define APP_KEEP_ALIVE_BYTES 9
+size_t app_keep_alive(struct app *app, uint8_t *wire);
 
 /* Returns the large memory that families lease (base/workspace.h), and tests that play one; NULL if the board has
  * none. For the main loop. */

@@ -169,7 +169,7 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     take_requests_in_tick(app, false);
     if (fell_back)
         supervisor_stay_safe(&app->supervisor);
-    if (app->service.image == HAL_IMAGE_DAMAGED) /* whatever has been asked for */
+    if (app->service.image >= HAL_IMAGE_DAMAGED) /* whatever has been asked for */
         supervisor_outputs_safe(&app->supervisor, "image");
     else
         restart_try(&app->tick.restart, &app->supervisor);

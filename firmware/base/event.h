@@ -15,19 +15,26 @@ enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM, EVENT_ACTION };
 /* The codes, EVENT_STARTED and so on, in the order of event_list.h. */
 #define EVENT_CODE(name, text, level, unit) EVENT_##name,
 #define EVENT_NO_CODE(name, text, level, unit)
+/* What boards without blocks or checks leave out; the codes that they still have are for code that they never reach. */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
-enum event_code {
-    EVENT_LIST(EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_NO_CODE)
-        EVENT_COUNT,
-    /* For code that a board without blocks never reaches. */
-    EVENT_CHANNEL_WRITTEN = EVENT_COUNT,
-    EVENT_BLOCK_EVENT = EVENT_COUNT
-};
+#define EVENT_CODE_OF_BLOCK EVENT_NO_CODE
+#define EVENT_BLOCKS_LACK   EVENT_CHANNEL_WRITTEN = EVENT_COUNT, EVENT_BLOCK_EVENT = EVENT_COUNT,
 #else
-enum event_code {
-    EVENT_LIST(EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE) EVENT_COUNT
-};
+#define EVENT_CODE_OF_BLOCK EVENT_CODE
+#define EVENT_BLOCKS_LACK
 #endif
+#if defined(BOARD_CHECKS) && BOARD_CHECKS == 0
+#define EVENT_CODE_OF_CHECK EVENT_NO_CODE
+#define EVENT_CHECKS_LACK   EVENT_RAM_FAILED = EVENT_COUNT,
+#else
+#define EVENT_CODE_OF_CHECK EVENT_CODE
+#define EVENT_CHECKS_LACK
+#endif
+enum event_code {
+    EVENT_LIST(EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE, EVENT_CODE_OF_BLOCK,
+               EVENT_CODE_OF_CHECK) EVENT_COUNT,
+    EVENT_BLOCKS_LACK EVENT_CHECKS_LACK
+};
 
 /* Bit in the code of a history entry that is the latest of a run of repeats. Its value is their number. */
 #define EVENT_REPEATED 0x80u

@@ -10,7 +10,7 @@
 #ifndef REFLUX_BASE_EVENT_LIST_H
 #define REFLUX_BASE_EVENT_LIST_H
 
-#define EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK)                                  \
+#define EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK)                           \
     ALWAYS(STARTED, "firmware started in its safe state; cause", INFO, PLAIN)                      \
     ALWAYS(LINK_UP, "plant connected", INFO, PLAIN)                                                \
     ALWAYS(LINK_DOWN, "plant silent, s", ALARM, PLAIN)                                             \
@@ -161,7 +161,9 @@
              ALARM, PLAIN)                                                                         \
     START_UP(SENSOR_POOR,                                                                          \
              "sensor hides responses, see `commission advice`; share of its span, or ticks",       \
-             WARNING, PLAIN)
+             WARNING, PLAIN)                                                                       \
+    CHECK(RAM_FAILED, "the RAM failed its test at power-on: nothing acts, outputs stay safe",      \
+          ALARM, PLAIN)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS). */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
@@ -185,6 +187,12 @@
 #define EVENT_OF_JOB EVENT_ABSENT
 #else
 #define EVENT_OF_JOB EVENT_ROW
+#endif
+/* hal/self_check.h */
+#if defined(BOARD_CHECKS) && BOARD_CHECKS == 0
+#define EVENT_OF_CHECK EVENT_NO_ROW
+#else
+#define EVENT_OF_CHECK EVENT_ROW
 #endif
 
 #endif

@@ -5,6 +5,7 @@
 #define REFLUX_CONSOLE_COMMANDS_H
 
 #include "exchange/config.h"
+#include "hal/self_check.h"
 
 /* clang-format off */
 #if CONFIG_BLOCKS
@@ -28,6 +29,13 @@
 #define DIFF_HELP "changes of the transaction, or from the defaults"
 #define START_UP_MORE "] [LOOP]"
 #endif
+#if BOARD_CHECKS
+#define SAVE_WORDS "[replace] [unsafe]"
+#define SAVE_HELP "store the settings; replace: also over newer firmware's, unsafe: without brown-out reset"
+#else
+#define SAVE_WORDS "[replace]"
+#define SAVE_HELP "store the settings in force; replace: also over newer firmware's"
+#endif
 
 #define CONSOLE_COMMANDS(ROW) \
     ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
@@ -46,7 +54,7 @@
     ROW(begin, "", "open a transaction: changes wait for apply", 0, 0) \
     ROW(apply, "", "check the changes together, apply them at the next tick", 0, 0) \
     ROW(abandon, "", "close the transaction without changes", 0, 0) \
-    ROW(save, "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1) \
+    ROW(save, SAVE_WORDS, SAVE_HELP, 0, 2) \
     ROW(load, "", "take the stored settings at the next tick; in a transaction, with apply", 0, 0) \
     ROW(defaults, "", "every parameter but the key to its default, like load", 0, 0) \
     ROW(dump, "", "the settings as commands that restore them", 0, 0) \

@@ -14,6 +14,7 @@
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/nvm.h"
+#include "hal/self_check.h"
 #include "storage/storage.h"
 
 static void hex(struct text *line, const char *name, uint32_t value)
@@ -44,14 +45,28 @@ static void fault_line(struct text *line)
 
 static void image_line(const struct client *c, struct text *line)
 {
-    static const char *const states[] = {"without a checksum", "whole", "DAMAGED"};
+    static const char *const states[] = {"without a checksum", "whole", "DAMAGED",
+                                         "not checked: the RAM FAILED its test"};
     REFLUX_ASSERT((unsigned)c->service->image < sizeof states / sizeof states[0]);
     text_str(line, "image ");
     text_str(line, states[c->service->image]);
     if (!hal_image_bytes())
         return;
     hex(line, "crc", hal_image_crc());
+    if (BOARD_CHECKS && hal_ram_failed_at())
+        hex(line, "ram_failed_at", hal_ram_failed_at());
     text_named_u32(line, "bytes", hal_image_bytes());
+}
+
+static void protection_words(struct text *line)
+{
+    for (unsigned i = HAL_PROTECTION_WATCHDOG; i <= HAL_PROTECTION_PROGRAM; i++) {
+        const char *words = hal_protection_text((enum hal_protection)i);
+        if (!words)
+            continue;
+        text_str(line, "; ");
+        text_str(line, words);
+    }
 }
 
 static bool version_line(struct client *c, unsigned n, struct text *line)
@@ -100,6 +115,8 @@ static bool version_line(struct client *c, unsigned n, struct text *line)
         text_u32(line, nvm.sectors * nvm.sector_size);
         text_str(line, "; supply ");
         text_str(line, hal_supply_text());
+        if (BOARD_CHECKS)
+            protection_words(line);
         return true;
     case 6:
         image_line(c, line);
@@ -188,7 +205,9 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
     }
     n -= 1;
     if (n == 0) {
-        if (s->image == HAL_IMAGE_DAMAGED)
+        if (BOARD_CHECKS && s->image == HAL_IMAGE_RAM_FAILED)
+            text_str(line, event_text(EVENT_RAM_FAILED));
+        else if (s->image == HAL_IMAGE_DAMAGED)
             text_str(line, event_text(EVENT_IMAGE_DAMAGED));
         return true;
     }

@@ -3,6 +3,7 @@
 
 #include "console/command_table.h"
 #include "console/parameter_words.h"
+#include "hal/self_check.h"
 #include "storage/storage_record.h"
 
 /* Answers a refusal at once; the console answers what has begun when it is over. */
@@ -12,15 +13,27 @@ static void answer_refusal(struct client *c, enum err err, const struct answer *
         reply_answer(c, err, a);
 }
 
+static unsigned save_word(const char *word)
+{
+    if (strcmp(word, "replace") == 0)
+        return SAVE_REPLACE;
+    return BOARD_CHECKS && strcmp(word, "unsafe") == 0 ? SAVE_UNSAFE : 0;
+}
+
 void command_save(struct client *c, unsigned n, char **word)
 {
     struct answer a;
-    bool replace = n && strcmp(word[0], "replace") == 0;
+    unsigned how = 0;
     enum err err = operate_admit(&c->session, "save", &a);
-    if (!err && n && !replace)
-        reply_usage(c, word[0], "save");
-    else
-        answer_refusal(c, err ? err : operate_save(&c->session, replace, &a), &a);
+    for (unsigned i = 0; !err && i < n; i++) {
+        unsigned word_means = save_word(word[i]);
+        if (!word_means) {
+            reply_usage(c, word[i], "save");
+            return;
+        }
+        how |= word_means;
+    }
+    answer_refusal(c, err ? err : operate_save(&c->session, how, &a), &a);
 }
 
 void command_load(struct client *c, unsigned n, char **word)

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/assertion.h"
 #include "base/crc32.h"
 #include "base/elapsed.h"
 #include "hal/clock.h"
@@ -283,6 +284,20 @@ static void keep_alive(struct plant_link *link, uint64_t now_ms)
     struct frame f;
     pack_keep_alive(&f);
     (void)send(link, &f, now_ms);
+}
+
+size_t plant_link_keep_alive(struct plant_link *link, uint8_t *wire)
+{
+    uint8_t whole[FRAME_WIRE_MAX];
+    struct frame f;
+    if (link->state != IO_READY)
+        return 0;
+    pack_keep_alive(&f);
+    f.sequence = link->sequence++;
+    size_t n = frame_encode(&f, whole);
+    REFLUX_ASSERT(n == LINK_KEEP_ALIVE_BYTES);
+    memcpy(wire, whole, LINK_KEEP_ALIVE_BYTES);
+    return n;
 }
 
 static void keep_time(struct plant_link *link, uint64_t now_ms)

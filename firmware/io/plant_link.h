@@ -91,4 +91,9 @@ void plant_link_init(struct plant_link *link, struct event_queue *events,
                      const uint64_t *plant_time);
 struct io_port plant_link_port(struct plant_link *link);
 
+/* Writes the next KEEP_ALIVE frame to wire, for a port that sends it while no tick runs. Returns its bytes, LINK_KEEP_ALIVE_BYTES;
+ * 0 without a plant. */
+#define LINK_KEEP_ALIVE_BYTES 9
+size_t plant_link_keep_alive(struct plant_link *link, uint8_t *wire);
+
 #endif

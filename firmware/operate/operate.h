@@ -289,8 +289,12 @@ bool operate_changes(const struct session *session, const struct parameter *p);
 
 /* ---- stored settings: stored.c. Engineer ---- */
 
+/* Of operate_save(): also over what newer firmware has stored; also where the brown-out reset is off (ERR_STATE without it). */
+#define SAVE_REPLACE 1u
+#define SAVE_UNSAFE  2u
+
 /* ERR_OK: begun; operate_result() tells how it ends. ERR_BUSY: this client waits for another. */
-MUST_CHECK enum err operate_save(struct session *session, bool replace, struct answer *answer);
+MUST_CHECK enum err operate_save(struct session *session, unsigned how, struct answer *answer);
 MUST_CHECK enum err operate_load(struct session *session, struct answer *answer);
 /* Once a turn of the main loop while operate_waits(); what was asked for is over when that is false, and then this is how it
  * ended. Errors as storage_save(), storage_result(), storage_load(), service_apply(). */

@@ -1,6 +1,7 @@
 /* Settings saved, loaded and replaced by the defaults. */
 #include <string.h>
 
+#include "hal/self_check.h"
 #include "operate/operate_internal.h"
 #include "storage/storage.h"
 
@@ -21,9 +22,16 @@ static enum err wait_for(struct session *session, enum operate_wait what, const 
     return err;
 }
 
-enum err operate_save(struct session *session, bool replace, struct answer *answer)
+enum err operate_save(struct session *session, unsigned how, struct answer *answer)
 {
-    return wait_for(session, replace ? WAITS_TO_REPLACE : WAITS_TO_SAVE, "save", answer);
+    enum err err = operate_admit(session, "save", answer);
+    if (BOARD_CHECKS && !err && (how & SAVE_UNSAFE) == 0 && hal_brown_out_off())
+        err = operate_refuse(answer, ERR_STATE, "not saved",
+                             "the brown-out reset is off, so a supply that falls may spoil what is "
+                             "stored: set level 3, or `save unsafe`");
+    if (err)
+        return err;
+    return wait_for(session, how & SAVE_REPLACE ? WAITS_TO_REPLACE : WAITS_TO_SAVE, "save", answer);
 }
 
 enum err operate_load(struct session *session, struct answer *answer)

@@ -8,6 +8,7 @@
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/retained.h"
+#include "hal/self_check.h"
 #include "hal/tick.h"
 #include "plan/plan_build.h"
 #include "settings/parameters.h"
@@ -299,6 +300,10 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
 /* Returns whether nothing can act: the firmware is damaged, no plant is connected, or plant time stands still. */
 static bool nobody_there(const struct service *s, const char **wanted)
 {
+    if (BOARD_CHECKS && s->image == HAL_IMAGE_RAM_FAILED) {
+        *wanted = "cannot act: the RAM failed its test at power-on";
+        return true;
+    }
     if (s->image == HAL_IMAGE_DAMAGED) {
         *wanted = "cannot act: the firmware is damaged; write it anew";
         return true;

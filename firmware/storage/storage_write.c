@@ -66,12 +66,12 @@ static void begin_erase(struct storage *st)
     st->state = UNMARKING;
 }
 
-static void not_taken(struct storage *st)
+static void not_taken(struct storage *st, enum err err)
 {
     st->failed = true;
     if (st->saving)
         saved(st, ERR_IO,
-              hal_nvm_supply_low() ? "the supply is too low to write the flash" : NOT_TAKEN);
+              err == ERR_STATE ? "the supply is too low to write the flash" : NOT_TAKEN);
     else
         st->state = TAKING;
 }
@@ -95,18 +95,20 @@ static void unmark(struct storage *st)
     static const uint8_t zeros[STORAGE_GRAIN];
     if (!still_may_erase(st))
         return;
-    if (hal_nvm_program(slot_address(st, st->slot), zeros, sizeof zeros) == ERR_OK)
+    enum err err = hal_nvm_program(slot_address(st, st->slot), zeros, sizeof zeros);
+    if (err == ERR_OK)
         st->state = ERASING;
     else
-        not_taken(st);
+        not_taken(st, err);
 }
 
 static void erase(struct storage *st)
 {
     if (!still_may_erase(st))
         return;
-    if (hal_nvm_erase(st->slot * st->slot_sectors + st->read_address) != ERR_OK) {
-        not_taken(st);
+    enum err err = hal_nvm_erase(st->slot * st->slot_sectors + st->read_address);
+    if (err != ERR_OK) {
+        not_taken(st, err);
         return;
     }
     st->read_address++;
@@ -166,7 +168,7 @@ static void begin_set(struct storage *st)
     else if (!st->newest.sequence || storage_blocked(st) || other_is_spare(st))
         begin_erase(st);
     else
-        not_taken(st);
+        not_taken(st, ERR_FULL);
 }
 
 /* Finds the blocks that keep the kind that the newest set gives them. Under another kind the same ids mean something else. */
@@ -269,16 +271,16 @@ static bool next_byte(struct storage *st, uint8_t *byte)
 static bool program(struct storage *st, unsigned tries)
 {
     uint32_t at = st->used[st->slot];
+    enum err err = ERR_FULL;
     if (st->slot_size - at >= st->piece_n) {
         st->used[st->slot] += st->piece_n; /* never programmed again, even after a failure */
-        bool taken =
-            hal_nvm_program(slot_address(st, st->slot) + at, st->piece, st->piece_n) == ERR_OK;
-        st->tries = taken ? 0 : (uint8_t)(st->tries + 1u);
-        if (taken || st->tries < tries)
-            return taken;
+        err = hal_nvm_program(slot_address(st, st->slot) + at, st->piece, st->piece_n);
+        st->tries = err == ERR_OK ? 0 : (uint8_t)(st->tries + 1u);
+        if (err == ERR_OK || st->tries < tries)
+            return err == ERR_OK;
     }
     st->tries = 0;
-    not_taken(st);
+    not_taken(st, err);
     return false;
 }
 
@@ -343,7 +345,7 @@ static void confirm(struct storage *st)
     else if (st->state == CONFIRMING && storage_can_renew(st))
         st->state = RENEWING;
     else if (st->state == CONFIRMING)
-        not_taken(st);
+        not_taken(st, ERR_IO);
 }
 
 static void write_head(struct storage *st)

@@ -3,11 +3,13 @@
 #include <string.h>
 
 #include "hal/nvm.h"
+#include "hal/self_check.h"
 
 uint8_t flash_model[FLASH_MODEL_SIZE];
 bool (*flash_model_keep)(uint32_t address, uint32_t n);
 void (*flash_model_glance)(uint32_t address, uint8_t *data, uint32_t n);
 bool flash_model_supply_low;
+bool flash_model_brown_out_off;
 
 void flash_model_erase_all(void)
 {
@@ -83,7 +85,7 @@ enum err hal_nvm_erase(uint32_t sector)
     return kept(sector * FLASH_MODEL_SECTOR_SIZE, FLASH_MODEL_SECTOR_SIZE) ? ERR_OK : ERR_IO;
 }
 
-bool hal_nvm_supply_low(void)
+bool hal_brown_out_off(void)
 {
-    return flash_model_supply_low;
+    return flash_model_brown_out_off;
 }

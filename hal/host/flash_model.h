@@ -20,5 +20,7 @@ extern void (*flash_model_glance)(uint32_t address, uint8_t *data, uint32_t n);
 void flash_model_erase_all(void); /* without keeping */
 /* As with a supply too low for a write. */
 extern bool flash_model_supply_low;
+/* As on a board whose brown-out reset is off. */
+extern bool flash_model_brown_out_off;
 
 #endif

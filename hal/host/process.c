@@ -3,6 +3,7 @@
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/memory_use.h"
+#include "hal/self_check.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -44,4 +45,15 @@ uint32_t hal_image_crc(void)
 const char *hal_supply_text(void)
 {
     return "not watched";
+}
+
+const char *hal_protection_text(enum hal_protection what)
+{
+    (void)what;
+    return NULL;
+}
+
+uint32_t hal_ram_failed_at(void)
+{
+    return 0;
 }

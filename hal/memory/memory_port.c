@@ -11,6 +11,7 @@
 #include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/ring.h"
+#include "hal/self_check.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
 
@@ -354,6 +355,11 @@ void memory_port_set_image(enum hal_image state)
 }
 
 enum hal_image hal_image_check(void)
+{
+    return image;
+}
+
+enum hal_image hal_image_watch(void)
 {
     return image;
 }

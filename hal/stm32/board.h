@@ -5,8 +5,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "watchdog_time.h"
-
 /* Interrupt priorities: the upper four bits count, a smaller number goes first. */
 #define PRIORITY_UART  0x40u
 #define PRIORITY_CLOCK 0x80u
@@ -48,8 +46,22 @@ void tick_work_seen(void); /* from interrupts: the main loop has something to lo
 /* uart.c */
 void uart_start(void);
 
-/* watchdog.c: another time-out from now on; returns the one before, for the way back. Feeds. Main loop only. */
-struct watchdog_time watchdog_change(struct watchdog_time to);
+/* Code that runs from the SRAM, where an erase of the flash does not stop it. It may neither call what lies in the flash nor read there.
+ * The name keeps functions apart, so that an image leaves out those that it does not call. */
+#define RAM_CODE(name) __attribute__((section(".ram_code." name), noinline))
+
+/* RAM code is farther from the flash than a branch reaches. */
+#ifdef __arm__
+#define CALLED_FROM_FLASH __attribute__((long_call))
+#else
+#define CALLED_FROM_FLASH
+#endif
+
+/* With interrupts held off, before and after an erase: only a byte from the plant link may wake the processor meanwhile. */
+void uart_hold_interrupts(bool hold);
+/* From RAM code with interrupts held off: takes a byte from the plant link's line, and gives it one: the next of those that wait,
+ * or *more. Returns true if it took that one. more: NULL, or a byte in RAM. */
+bool uart_serve_link(const uint8_t *more);
 
 /* identity.c: after clock_start(). */
 void identity_start(void);

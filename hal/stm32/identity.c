@@ -3,6 +3,7 @@
 #include "board.h"
 #include "hal/clock.h"
 #include "hal/retained.h"
+#include "hal/self_check.h"
 #include "registers.h"
 
 #define MAGIC         0x52464C58u /* "RFLX" */
@@ -64,7 +65,9 @@ void identity_start(void)
     uint32_t flags = RCC_CSR; /* 0 in the emulator */
 
     cause = find_cause(flags, valid, kept.intent);
-    RCC_CSR = flags | RCC_CSR_RMVF;
+    if (!BOARD_CHECKS || hal_ram_failed_at() == 0) { /* else the next start tests the RAM again */
+        RCC_CSR = flags | RCC_CSR_RMVF;
+    }
     if (!valid) {
         kept.magic = MAGIC;
         kept.boots = startup_noise;

@@ -12,6 +12,7 @@
 extern uint32_t data_start[], data_end[], data_source[], bss_start[], bss_end[];
 
 int main(void);
+void STARTUP(void); /* after a reset, or after what a chip does before */
 void interrupt_unexpected(void);
 void interrupt_systick(void);
 void interrupt_pendsv(void);
@@ -60,7 +61,7 @@ __attribute__((naked)) void interrupt_unexpected(void)
 
 static void paint_stack(void)
 {
-    uint32_t *here, noise = 2166136261u;
+    uint32_t *here, noise = STARTUP_NOISE;
     __asm volatile("mov %0, sp" : "=r"(here));
     /* At power-on the memory holds nearly random bits: they tell one start from another. */
     for (uint32_t *p = stack_bottom; p < here - 8; p++) {
@@ -84,7 +85,7 @@ uint32_t hal_stack_unused(void)
     return (uint32_t)((uintptr_t)p - (uintptr_t)stack_bottom);
 }
 
-void reset_entry(void)
+void STARTUP(void)
 {
 #ifdef __ARM_FP
     SCB_CPACR |= SCB_CPACR_FPU; /* before the first floating-point instruction */

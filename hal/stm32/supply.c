@@ -4,7 +4,6 @@
  */
 #include "board.h"
 #include "hal/identity.h"
-#include "hal/nvm.h"
 #include "registers.h"
 
 void supply_start(void)
@@ -17,11 +16,6 @@ void supply_start(void)
 bool supply_is_low(void)
 {
     return (PWR_CSR & PWR_CSR_PVDO) != 0; /* 0 in the emulator */
-}
-
-bool hal_nvm_supply_low(void)
-{
-    return supply_is_low();
 }
 
 const char *hal_supply_text(void)

@@ -203,3 +203,43 @@ void hal_uart_get_stats(enum hal_uart port, struct hal_uart_stats *stats)
 {
     *stats = uarts[port].stats;
 }
+
+void uart_hold_interrupts(bool hold)
+{
+    static uint32_t before[HAL_UART_COUNT];
+    for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
+        uint32_t held = USART_CR1_TXEIE | (i == HAL_UART_LINK ? 0 : USART_CR1_RXNEIE);
+        if (hold) {
+            before[i] = USART_CR1(uarts[i].base);
+        }
+        USART_CR1(uarts[i].base) = hold ? before[i] & ~held : before[i];
+    }
+}
+
+RAM_CODE("link") bool uart_serve_link(const uint8_t *more)
+{
+    struct uart *u = &uarts[HAL_UART_LINK];
+    uint32_t base = u->base, status = USART_SR(base), head = u->rx.head, tail = u->tx.tail;
+    if ((status & (USART_SR_RXNE | USART_SR_ORE)) != 0) {
+        uint8_t byte = (uint8_t)USART_DR(base);
+        bool good = (status & USART_SR_RXNE) != 0 &&
+                    (status & (USART_SR_PE | USART_SR_FE | USART_SR_NE)) == 0;
+        if (good && head - u->rx.tail < u->rx.size) {
+            u->rx.bytes[head & (u->rx.size - 1u)] = byte;
+            u->rx.head = head + 1u;
+        }
+    }
+    if ((status & USART_SR_TXE) == 0) {
+        return false;
+    }
+    if (u->tx.head != tail) {
+        USART_DR(base) = u->tx.bytes[tail & (u->tx.size - 1u)];
+        u->tx.tail = tail + 1u;
+        return false;
+    }
+    if (more == NULL) {
+        return false;
+    }
+    USART_DR(base) = *more;
+    return true;
+}

@@ -4,6 +4,7 @@
 #include "board.h"
 #include "hal/tick.h"
 #include "registers.h"
+#include "watchdog_time.h"
 
 #define WAIT_TURNS 2000000u /* six periods of the slow clock */
 
@@ -14,26 +15,19 @@ static void wait_arrived(void)
     }
 }
 
-struct watchdog_time watchdog_change(struct watchdog_time to)
-{
-    wait_arrived();
-    struct watchdog_time before = {(uint8_t)IWDG_PR, (uint16_t)IWDG_RLR};
-    hal_tick_lock(); /* a feeding in between would close the registers again */
-    IWDG_KR = IWDG_KR_ACCESS;
-    IWDG_PR = to.prescaler;
-    IWDG_RLR = to.reload;
-    hal_tick_unlock();
-    wait_arrived();
-    IWDG_KR = IWDG_KR_RELOAD;
-    return before;
-}
-
 bool hal_watchdog_start(uint32_t timeout_ms)
 {
     struct watchdog_time time = watchdog_time(timeout_ms, LSI_PER_MS);
     pins_freeze_watchdog();
     IWDG_KR = IWDG_KR_START;
-    (void)watchdog_change(time);
+    wait_arrived();
+    hal_tick_lock(); /* a feeding in between would close the registers again */
+    IWDG_KR = IWDG_KR_ACCESS;
+    IWDG_PR = time.prescaler;
+    IWDG_RLR = time.reload;
+    hal_tick_unlock();
+    wait_arrived();
+    IWDG_KR = IWDG_KR_RELOAD;
     /* In the emulator nothing was written anywhere. */
     return time.reload != 0 && IWDG_RLR == time.reload && IWDG_PR == time.prescaler;
 }

@@ -55,4 +55,6 @@
 #define UART_LINK_RX               64
 #define UART_LINK_TX               64
 
+#define BOARD_CHECKS 0 /* hal/self_check.h */
+
 #endif

@@ -8,6 +8,9 @@
 
 #define CHIP_INTERRUPTS 61 /* RM0041 table 50 */
 
+#define STARTUP       reset_entry
+#define STARTUP_NOISE 2166136261u
+
 /* RM0041 6.3: reset and clock control */
 #define RCC_CR             REG32(0x40021000u)
 #define RCC_CR_HSEON       BIT(16)

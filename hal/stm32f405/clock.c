@@ -18,6 +18,7 @@ static const char *source = "HSI 16 MHz";
 
 static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t value)
 {
+    IWDG_KR = IWDG_KR_RELOAD; /* it may run from the reset on: 0.35 s at least */
     for (uint32_t i = 0; i < WAIT_TURNS; i++) {
         if ((*reg & mask) == value) {
             return true;

@@ -8,6 +8,10 @@
 
 #define CHIP_INTERRUPTS 82 /* RM0090 table 62 */
 
+/* reset_entry() is in ram_test.c, and has mixed noise from all of the stack. */
+#define STARTUP       startup
+#define STARTUP_NOISE startup_noise
+
 /* RM0090 7.3: reset and clock control */
 #define RCC_CR             REG32(0x40023800u)
 #define RCC_CR_HSION       BIT(0)
@@ -37,6 +41,11 @@
 #define RCC_APB2ENR_USART1 BIT(4)
 #define RCC_APB2ENR_TIM11  BIT(18)
 #define RCC_CSR            REG32(0x40023874u)
+/* For ram_test.c, which reaches them without a stack. */
+#define RCC_CSR_ADDRESS     0x40023874u
+#define RCC_AHB1ENR_ADDRESS 0x40023830u
+#define IWDG_KR_ADDRESS     0x40003000u
+#define CCM_START           0x10000000u
 
 /* RM0090 5.4.1: power */
 #define PWR_CR_VOS BIT(14) /* scale 1: needed above 144 MHz */
@@ -45,27 +54,29 @@
 #define PWR_CR_PLS_CHOSEN (6u << 5)
 
 /* RM0090 3.9: flash interface */
-#define FLASH_ACR        REG32(0x40023C00u)
-#define FLASH_ACR_PRFTEN BIT(8)
-#define FLASH_ACR_ICEN   BIT(9)
-#define FLASH_ACR_DCEN   BIT(10)
-#define FLASH_ACR_ICRST  BIT(11)
-#define FLASH_ACR_DCRST  BIT(12)
-#define FLASH_KEYR       REG32(0x40023C04u)
-#define FLASH_KEY1       0x45670123u
-#define FLASH_KEY2       0xCDEF89ABu
-#define FLASH_SR         REG32(0x40023C0Cu)
-#define FLASH_SR_ERRORS  0xF2u /* PGSERR PGPERR PGAERR WRPERR OPERR, cleared by writing one */
-#define FLASH_SR_BSY     BIT(16)
-#define FLASH_CR         REG32(0x40023C10u)
-#define FLASH_CR_PG      BIT(0)
-#define FLASH_CR_SER     BIT(1)
-#define FLASH_CR_SNB(n)  ((uint32_t)(n) << 3)
-#define FLASH_CR_PSIZE32 (2u << 8)
-#define FLASH_CR_STRT    BIT(16)
-#define FLASH_CR_LOCK    BIT(31)
-#define FLASH_OPTCR      REG32(0x40023C14u)
-#define FLASH_OPTCR_BOR  (3u << 2) /* 0 level 3, which is 2.7 V and more; 1, 2: less; 3 off */
+#define FLASH_ACR          REG32(0x40023C00u)
+#define FLASH_ACR_PRFTEN   BIT(8)
+#define FLASH_ACR_ICEN     BIT(9)
+#define FLASH_ACR_DCEN     BIT(10)
+#define FLASH_ACR_ICRST    BIT(11)
+#define FLASH_ACR_DCRST    BIT(12)
+#define FLASH_KEYR         REG32(0x40023C04u)
+#define FLASH_KEY1         0x45670123u
+#define FLASH_KEY2         0xCDEF89ABu
+#define FLASH_SR           REG32(0x40023C0Cu)
+#define FLASH_SR_ERRORS    0xF2u /* PGSERR PGPERR PGAERR WRPERR OPERR, cleared by writing one */
+#define FLASH_SR_BSY       BIT(16)
+#define FLASH_CR           REG32(0x40023C10u)
+#define FLASH_CR_PG        BIT(0)
+#define FLASH_CR_SER       BIT(1)
+#define FLASH_CR_SNB(n)    ((uint32_t)(n) << 3)
+#define FLASH_CR_PSIZE32   (2u << 8)
+#define FLASH_CR_STRT      BIT(16)
+#define FLASH_CR_LOCK      BIT(31)
+#define FLASH_OPTCR        REG32(0x40023C14u)
+#define FLASH_OPTCR_BOR    (3u << 2) /* 0 level 3, which is 2.7 V and more; 1, 2: less; 3 off */
+#define FLASH_OPTCR_WDG_SW BIT(5)    /* 0: the watchdog runs from a reset on */
+#define FLASH_OPTCR_NWRP   16u       /* from this bit on: one of each sector; 0: write-protected */
 
 /* RM0090 8.4: general-purpose pins */
 #define GPIOA_MODER REG32(0x40020000u)

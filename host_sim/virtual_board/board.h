@@ -37,9 +37,12 @@ struct surroundings {
     uint32_t slow_clock_hz; /* of the watchdog */
     int32_t oscillator_ppm; /* error of the internal oscillator */
     uint32_t supply_mv;
-    uint32_t brown_out_mv; /* below this the chip is held in reset; 0: brown-out reset off */
-    uint32_t baud;         /* of what is at the other end of both lines */
-    uint64_t seed;         /* memory at power-on, half-programmed bits */
+    uint32_t brown_out_mv;  /* below this the chip is held in reset; 0: brown-out reset off */
+    bool hardware_watchdog; /* option byte: it runs from a reset on */
+    uint16_t
+        write_protect; /* option bytes: a bit of each sector of the flash that is write-protected */
+    uint32_t baud;     /* of what is at the other end of both lines */
+    uint64_t seed;     /* memory at power-on, half-programmed bits */
 };
 
 struct board_event {

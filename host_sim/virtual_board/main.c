@@ -33,6 +33,8 @@ static const char usage[] =
     "  --oscillator PPM  error of the internal oscillator, millionths (default 0)\n"
     "  --supply MV       supply, mV (default 3300)\n"
     "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
+    "  --hardware-watchdog  option byte: the watchdog runs from a reset on\n"
+    "  --write-protect BITS option bytes: sectors of the flash, a sum of 1 << sector (default 0)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
     "  --cut-word N      the supply goes within the N-th word written to the flash, and comes "
     "back\n"
@@ -111,6 +113,8 @@ int main(int argc, char **argv)
                                           {"brown-out", 1, NULL, 'b'},
                                           {"seed", 1, NULL, 'r'},
                                           {"cut-word", 1, NULL, 'w'},
+                                          {"hardware-watchdog", 0, NULL, 'd'},
+                                          {"write-protect", 1, NULL, 'q'},
                                           {"exact", 0, NULL, 'e'},
                                           {"statistics", 0, NULL, 't'},
                                           {"help", 0, NULL, 'h'},
@@ -172,6 +176,13 @@ int main(int argc, char **argv)
         case 'w':
             ok = whole_number(optarg, 1, INT64_MAX, &n);
             cut_word = (uint64_t)n;
+            break;
+        case 'd':
+            around.hardware_watchdog = true;
+            break;
+        case 'q':
+            ok = whole_number(optarg, 0, 0xFFF, &n);
+            around.write_protect = (uint16_t)n;
             break;
         case 'e':
             exact = true;

@@ -166,13 +166,16 @@ static uint32_t instructions_in(struct processor *p, uint32_t address, uint32_t 
 {
     const struct chip_memory *flash = flash_of(p->board->chip);
     uint32_t at = address - flash->base;
-    if (at >= flash->size)
-        return bytes / 2u;
-    struct counted *c = &p->counted[at / 2u];
-    if (c->bytes == bytes)
+    bool changes = at >= flash->size; /* what lies in RAM is counted anew each time */
+    struct counted *c = changes ? NULL : &p->counted[at / 2u];
+    if (c != NULL && c->bytes == bytes)
         return c->instructions;
-    uint32_t n = thumb_count(p->memory[0] + at, bytes);
-    *c = (struct counted){.bytes = (uint16_t)bytes, .instructions = (uint16_t)n};
+    const uint8_t *code = processor_memory(p->board, address, bytes);
+    if (code == NULL)
+        return bytes / 2u;
+    uint32_t n = thumb_count(code, bytes);
+    if (c != NULL)
+        *c = (struct counted){.bytes = (uint16_t)bytes, .instructions = (uint16_t)n};
     return n;
 }
 
@@ -180,6 +183,13 @@ static bool uses_fpu(struct processor *p, uint32_t address, uint32_t bytes)
 {
     const uint8_t *code = processor_memory(p->board, address, bytes);
     return p->board->chip->fpu && code != NULL && thumb_first_fpu(code, bytes) < bytes;
+}
+
+/* The flash, or its alias at 0. */
+static bool in_flash(const struct processor *p, uint32_t address)
+{
+    const struct chip_memory *flash = flash_of(p->board->chip);
+    return address < flash->size || address - flash->base < flash->size;
 }
 
 static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
@@ -199,6 +209,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
     if (p->first) {
         p->first = false;
     } else if (b->cycles >= p->slice_end || (b->cycles >= p->exact_from && !p->exact) ||
+               (b->stalled_until_ns != 0 && in_flash(p, (uint32_t)address)) ||
                (p->attend && interrupts_pick(p->interrupts, masks_of(p), false) != 0)) {
         p->cut =
             true; /* a stop here comes before the block runs; the library may not have noted where that is */
@@ -468,6 +479,14 @@ static bool takes_interrupts(const struct processor *p)
            0; /* the library cannot give back a half-done IT block */
 }
 
+/* While the flash answers no fetch: code in RAM runs on until an interrupt is taken, whose vector is in the flash. (That a read of data
+ * from the flash stops the core as well is not modelled.) */
+static bool runs_from_ram(const struct processor *p)
+{
+    return !p->locked_up && !in_flash(p, get(p, UC_ARM_REG_PC)) &&
+           (!takes_interrupts(p) || interrupts_pick(p->interrupts, masks_of(p), false) == 0);
+}
+
 /* Nothing runs: time goes on to what comes next. */
 static void pass_time(struct board *b, uint64_t until)
 {
@@ -616,12 +635,11 @@ void processor_run(struct board *b, uint64_t until)
         systick_run(p->interrupts);
         if (b->reset_asked || b->paused)
             break;
-        if (b->stalled_until_ns != 0) {
-            if (board_ns(b) < b->stalled_until_ns) {
-                pass_time(b, until);
-                continue;
-            }
+        if (b->stalled_until_ns != 0 && board_ns(b) >= b->stalled_until_ns)
             b->stalled_until_ns = 0;
+        if (b->stalled_until_ns != 0 && !runs_from_ram(p)) {
+            pass_time(b, until);
+            continue;
         }
         if (p->protection_changed)
             protect(p);
@@ -722,8 +740,10 @@ static bool map_memory(struct board *b, struct processor *p)
                 UC_ERR_OK)
                 return false;
         }
-        uint32_t rights =
-            m->kind == MEMORY_FLASH ? UC_PROT_READ | UC_PROT_EXEC : UC_PROT_READ | UC_PROT_WRITE;
+        /* The chip fetches from the SRAM as well, and not from the memory next to the core (RM0090 2.1). */
+        uint32_t rights = m->kind == MEMORY_FLASH ? UC_PROT_READ | UC_PROT_EXEC
+                          : m->kind == MEMORY_RAM ? UC_PROT_ALL
+                                                  : UC_PROT_READ | UC_PROT_WRITE;
         if (uc_mem_map_ptr(p->uc, m->base, size, rights, p->memory[i]) != UC_ERR_OK)
             return false;
     }

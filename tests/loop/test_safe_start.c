@@ -175,10 +175,46 @@ static void with_a_damaged_image_nothing_acts_and_the_console_says_why(void)
     TEST_ASSERT_TRUE(said("image whole"));
 }
 
+/* Two passes over the flash are behind the word of the port. */
+static void an_image_that_is_damaged_in_the_run_lets_nothing_act(void)
+{
+    reset_with_image(HAL_IMAGE_WHOLE);
+    samples(4);
+    ask_ok("mode bottom auto");
+    samples(3);
+    TEST_ASSERT_FALSE(board.command.safe);
+    memory_port_set_image(HAL_IMAGE_DAMAGED);
+    pass(10);
+    memory_port_set_image(HAL_IMAGE_NO_CHECKSUM);
+    TEST_ASSERT_TRUE(said("alarm IMAGE_DAMAGED"));
+    samples(1);
+    TEST_ASSERT_TRUE(board.command.safe);
+    ask_refused("mode bottom auto", "STATE");
+    TEST_ASSERT_TRUE(said("firmware is damaged"));
+}
+
+static void with_a_ram_that_failed_its_test_nothing_acts(void)
+{
+    reset_with_image(HAL_IMAGE_RAM_FAILED);
+    TEST_ASSERT_TRUE(said("alarm RAM_FAILED"));
+    samples(4);
+    ask_refused("mode bottom auto", "STATE");
+    TEST_ASSERT_TRUE(said("the RAM failed its test"));
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("state safe"));
+    TEST_ASSERT_TRUE(said("the RAM failed its test at power-on"));
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("image not checked: the RAM FAILED its test"));
+    samples(2);
+    TEST_ASSERT_TRUE(board.command.safe);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(with_a_damaged_image_nothing_acts_and_the_console_says_why);
+    RUN_TEST(an_image_that_is_damaged_in_the_run_lets_nothing_act);
+    RUN_TEST(with_a_ram_that_failed_its_test_nothing_acts);
     RUN_TEST(the_first_command_after_power_on_is_the_safe_state);
     RUN_TEST(a_reboot_while_controlling_ends_in_the_safe_state);
     RUN_TEST(the_reply_to_reboot_comes_before_the_board_goes);

@@ -224,6 +224,23 @@ static void test_flash_that_takes_no_write_is_said_in_one_line(void)
     TEST_ASSERT_TRUE(said("storage: failed"));
 }
 
+static void test_without_a_brown_out_reset_a_save_wants_a_word_more(void)
+{
+    running();
+    flash_model_brown_out_off = true;
+    ask_refused("save", "STATE");
+    TEST_ASSERT_TRUE(said("the brown-out reset is off"));
+    TEST_ASSERT_TRUE(said("save unsafe"));
+    ask_refused("save replace", "STATE");
+    ask_ok("save unsafe");
+    ask_ok("save replace unsafe");
+    (void)ask("save sure");
+    TEST_ASSERT_TRUE(said("err "));
+    flash_model_brown_out_off = false;
+    ask_ok("save");
+    ask_ok("save unsafe");
+}
+
 static void test_nothing_is_written_while_the_supply_is_too_low(void)
 {
     running();
@@ -644,6 +661,7 @@ int main(void)
     RUN_TEST(test_flash_that_takes_no_write_is_said_in_one_line);
     RUN_TEST(test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults);
     RUN_TEST(test_nothing_is_written_while_the_supply_is_too_low);
+    RUN_TEST(test_without_a_brown_out_reset_a_save_wants_a_word_more);
     RUN_TEST(test_save_that_needs_an_erase_waits_for_manual);
     RUN_TEST(test_nothing_is_erased_before_the_first_command);
     RUN_TEST(test_erases_are_counted_through_starts);

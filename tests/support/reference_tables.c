@@ -119,7 +119,8 @@ static void print_events(void)
 #define GUARD(name, text, level, unit)    print_event("boards with loop guards", #name);
 #define JOB(name, text, level, unit)      print_event("boards with jobs", #name);
 #define BLOCK(name, text, level, unit)    print_event("boards with blocks", #name);
-    EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK)
+#define CHECK(name, text, level, unit)    print_event("boards that check their RAM", #name);
+    EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK)
 }
 
 /* The board of the examples: a loop `top` that holds the temperature T1 by the reflux Lr. */

@@ -9,6 +9,7 @@
 #define FLASH_SR (*flash_status())
 volatile uint32_t *flash_status(void);
 
-__asm(".macro dsb\n.endm\n.macro isb\n.endm");
+__asm(".macro dsb\n.endm\n.macro isb\n.endm\n.macro wfi\n.endm\n"
+      ".macro cpsid what\n.endm\n.macro cpsie what\n.endm");
 
 #endif

@@ -10,6 +10,8 @@ from unittest import mock
 
 from support import FolderTest, call
 
+from reflux import option_bytes
+
 FAKE = """#!{python}
 import os, re, sys
 here = {folder!r}
@@ -22,6 +24,11 @@ def store(path):
     if os.environ.get("FAKE_DAMAGE"):
         data = data[:600] + bytes([data[600] ^ 1]) + data[601:]
     open(flash, "wb").write(data)
+options = os.path.join(here, "options.txt")
+def have_options():
+    return int(open(options).read(), 0) if os.path.exists(options) else 0x0FFFAAED
+def closed():
+    return ~have_options() >> 16 & 0xFFF & 1 and a[-3:-2] == ["write"]
 def fetch(path, size):
     assert not os.path.exists(path)
     open(path, "wb").write(open(flash, "rb").read()[:size])
@@ -33,6 +40,11 @@ BODIES = {
 if os.environ.get("FAKE_STLINK_FAILS"):
     print("2026 ERROR common.c: Failed to connect to target"); sys.exit(1)
 k = next((k for k, x in enumerate(a) if x in ("write", "read", "reset")))
+if "--area=option" in a:
+    if a[k] == "write": open(options, "w").write(a[k + 1])
+    else: print("st-flash 1.7.0", "%08x" % have_options(), sep=chr(10))
+    sys.exit(0)
+if closed(): print("ERROR: write protected"); sys.exit(1 if a[k] == "write" else 0)
 if a[k] == "write": store(a[k + 1])
 if a[k] == "read": fetch(a[k + 1], int(a[k + 3]))
 """,
@@ -49,6 +61,8 @@ print("Info : Target voltage: 3.24")
 for c in a:
     w = re.findall(r"{{[^}}]*}}|\\S+", c)  # Tcl's words
     if w[:1] == ["flash"]: store(w[3].strip("{{}}"))
+    if w[:1] == ["mdw"]: print("0x40023c14: %08x" % have_options())
+    if w[:2] == ["mww", "0x40023c14"] and int(w[2], 0) & 2: open(options, "w").write(hex(int(w[2], 0) & ~2 | 1))
     if w[:1] == ["dump_image"]: fetch(w[1].strip("{{}}"), int(w[3]))
 """.replace("{{", "{").replace("}}", "}"),
 }
@@ -155,6 +169,54 @@ class FlashTest(FolderTest):
         status, _, err = self.flash("--yes", FAKE_STLINK=STLINK, FAKE_STLINK_FAILS="1")
         self.assertEqual(status, 1)
         self.assertIn("Failed to connect to target", err)
+
+    def options(self) -> int:
+        return int((self.folder / "options.txt").read_text(), 0)
+
+    def test_protect_says_what_it_changes_asks_and_reads_back(self) -> None:
+        for environment in ({"FAKE_STLINK": STLINK}, {"FAKE_OPENOCD": "1"}):
+            with self.subTest(str(environment)):
+                (self.folder / "options.txt").write_text("0x0fffaaed")
+                with mock.patch("sys.stdin") as stdin, mock.patch("builtins.input", return_value="n"):
+                    stdin.isatty.return_value = True
+                    status, out, _ = self.flash("--protect", **environment)
+                self.assertEqual((status, self.options()), (1, 0x0FFFAAED))
+                self.assertIn("now: brown-out reset OFF, watchdog only from start-up on, write-protected sectors: none", out)
+                self.assertIn("it will set: brown-out reset level 3, watchdog from reset on, write-protected sectors: 0\n", out)
+                status, out, err = self.flash("--protect", "--yes", **environment)
+                self.assertEqual((status, err), (0, ""))
+                self.assertEqual(self.options() & 0x0FFFFFEC, 0x0FFEAAC0)
+                self.assertIn("read back equal", out)
+                self.assertIn("nothing to change", self.flash("--protect", "--yes", **environment)[1])
+                self.assertEqual(self.flash("--unprotect", "--yes", **environment)[0], 0)
+                self.assertEqual(self.options() & 0x0FFFFFEC, 0x0FFFAAC0)
+        self.assertIsNone(self.flashed())
+
+    def test_a_protected_board_is_opened_written_and_closed_again(self) -> None:
+        (self.folder / "options.txt").write_text("0x0ffeaac1")
+        status, out, err = self.flash("--yes", FAKE_STLINK=STLINK)
+        self.assertEqual((status, err), (0, ""), out)
+        self.assertIn("write protection lifted for now: sectors 0\n", out)
+        self.assertIn("write protection set again: sectors 0\n", out)
+        self.assertEqual((self.options(), self.flashed()), (0x0FFEAAC1, self.image.read_bytes()))
+        status, _, err = self.flash("--yes", FAKE_STLINK=STLINK, FAKE_DAMAGE="1")  # closed again after a failure, too
+        self.assertEqual((status, self.options()), (1, 0x0FFEAAC1), err)
+
+    def test_a_board_that_is_read_protected_or_on_a_boot_loader_is_refused(self) -> None:
+        (self.folder / "options.txt").write_text("0x0fff55ed")
+        status, _, err = self.flash("--protect", "--yes", FAKE_STLINK=STLINK)
+        self.assertEqual((status, self.options()), (2, 0x0FFF55ED))
+        self.assertIn("read-protected", err)
+        status, _, err = self.flash("--protect", "--yes", FAKE_DFU=DFU)
+        self.assertEqual(status, 2)
+        self.assertIn("dfu cannot set option bytes: connect an ST-Link", err)
+        status, out, _ = self.flash("--protect", "--dry-run", FAKE_STLINK=STLINK)
+        self.assertEqual(status, 0)
+        self.assertIn("write protection of sectors 0\nnothing written", out)
+
+    def test_sectors_of_an_image(self) -> None:
+        for size, sectors in ((1, 0x1), (16384, 0x1), (16385, 0x3), (131072, 0x1F), (131073, 0x3F), (536576, 0x1FF), (786432, 0x3FF)):
+            self.assertEqual(option_bytes.sectors_of(size), sectors)
 
     def test_files_that_are_no_images(self) -> None:
         for data, expected in ((b"\x7fELF" + bytes(2000), "use the .bin file"), (b"", "0 bytes"),

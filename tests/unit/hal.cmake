@@ -19,6 +19,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     "${PROJECT_SOURCE_DIR}/hal/stm32f405/nvm.c" "${PROJECT_SOURCE_DIR}/hal/stm32/watchdog.c" LIBS reflux_hal)
   target_include_directories(test_stm32_flash PRIVATE
     "${PROJECT_SOURCE_DIR}/hal/stm32" "${PROJECT_SOURCE_DIR}/hal/stm32f405")
+  target_include_directories(test_stm32_flash PRIVATE "${REFLUX_LAYERS}/app")
   target_compile_options(test_stm32_flash PRIVATE -Wno-int-to-pointer-cast -D_GNU_SOURCE
     "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_on_host.h")
   # Start, clocks, supply and faults of each chip, on a model of its registers; clock.c is part of the test's own file.
@@ -31,6 +32,10 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     target_include_directories(test_${chip}_chip PRIVATE "${port}" "${shared}")
     target_compile_options(test_${chip}_chip PRIVATE -UNDEBUG -Wno-int-to-pointer-cast
       "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_model.h")
+    target_include_directories(test_${chip}_chip PRIVATE "${REFLUX_LAYERS}/app")
+    if(EXISTS "${port}/options.c")
+      target_sources(test_${chip}_chip PRIVATE "${port}/options.c")
+    endif()
   endforeach()
 endif()
 

@@ -6,9 +6,11 @@
 #include <string.h>
 
 /* So that a start begins with what a reset leaves in its variables. NOLINTNEXTLINE(bugprone-suspicious-include) */
+#include "app/app.h"
 #include "clock.c"
 #include "hal/identity.h"
 #include "hal/nvm.h"
+#include "hal/self_check.h"
 #include "hal/tick.h"
 #include "unity.h"
 
@@ -51,6 +53,7 @@ static int hsi_error;        /* thousandths */
 static bool pll_locks, rtc_runs, supply_low;
 static uint32_t cycles; /* of the core; each access takes some */
 static jmp_buf board_reset;
+static uint32_t ram_failed_at, image_bytes;
 
 static unsigned find(uint32_t address)
 {
@@ -215,6 +218,42 @@ static void start(uint32_t flags)
 uint64_t hal_clock_ms(void)
 {
     return 1234;
+}
+
+/* ---- what the drivers call, and these tests do not look at ---- */
+
+void hal_tick_request(void) {}
+void uart_hold_interrupts(bool hold)
+{
+    (void)hold;
+}
+
+bool uart_serve_link(const uint8_t *more)
+{
+    (void)more;
+    return false;
+}
+
+struct app *app_instance(void)
+{
+    return NULL;
+}
+
+size_t app_keep_alive(struct app *app, uint8_t *wire)
+{
+    (void)app;
+    (void)wire;
+    return 0;
+}
+
+uint32_t hal_ram_failed_at(void)
+{
+    return ram_failed_at;
+}
+
+uint32_t hal_image_bytes(void)
+{
+    return image_bytes;
 }
 
 void hal_tick_lock(void) {}
@@ -394,10 +433,10 @@ static void test_the_voltage_detector_is_on_and_forbids_flash_writes(void)
     start(RCC_CSR_PORRST);
     TEST_ASSERT_TRUE((now(RCC_APB1ENR) & BIT(28)) != 0);
     TEST_ASSERT_EQUAL_HEX32(PWR_CR_PVDE | (F405 ? 6u << 5 | BIT(14) : 2u << 5), now(PWR_CR));
-    TEST_ASSERT_FALSE(hal_nvm_supply_low());
+    TEST_ASSERT_FALSE(supply_is_low());
     supply_low = true;
     forget_writes();
-    TEST_ASSERT_TRUE(hal_nvm_supply_low());
+    TEST_ASSERT_TRUE(supply_is_low());
     TEST_ASSERT_NOT_NULL(strstr(hal_supply_text(), "TOO LOW"));
     TEST_ASSERT_EQUAL(ERR_STATE, hal_nvm_erase(0));
     TEST_ASSERT_EQUAL(WRITES, first_write(FLASH_CR, BIT(F405 ? 16 : 6), BIT(F405 ? 16 : 6)));
@@ -421,7 +460,48 @@ static void test_the_level_of_the_brown_out_reset_is_told(void)
         start(RCC_CSR_PORRST);
         becomes(FLASH_OPTCR, 0x0FFFAAE1u | level << 2);
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(hal_supply_text(), told[level]), told[level]);
+        TEST_ASSERT_EQUAL(level == 3, hal_brown_out_off());
     }
+}
+
+/* RM0090 3.6.4 and 3.9.10: bit 5 is 0 with the hardware watchdog; bits 16 to 27 are 0 in a sector that is write-protected. */
+static void test_the_watchdog_option_and_the_write_protection_of_the_program_are_told(void)
+{
+    static const struct {
+        uint32_t bytes, open;
+        const char *told;
+    } cases[] = {
+        {500000, 0xFFF, "program NOT write-protected"},
+        {500000, 0xF80, "program write-protected in part"},
+        {500000, 0xF00, "program write-protected"},
+        {393216, 0xF80, "program write-protected"},
+        {393217, 0xF80, "program write-protected in part"},
+        {65536, 0xFF0, "program write-protected"},
+        {786432, 0xC00, "program write-protected"},
+        {786432, 0xE00, "program write-protected in part"},
+    };
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        start(RCC_CSR_PORRST);
+        image_bytes = cases[i].bytes;
+        becomes(FLASH_OPTCR, 0xAAEDu | cases[i].open << 16);
+        TEST_ASSERT_EQUAL_STRING(cases[i].told, hal_protection_text(HAL_PROTECTION_PROGRAM));
+        TEST_ASSERT_EQUAL_STRING("watchdog only from start-up on",
+                                 hal_protection_text(HAL_PROTECTION_WATCHDOG));
+        becomes(FLASH_OPTCR, 0xAACDu | cases[i].open << 16);
+        TEST_ASSERT_EQUAL_STRING("watchdog from reset on",
+                                 hal_protection_text(HAL_PROTECTION_WATCHDOG));
+    }
+}
+
+/* RM0090 7.3.21: the flag of the power-on, by which the next start knows that it must test. */
+static void test_the_flag_of_the_power_on_stays_while_the_ram_is_bad(void)
+{
+    ram_failed_at = 0x20001000u;
+    start(RCC_CSR_PORRST);
+    TEST_ASSERT_EQUAL(WRITES, first_write(RCC_CSR, RCC_CSR_RMVF, RCC_CSR_RMVF));
+    ram_failed_at = 0;
+    start(RCC_CSR_PORRST);
+    TEST_ASSERT_NOT_EQUAL(WRITES, first_write(RCC_CSR, RCC_CSR_RMVF, RCC_CSR_RMVF));
 }
 #endif
 
@@ -471,6 +551,8 @@ int main(void)
     RUN_TEST(test_wait_states_come_before_the_speed);
     RUN_TEST(test_prefetch_is_off_on_early_silicon);
     RUN_TEST(test_the_level_of_the_brown_out_reset_is_told);
+    RUN_TEST(test_the_watchdog_option_and_the_write_protection_of_the_program_are_told);
+    RUN_TEST(test_the_flag_of_the_power_on_stays_while_the_ram_is_bad);
 #else
     RUN_TEST(test_a_crystal_that_cannot_be_measured_is_not_used);
 #endif

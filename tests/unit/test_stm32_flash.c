@@ -1,59 +1,89 @@
-/* The STM32F405's flash and watchdog drivers on plain memory that lies where their registers are: an erase, in which
- * nobody can feed the watchdog, has a time-out of its own. What the flash itself does is not modelled. */
+/* The STM32F405's flash and watchdog drivers on plain memory that lies where their registers are: in an
+ * erase the watchdog is fed, the supply watched and the plant link kept alive. What the flash itself does is not modelled. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 
+#include "app/app.h"
 #include "board.h"
 #include "hal/nvm.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
 #include "registers.h"
 #include "unity.h"
+#include "watchdog_time.h"
 
 #define AREA      ((uint8_t *)0x080C0000u)
 #define AREA_SIZE 0x40000u
 #define PAGE      0x1000u
 
 #define USUAL_MS 2000u /* WATCHDOG_MS in firmware/app/app.c */
-#define ERASE_X8_MS                                                                                \
-    4000u /* longest erase of 128 KiB, one byte at a time (DS8626); by words, as here, 2000 */
 
-/* Registers at the time when the watchdog got another time-out, and when the flash erased. */
-static struct seen {
-    uint32_t key, prescaler, reload, flash;
-} changes[8], erasing;
-static unsigned n_changes, locks, erases;
+static unsigned erases, fed, unfed, n_sent, held;
+static unsigned busy_ms, dip_at_ms, passed; /* passed: looks at the status of a busy flash */
+static uint8_t sent[8 * APP_KEEP_ALIVE_BYTES];
 static bool worn; /* an erase leaves a bit */
+static bool plant;
 static uint32_t status;
 
-void hal_tick_lock(void)
+void hal_tick_lock(void) {}
+void hal_tick_unlock(void) {}
+void hal_tick_request(void) {}
+
+struct app *app_instance(void)
 {
-    locks++;
+    return NULL;
 }
 
-void hal_tick_unlock(void)
+/* Frames that tell one from another; the sixth never comes. */
+size_t app_keep_alive(struct app *app, uint8_t *wire)
 {
-    TEST_ASSERT_EQUAL(n_changes + 1, locks);
-    TEST_ASSERT_TRUE(n_changes < sizeof changes / sizeof changes[0]);
-    changes[n_changes++] = (struct seen){IWDG_KR, IWDG_PR, IWDG_RLR, FLASH_CR};
+    static uint8_t frame;
+    (void)app;
+    for (uint8_t i = 0; i < APP_KEEP_ALIVE_BYTES; i++)
+        wire[i] = (uint8_t)(frame % 5u * 16u + i);
+    frame++;
+    return plant ? APP_KEEP_ALIVE_BYTES : 0;
 }
 
-/* Writing ones clears them: what is written is lost. Whoever asks after a start finds the erase done. */
+void uart_hold_interrupts(bool hold)
+{
+    held = held + (hold ? 1u : -1u);
+}
+
+bool uart_serve_link(const uint8_t *more)
+{
+    if (more == NULL)
+        return false;
+    TEST_ASSERT_TRUE(n_sent < sizeof sent);
+    sent[n_sent++] = *more;
+    return true;
+}
+
+/* Writing ones clears them: what is written is lost. */
 volatile uint32_t *flash_status(void)
 {
     static uint32_t shown;
     uint32_t sector = ((FLASH_CR >> 3) & 15u) - 10u;
     if (FLASH_CR & FLASH_CR_STRT) {
         TEST_ASSERT_TRUE((FLASH_CR & FLASH_CR_SER) != 0 && sector < 2);
-        erasing = (struct seen){IWDG_KR, IWDG_PR, IWDG_RLR, FLASH_CR};
         erases++;
+        passed = 0;
         FLASH_CR &= ~FLASH_CR_STRT;
         memset(AREA + sector * (AREA_SIZE / 2), 0xFF, AREA_SIZE / 2);
         if (worn)
             AREA[sector * (AREA_SIZE / 2) + 77] = 0xFE;
     }
     shown = status;
+    if (erases != 0 && passed / 2u < busy_ms) {
+        unfed += passed != 0 && IWDG_KR != IWDG_KR_RELOAD;
+        fed++;
+        IWDG_KR = 0;
+        passed++;
+        SYST_CSR = passed % 2u ? SYST_CSR_COUNTFLAG : 0;
+        PWR_CSR = dip_at_ms != 0 && passed / 2u == dip_at_ms ? PWR_CSR_PVDO : 0;
+        shown |= FLASH_SR_BSY;
+    }
     return &shown;
 }
 
@@ -80,14 +110,17 @@ void setUp(void)
         map(AREA, AREA_SIZE);
         map(&IWDG_KR, PAGE);
         map(&FLASH_CR, PAGE);
+        map(&PWR_CSR, PAGE);
+        map(&SYST_CSR, PAGE);
         mapped = true;
     }
     memset(AREA, 0xFF, AREA_SIZE);
     FLASH_CR = FLASH_CR_LOCK;
     status = 0;
     worn = supply_low = false;
+    plant = true;
     IWDG_SR = 0;
-    n_changes = locks = erases = 0;
+    busy_ms = dip_at_ms = passed = erases = fed = unfed = n_sent = held = 0;
 }
 
 void tearDown(void) {}
@@ -114,41 +147,67 @@ static void test_every_time_out_is_the_nearest_the_registers_can_hold(void)
     TEST_ASSERT_UINT_WITHIN(1, 4095, longest.reload);
 }
 
-static void test_an_erase_has_a_longer_time_out_and_leaves_the_usual_one(void)
+/* The flash is busy for so many looks at its status; a millisecond passes at each second one. */
+static void test_an_erase_feeds_the_watchdog_and_keeps_the_plant_link_alive(void)
 {
+    static const unsigned lasts_ms[] = {1, 999, 2000, 4500};
     TEST_ASSERT_TRUE(hal_watchdog_start(USUAL_MS));
-    AREA[AREA_SIZE / 2 - 1] = AREA[AREA_SIZE / 2] = AREA[AREA_SIZE - 1] = 0;
-    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
-    TEST_ASSERT_EQUAL(1, erases);
-    TEST_ASSERT_EQUAL_HEX8(0, AREA[AREA_SIZE / 2 - 1]); /* the other sector */
-    TEST_ASSERT_EQUAL(3, n_changes);
-    for (unsigned i = 0; i < 3; i++)
-        TEST_ASSERT_EQUAL_HEX32(IWDG_KR_ACCESS, changes[i].key);
-    double usual = milliseconds(changes[0].prescaler, changes[0].reload, 47);
-    double erase = milliseconds(erasing.prescaler, erasing.reload, 47);
-    printf("watchdog where its clock is fastest: %.0f ms, in an erase %.0f ms\n", usual, erase);
-    TEST_ASSERT_EQUAL_HEX32(IWDG_KR_RELOAD, erasing.key); /* fed just before */
+    double usual = milliseconds(IWDG_PR, IWDG_RLR, 47);
+    printf("watchdog where its clock is fastest: %.0f ms\n", usual);
     TEST_ASSERT_TRUE(usual > 1000); /* the main loop's and the tick's own limit */
-    TEST_ASSERT_TRUE(erase > ERASE_X8_MS);
-    TEST_ASSERT_EQUAL_HEX32(FLASH_CR_LOCK, changes[2].flash);
-    TEST_ASSERT_EQUAL(changes[0].prescaler, IWDG_PR);
-    TEST_ASSERT_EQUAL(changes[0].reload, IWDG_RLR);
-    TEST_ASSERT_EQUAL_HEX32(IWDG_KR_RELOAD, IWDG_KR);
+    uint32_t prescaler = IWDG_PR, reload = IWDG_RLR;
+    for (unsigned i = 0; i < sizeof lasts_ms / sizeof lasts_ms[0]; i++) {
+        AREA[AREA_SIZE / 2 - 1] = AREA[AREA_SIZE / 2] = AREA[AREA_SIZE - 1] = 0;
+        erases = fed = unfed = n_sent = held = 0;
+        busy_ms = lasts_ms[i];
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+        TEST_ASSERT_EQUAL(1, erases);
+        TEST_ASSERT_EQUAL_HEX8(0, AREA[AREA_SIZE / 2 - 1]); /* the other sector */
+        TEST_ASSERT_EQUAL(0, unfed);
+        TEST_ASSERT_TRUE(fed >= lasts_ms[i]);
+        unsigned frames = lasts_ms[i] < 250 ? 0 : 1 + (lasts_ms[i] - 250) / 500;
+        TEST_ASSERT_EQUAL(frames > 5 ? 5 : frames, n_sent / APP_KEEP_ALIVE_BYTES);
+        for (unsigned k = 0; k < n_sent; k++)
+            TEST_ASSERT_EQUAL(k / APP_KEEP_ALIVE_BYTES * 16 + k % APP_KEEP_ALIVE_BYTES, sent[k]);
+        TEST_ASSERT_EQUAL(0, held);
+        TEST_ASSERT_EQUAL_HEX32(FLASH_CR_LOCK, FLASH_CR);
+        TEST_ASSERT_EQUAL(prescaler, IWDG_PR);
+        TEST_ASSERT_EQUAL(reload, IWDG_RLR);
+    }
 }
 
-static void test_an_erase_that_fails_leaves_the_usual_time_out(void)
+static void test_a_flash_that_stays_busy_is_given_up(void)
 {
-    TEST_ASSERT_TRUE(hal_watchdog_start(USUAL_MS));
+    busy_ms = 200000;
+    TEST_ASSERT_EQUAL(ERR_TIMEOUT, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL(5 * APP_KEEP_ALIVE_BYTES, n_sent); /* then the plant goes safe */
+}
+
+static void test_without_a_plant_nothing_is_sent(void)
+{
+    plant = false;
+    busy_ms = 2000;
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL(0, n_sent);
+}
+
+static void test_an_erase_with_a_dip_of_the_supply_counts_as_none(void)
+{
+    busy_ms = 1000;
+    dip_at_ms = 400;
+    TEST_ASSERT_EQUAL(ERR_STATE, hal_nvm_erase(1));
+    dip_at_ms = 0;
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+}
+
+static void test_an_erase_that_fails_is_told(void)
+{
     worn = true;
     TEST_ASSERT_EQUAL(ERR_IO, hal_nvm_erase(0));
     worn = false;
     status = BIT(4); /* protected */
     TEST_ASSERT_EQUAL(ERR_IO, hal_nvm_erase(1));
-    TEST_ASSERT_EQUAL(5, n_changes);
-    TEST_ASSERT_EQUAL(changes[0].prescaler, IWDG_PR);
-    TEST_ASSERT_EQUAL(changes[0].reload, IWDG_RLR);
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_erase(2));
-    TEST_ASSERT_EQUAL(5, n_changes);
 }
 
 static void test_programming_writes_whole_words_to_erased_ones_and_locks(void)
@@ -195,8 +254,11 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_time_out_is_the_nearest_the_registers_can_hold);
-    RUN_TEST(test_an_erase_has_a_longer_time_out_and_leaves_the_usual_one);
-    RUN_TEST(test_an_erase_that_fails_leaves_the_usual_time_out);
+    RUN_TEST(test_an_erase_feeds_the_watchdog_and_keeps_the_plant_link_alive);
+    RUN_TEST(test_a_flash_that_stays_busy_is_given_up);
+    RUN_TEST(test_without_a_plant_nothing_is_sent);
+    RUN_TEST(test_an_erase_with_a_dip_of_the_supply_counts_as_none);
+    RUN_TEST(test_an_erase_that_fails_is_told);
     RUN_TEST(test_programming_writes_whole_words_to_erased_ones_and_locks);
     RUN_TEST(test_with_a_low_supply_nothing_is_programmed_or_erased);
     return UNITY_END();

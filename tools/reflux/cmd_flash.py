@@ -11,7 +11,7 @@ import tempfile
 import zlib
 from pathlib import Path
 
-from reflux import build, probes
+from reflux import build, option_bytes, probes
 from reflux.errors import RunFailed, UserError
 from reflux.paths import INSTALLED, build_dir, named, shown, tool
 
@@ -29,6 +29,10 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--image", type=named, metavar="FILE", help=f"file to write (default: the image of preset {PRESET})")
     p.add_argument("--probe", choices=sorted(probes.PROBES), help="use only this program (default: the first that works)")
     p.add_argument("--serial", metavar="NUMBER", help="serial number of the ST-Link or boot loader, when there are several")
+    p.add_argument("--protect", action="store_true",
+                   help="write no image: set the brown-out reset to level 3, let the watchdog run from a reset on, and write-protect the sectors "
+                   "that hold the image; by ST-Link only")
+    p.add_argument("--unprotect", action="store_true", help="write no image: lift the write protection; by ST-Link only")
     p.add_argument("--yes", action="store_true", help="do not ask")
     p.add_argument("--dry-run", action="store_true", help="print what the tool would do, and stop")
     options = p.parse_args(arguments)
@@ -41,6 +45,8 @@ def main(arguments: list[str]) -> int:
             raise
         print(f"no board: {error}")
         probe, found = likely(options.probe, options.serial)
+    if options.protect or options.unprotect:
+        return set_options(probe, found, image.stat().st_size, options)
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         back = Path(folder) / "back.bin"
         steps = probe.steps(image, back, found.serial)
@@ -54,9 +60,68 @@ def main(arguments: list[str]) -> int:
         if not options.yes and not agreed():
             print("nothing written")
             return 1
-        write(image, back, steps)
+        closed = lift(probe, found, image.stat().st_size)
+        try:
+            write(image, back, steps)
+        finally:
+            if closed is not None:
+                write_options(probe, found, closed)
+                print(f"write protection set again: sectors {option_bytes.names(option_bytes.closed(closed))}")
+        for command in steps.finish:
+            probes.must_run(command, "starting")
     print(f"flash: {image.stat().st_size} bytes written to {found.text}, read back equal, started")
     return 0
+
+
+def set_options(probe: probes.Probe, found: probes.Found, size: int, asked: argparse.Namespace) -> int:
+    """Protects the board, or lifts the write protection: says what changes, asks, writes, reads back."""
+    if asked.protect and asked.unprotect:
+        raise UserError("--protect and --unprotect: which of the two?")
+    if probe.options is None:
+        raise UserError(f"{probe.name} cannot set option bytes: connect an ST-Link (st-flash or OpenOCD), or set them in ST's programmer: "
+                        "BOR_LEV 0, WDG_SW 0, nWRP 0 for the sectors of the program")
+    if asked.dry_run:
+        print(f"board: {found.text}\nit will read the option bytes: {shlex.join(probe.options.read(found.serial))}")
+        print("and then, without a change of anything else: " +
+              ("lift the write protection of all sectors" if asked.unprotect else "set brown-out reset level 3, watchdog from reset on, "
+               f"write protection of sectors {option_bytes.names(option_bytes.sectors_of(size))}") + "\nnothing written (--dry-run)")
+        return 0
+    before = probe.options.value(found.serial)
+    option_bytes.check(before)
+    after = option_bytes.with_open(before, 0xFFF) if asked.unprotect else option_bytes.protected(before, size)
+    print(f"board: {found.text}\nnow: {option_bytes.text(before)}")
+    if after == before:
+        print("nothing to change")
+        return 0
+    print(f"it will set: {option_bytes.text(after)}\n  {shlex.join(probe.options.write(found.serial, after))}")
+    if not asked.yes and not agreed():
+        print("nothing written")
+        return 1
+    write_options(probe, found, after)
+    print("option bytes written, read back equal; switch the supply off and on")
+    return 0
+
+
+def write_options(probe: probes.Probe, found: probes.Found, value: int) -> None:
+    assert probe.options is not None
+    probes.must_run(probe.options.write(found.serial, value), "writing option bytes")
+    have = probe.options.value(found.serial)
+    if (have ^ value) & option_bytes.CHANGEABLE:
+        raise RunFailed(f"the option bytes are {have:#010x} and not {value:#010x}: look at `version` of the board, and try again")
+
+
+def lift(probe: probes.Probe, found: probes.Found, size: int) -> int | None:
+    """Lifts a write protection of sectors that the image needs. Returns the option bytes before; None if nothing stood in the way."""
+    if probe.options is None:
+        return None  # the program itself says that it cannot write
+    before = probe.options.value(found.serial)
+    needed = option_bytes.closed(before) & option_bytes.sectors_of(size)
+    if not needed:
+        return None
+    option_bytes.check(before)
+    print(f"write protection lifted for now: sectors {option_bytes.names(needed)}")
+    write_options(probe, found, option_bytes.with_open(before, needed))
+    return before
 
 
 def likely(name: str | None, serial: str | None) -> tuple[probes.Probe, probes.Found]:
@@ -116,5 +181,3 @@ def write(image: Path, back: Path, steps: probes.Steps) -> None:
         k = next((i for i, (a, b) in enumerate(zip(wanted, have)) if a != b), min(len(wanted), len(have)))
         raise RunFailed(f"what was read back differs from the image at {probes.FLASH + k:#010x}; the board was not "
                         "started: write again")
-    for command in steps.finish:
-        probes.must_run(command, "starting")

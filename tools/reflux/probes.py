@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
+from reflux import option_bytes
 from reflux.build import Progress
 from reflux.errors import RunFailed, UserError
 
@@ -37,12 +38,29 @@ class Found:
 
 
 @dataclass(frozen=True)
+class Options:
+    """How a program reads and writes the option bytes: a command that prints them, where in what it prints, and one that writes them."""
+
+    read: Callable[[str], list[str]]
+    pattern: str
+    write: Callable[[str, int], list[str]]
+
+    def value(self, serial: str) -> int:
+        said = must_run(self.read(serial), "reading option bytes")
+        found = re.search(self.pattern, said, re.M | re.I)
+        if found is None:
+            raise RunFailed(f"{self.read(serial)[0]} did not say the option bytes")
+        return int(found[1], 16)
+
+
+@dataclass(frozen=True)
 class Probe:
     name: str
     programs: tuple[str, ...]
     package: str
     look: Callable[[], list[Found]]
     steps: Callable[[Path, Path, str], Steps]
+    options: Options | None = None  # None: this program cannot
 
     def missing(self) -> str | None:
         return next((p for p in self.programs if shutil.which(p) is None), None)
@@ -145,10 +163,22 @@ def openocd_steps(image: Path, back: Path, serial: str) -> Steps:
                  [openocd("init", "reset run", "shutdown")])
 
 
+# Both not tried on a board yet. st-flash knows the bytes of this chip as its register OPTCR; OpenOCD follows RM0090 3.6.4.
+STLINK_OPTIONS = Options(lambda serial: ["st-flash", "--connect-under-reset", "--serial", serial, "--area=option", "read"],
+                         r"^\s*(?:0x)?([0-9a-f]{8})\s*$",
+                         lambda serial, value: ["st-flash", "--connect-under-reset", "--serial", serial, "--area=option", "write",
+                                                f"{value:#010x}"])
+OPENOCD_OPTIONS = Options(lambda serial: openocd("init", "reset halt", f"mdw {option_bytes.OPTCR:#x}", "shutdown"),
+                          rf"{option_bytes.OPTCR:#x}:\s*([0-9a-f]{{8}})",
+                          lambda serial, value: openocd(
+                              "init", "reset halt", *(f"mww {option_bytes.OPTKEYR:#x} {key:#x}" for key in option_bytes.KEYS),
+                              *(f"mww {option_bytes.OPTCR:#x} {value & option_bytes.CHANGEABLE | start:#x}"
+                                for start in (0, option_bytes.START)), "sleep 2000", "shutdown"))
+
 PROBES = {
-    "st-flash": Probe("st-flash", ("st-info", "st-flash"), "stlink-tools", look_stlink, stlink_steps),
+    "st-flash": Probe("st-flash", ("st-info", "st-flash"), "stlink-tools", look_stlink, stlink_steps, STLINK_OPTIONS),
     "dfu": Probe("dfu", ("dfu-util",), "dfu-util", look_dfu, dfu_steps),
-    "openocd": Probe("openocd", ("openocd",), "openocd", look_openocd, openocd_steps),
+    "openocd": Probe("openocd", ("openocd",), "openocd", look_openocd, openocd_steps, OPENOCD_OPTIONS),
 }
 
 

@@ -6,19 +6,21 @@
 
 enum { ACR = 0x00, KEYR = 0x04, OPTKEYR = 0x08, SR = 0x0C, CR = 0x10, OPTCR = 0x14 };
 
-#define KEY1       0x45670123u
-#define KEY2       0xCDEF89ABu
-#define SR_EOP     (UINT32_C(1) << 0)
-#define SR_WRP     (UINT32_C(1) << 4)
-#define SR_PGP     (UINT32_C(1) << 6)
-#define SR_PGS     (UINT32_C(1) << 7)
-#define SR_BSY     (UINT32_C(1) << 16)
-#define CR_PG      (UINT32_C(1) << 0)
-#define CR_SER     (UINT32_C(1) << 1)
-#define CR_MER     (UINT32_C(1) << 2)
-#define CR_STRT    (UINT32_C(1) << 16)
-#define CR_LOCK    (UINT32_C(1) << 31)
-#define ACR_RESETS 0x1800u
+#define KEY1         0x45670123u
+#define KEY2         0xCDEF89ABu
+#define SR_EOP       (UINT32_C(1) << 0)
+#define SR_WRP       (UINT32_C(1) << 4)
+#define SR_PGP       (UINT32_C(1) << 6)
+#define SR_PGS       (UINT32_C(1) << 7)
+#define SR_BSY       (UINT32_C(1) << 16)
+#define CR_PG        (UINT32_C(1) << 0)
+#define CR_SER       (UINT32_C(1) << 1)
+#define CR_MER       (UINT32_C(1) << 2)
+#define CR_STRT      (UINT32_C(1) << 16)
+#define CR_LOCK      (UINT32_C(1) << 31)
+#define ACR_RESETS   0x1800u
+#define OPTCR_WDG_SW (UINT32_C(1) << 5)
+#define OPTCR_NWRP   16u /* 0 in a sector's bit: write-protected */
 
 /* DS8626, flash memory programming: a word 16 us typical; 128 KiB by words 1 s typical, 2 s at most */
 #define WORD_NS             16000u
@@ -93,6 +95,19 @@ static void interrupted(struct part *p)
         stored_flash_weaken(p->board, f->stored, 4);
 }
 
+static uint32_t options(const struct board *b, uint32_t optcr)
+{
+    optcr = (optcr & ~0xCu) | option_brown_out(b) << 2;
+    if (b->around.hardware_watchdog)
+        optcr &= ~OPTCR_WDG_SW;
+    return optcr & ~((uint32_t)b->around.write_protect << OPTCR_NWRP);
+}
+
+static bool write_protected(const struct board *b, uint32_t sector)
+{
+    return (b->around.write_protect >> sector & 1u) != 0;
+}
+
 static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
@@ -102,7 +117,7 @@ static void reset(struct part *p, enum board_reset kind)
         interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
-    part_set(p, OPTCR, (p->row->class->regs[5].reset & ~0xCu) | option_brown_out(p->board) << 2);
+    part_set(p, OPTCR, options(p->board, p->row->class->regs[5].reset));
     f->keys = 0;
     f->erasing = false;
 }
@@ -118,6 +133,8 @@ void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
         part_set(p, SR, part_get(p, SR) | SR_PGS);
     } else if (width != bytes) {
         part_set(p, SR, part_get(p, SR) | SR_PGP);
+    } else if (write_protected(b, FIRST_STORED_SECTOR + at / SECTOR_BYTES)) {
+        part_set(p, SR, part_get(p, SR) | SR_WRP);
     } else {
         if (b->around.supply_mv < NEEDED_MV)
             board_verdict(b, "word programmed into the flash at %u mV; 2700 are needed",
@@ -154,6 +171,9 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     } else if (sector < FIRST_STORED_SECTOR || sector > FIRST_STORED_SECTOR + 1u) {
         board_verdict(b, "erase of sector %u of the flash, which holds the program or is not there",
                       sector);
+    } else if (write_protected(b, sector)) {
+        part_set(p, SR, part_get(p, SR) | SR_WRP);
+        part_set(p, CR, part_get(p, CR) & ~CR_STRT);
     } else {
         if (b->around.supply_mv < NEEDED_MV)
             board_verdict(b, "sector of the flash erased by words at %u mV; 2700 are needed",

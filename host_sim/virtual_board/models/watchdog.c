@@ -70,9 +70,11 @@ static void reset(struct part *p, enum board_reset kind)
     (void)kind;
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
-    w->runs = w->open = false;
+    w->open = false;
+    w->runs = p->board->around.hardware_watchdog; /* RM0090 21.3.1 */
     w->divider = 0;
     w->reload = 0xFFFu;
+    reload(p);
 }
 
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)

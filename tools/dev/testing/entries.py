@@ -115,6 +115,8 @@ def script_tests(label: str) -> list[Test]:
             wanted |= needs("host", "reference_tables", "plant_tables")
         if path.stem == "test_virtual_board":
             wanted |= needs("host", "reflux-board")
+        if path.stem == "test_self_checks":
+            wanted |= needs("host", "board-self-checks") | needs("stm32f405")
         if path.stem == "test_run_once":
             wanted = needs("asan") | needs("asan-fixed")
         out.append(script(f"{label}.{path.stem.removeprefix('test_')}", path, label, wanted))
