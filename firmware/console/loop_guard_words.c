@@ -69,8 +69,21 @@ void deviation_line(const struct service *s, unsigned n, struct text *line)
         by_board_line(s, n, line);
 }
 
-void by_board_event_words(const struct event *e, struct text *line)
+void latched_words(const struct service *s, unsigned n, struct text *line)
 {
+    if (!s->supervisor->interlock[n].latch.alone)
+        return;
+    text_str(line, ", until `alarm release lock");
+    text_u32(line, n + 1u);
+    text_char(line, '`');
+}
+
+void guard_event_words(const struct event *e, struct text *line)
+{
+    if (e->code == EVENT_INTERLOCK_ON || e->code == EVENT_INTERLOCK_OFF) {
+        text_str(line, ": lock");
+        text_u32(line, e->detail + 1u);
+    }
     if (e->code != EVENT_MANUAL_BY_BOARD || e->detail >= BY_BOARD_CAUSES)
         return;
     text_str(line, ": ");

@@ -13,8 +13,10 @@
 void doubtful_line(const struct service *s, unsigned n, struct text *line);
 /* Loop n is far from its setpoint, or the board has put it into manual. */
 void deviation_line(const struct service *s, unsigned n, struct text *line);
-/* Writes why the board has put a loop into manual, if the event says that. */
-void by_board_event_words(const struct event *e, struct text *line);
+/* Writes why the board has put a loop into manual, or which interlock it is, if the event says that. */
+void guard_event_words(const struct event *e, struct text *line);
+/* Writes what releases interlock n, if its latch alone holds it. */
+void latched_words(const struct service *s, unsigned n, struct text *line);
 /* Names the loops that the board has put into manual; writes nothing if there are none. */
 void by_board_status(const struct service *s, struct text *line);
 
@@ -32,7 +34,13 @@ static inline void deviation_line(const struct service *s, unsigned n, struct te
     (void)n;
     (void)line;
 }
-static inline void by_board_event_words(const struct event *e, struct text *line)
+static inline void latched_words(const struct service *s, unsigned n, struct text *line)
+{
+    (void)s;
+    (void)n;
+    (void)line;
+}
+static inline void guard_event_words(const struct event *e, struct text *line)
 {
     (void)e;
     (void)line;

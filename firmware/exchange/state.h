@@ -32,7 +32,8 @@ enum request_kind {
     REQUEST_SEQUENCE, /* mode: enum sequence_command; output: row that was shown */
     REQUEST_BLOCK,    /* output: number of the block (blockN), from 0; mode: 1 on, 0 off */
     /* Output: number of the block, from 0. Mode: which verb of its kind. Loop: 1 with a number, `value`. */
-    REQUEST_VERB
+    REQUEST_VERB,
+    REQUEST_RELEASE /* output: index of an interlock that its latch alone holds */
 };
 
 /* A request to the tick. It names loops, outputs and alarms by their places in the plan with which it was checked.
@@ -129,11 +130,16 @@ struct by_board {                   /* supervise/by_board.h */
     uint8_t cause[CONFIG_LOOPS];    /* enum by_board_cause */
     uint32_t since_s[CONFIG_LOOPS]; /* plant time, s */
 };
+struct latch_state { /* supervise/latch.h */
+    bool alone;      /* the condition is over, and the latch alone holds */
+};
 #define BY_BOARD_EARLIER UINT32_MAX /* since_s: before the last restart */
 #else
 struct guard_timer {
 };
 struct by_board {
+};
+struct latch_state {
 };
 #endif
 #if CONFIG_ANALYSERS
@@ -346,6 +352,7 @@ struct alarm_state {
 struct interlock_state {
     bool active;
     bool pending; /* the condition holds, or held in the last good reading; the delay is running */
+    struct latch_state latch;
     uint32_t heard_ms; /* plant time at which a good reading last met the condition, low bits */
     uint64_t since_ms;
 };

@@ -169,6 +169,25 @@ static void a_restart_that_brings_back_outputs_alone_takes_the_loops_that_acted(
     TEST_ASSERT_EQUAL(BY_BOARD_NOT, cause(BOTTOM)); /* a person had it in manual */
 }
 
+/* The latch of an interlock is kept as the interlock is. */
+static void a_latched_interlock_survives_a_restart_too(void)
+{
+    put_all((const char *const[]){"lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "140",
+                                  "lock1.latch", "on", "restart.policy", "resume", NULL});
+    apply();
+    reading(T10, 150);
+    ticks(2);
+    reading(T10, 115);
+    ticks(2);
+    restart("resume");
+    ticks(20);
+    TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+    request(REQUEST_RELEASE, PLAN_NONE, 0, 0, 0);
+    ticks(2);
+    TEST_ASSERT_FALSE(bench.s.interlock[0].active);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -181,5 +200,6 @@ int main(void)
     RUN_TEST(settings_that_make_it_another_loop_take_it);
     RUN_TEST(it_survives_a_restart_that_brings_modes_back);
     RUN_TEST(a_restart_that_brings_back_outputs_alone_takes_the_loops_that_acted);
+    RUN_TEST(a_latched_interlock_survives_a_restart_too);
     return UNITY_END();
 }
