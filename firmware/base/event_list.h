@@ -163,9 +163,11 @@
              "sensor hides responses, see `commission advice`; share of its span, or ticks",       \
              WARNING, PLAIN)                                                                       \
     CHECK(RAM_FAILED, "the RAM failed its test at power-on: nothing acts, outputs stay safe",      \
-          ALARM, PLAIN)
+          ALARM, PLAIN)                                                                            \
+    BLOCK(MANUAL_BY_BOARD, "the board has put this loop into manual", ALARM, PLAIN)                \
+    BLOCK(MANUAL_BY_BOARD_OVER, "somebody has set the mode of this loop", INFO, PLAIN)
 
-/* A board without automatic start-up has no blocks either (CONFIG_BLOCKS). */
+/* A board without automatic start-up has no blocks either (CONFIG_BLOCKS), and no MANUAL_BY_BOARD. */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
 #define EVENT_OF_START_UP EVENT_ABSENT
 #define EVENT_OF_BLOCK    EVENT_NO_ROW

@@ -37,6 +37,14 @@
 #define SAVE_HELP "store the settings in force; replace: also over newer firmware's"
 #endif
 
+#if CONFIG_LOOP_GUARD
+#define ALARM_WORDS "[ack|shelve|release] [ALARM|all] [SECONDS]"
+#define ALARM_HELP "active alarms; acknowledge, shelve for a time, or release an interlock"
+#else
+#define ALARM_WORDS "[ack|shelve] [ALARM|all] [SECONDS]"
+#define ALARM_HELP "active alarms; acknowledge, or shelve for a time"
+#endif
+
 #define CONSOLE_COMMANDS(ROW) \
     ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
     ROW(version, "", "firmware, board, limits, cause of the start", 0, 0) \
@@ -64,7 +72,7 @@
     ROW(commission, "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|" \
         "plant|plan|model|gains|pairing|structure|proposal|trial" START_UP_MORE, \
         "automatic start-up: progress, results and requests", 0, 2) \
-    ROW(alarm, "[ack|shelve] [ALARM|all] [SECONDS]", "active alarms; acknowledge, or shelve for a time", 0, 3) \
+    ROW(alarm, ALARM_WORDS, ALARM_HELP, 0, 3) \
     ROW(seq, "[start|stop|hold|go|confirm|skip|abort|list]", \
         "progress of the sequence; start, stop, ...; list: its steps", 0, 1) \
     ROW(events, "", "the latest events and actions, also of earlier starts", 0, 0) \

@@ -87,6 +87,30 @@ static void interlock_line(const struct service *s, unsigned n, struct text *lin
     text_str(line, service_in_force(s)->config.interlock[n].mv);
 }
 
+/* Writes ", T10 = 112.3 degC, limit 110 degC". */
+static void reading_and_limit(const struct client *c, const struct measurement_config *m,
+                              float value, float limit, struct text *line)
+{
+    text_str(line, ", ");
+    text_str(line, m->name);
+    text_str(line, " = ");
+    reply_amount(c, line, value, m->unit);
+    text_str(line, ", limit ");
+    reply_amount(c, line, limit, m->unit);
+}
+
+/* Writes the reading of interlock n, which holds, its limit, and that its latch alone holds it. */
+static void interlock_words(const struct client *c, unsigned n, struct text *line)
+{
+    const struct plan *plan = service_in_force(c->service);
+    if (!CONFIG_LOOP_GUARD || !line->n)
+        return;
+    uint8_t i = plan->interlock[n].measurement;
+    reading_and_limit(c, &plan->config.measurement[i], c->service->supervisor->measurement[i].raw,
+                      plan->config.interlock[n].limit, line);
+    latched_words(c->service, n, line);
+}
+
 /* Writes the reading that a listed alarm looks at, and its limit: ", T10 = 112.3 degC, limit 110 degC". Events of blocks have none. */
 static void reading_words(const struct client *c, uint8_t i, struct text *line)
 {
@@ -99,12 +123,7 @@ static void reading_words(const struct client *c, uint8_t i, struct text *line)
     uint8_t pv = deviation ? plan->loop[at].pv : at;
     const struct measurement_config *m = &plan->config.measurement[pv];
     num_t value = c->service->supervisor->measurement[pv].value;
-    text_str(line, ", ");
-    text_str(line, m->name);
-    text_str(line, " = ");
-    reply_amount(c, line, span_to_eu(value, m->lo, m->hi), m->unit);
-    text_str(line, ", limit ");
-    reply_amount(c, line, a->limit, m->unit);
+    reading_and_limit(c, m, span_to_eu(value, m->lo, m->hi), a->limit, line);
     if (deviation)
         text_str(line, " from the setpoint");
 }
@@ -134,6 +153,7 @@ static bool alarm_line(struct client *c, unsigned n, struct text *line)
         not_following_line(s, n, line);
     } else if (is_among(&n, CONFIG_INTERLOCKS)) {
         interlock_line(s, n, line);
+        interlock_words(c, n, line);
     } else if (is_among(&n, DEVIATION_LINES)) {
         deviation_line(s, n, line);
     } else if (is_among(&n, BLOCK_ALARM_LINES)) {
@@ -149,7 +169,11 @@ static bool alarm_line(struct client *c, unsigned n, struct text *line)
     return true;
 }
 
-#define ALARM_USAGE "expected: alarm, alarm ack ALARM|all, or alarm shelve ALARM SECONDS"
+#define ALARM_USAGE                                                                                \
+    (CONFIG_LOOP_GUARD                                                                             \
+         ? "expected: alarm, alarm ack ALARM|all, alarm shelve ALARM SECONDS, or alarm release "   \
+           "lockN"                                                                                 \
+         : "expected: alarm, alarm ack ALARM|all, or alarm shelve ALARM SECONDS")
 
 void command_alarm(struct client *c, unsigned n, char **word)
 {
@@ -157,6 +181,10 @@ void command_alarm(struct client *c, unsigned n, char **word)
     float seconds = 0.0f;
     if (n == 0) {
         reply_list(c, alarm_line, "");
+        return;
+    }
+    if (CONFIG_LOOP_GUARD && n == 2 && strcmp(word[0], "release") == 0) {
+        reply_answer(c, operate_release(&c->session, word[1], &a), &a);
         return;
     }
     bool ack = strcmp(word[0], "ack") == 0;

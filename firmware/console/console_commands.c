@@ -7,6 +7,7 @@
 #include "console/command_table.h"
 #include "console/event_sentence.h"
 #include "console/line_editor.h"
+#include "console/loop_guard_words.h"
 #include "console/next_step.h"
 #include "console/phrases.h"
 #include "console/sequence_words.h"
@@ -208,7 +209,9 @@ static bool status_line(struct client *c, unsigned n, struct text *line)
         if (BOARD_CHECKS && s->image == HAL_IMAGE_RAM_FAILED)
             text_str(line, event_text(EVENT_RAM_FAILED));
         else if (s->image == HAL_IMAGE_DAMAGED)
-            text_str(line, event_text(EVENT_IMAGE_DAMAGED));
+            text_str(line, event_text(EVENT_IMAGE_DAMAGED)); /* no loop acts */
+        else
+            by_board_status(s, line);
         return true;
     }
     n -= 1;

@@ -28,6 +28,7 @@ static const struct pattern patterns[] = {
     {EVENT_MEASUREMENT_GOOD, "%s usable again, %v"},
     {EVENT_INTERLOCK_ON, "interlock holds %s, %i"},
     {EVENT_INTERLOCK_OFF, "interlock releases %s, %i"},
+    {EVENT_MANUAL_BY_BOARD, "the board has put %s into manual"},
     {EVENT_TELEMETRY_LOST, "%n telemetry rows lost"},
     {EVENT_ALARM_ON, "%s: %v, beyond its limit"},
     {EVENT_ALARM_OFF, "%s: %v, the alarm is over"},

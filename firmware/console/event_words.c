@@ -2,6 +2,7 @@
 #include "console/event_words.h"
 
 #include "console/block_words.h"
+#include "console/loop_guard_words.h"
 #include "console/phrases.h"
 #include "console/sequence_words.h"
 #include "console/startup_words.h"
@@ -18,6 +19,7 @@ void event_reasons(const struct event *e, struct text *line)
     sequence_event_words(e, line);
     startup_event_words(e, line);
     block_event_words(e, line);
+    guard_event_words(e, line);
     if (event_level(e->code) == EVENT_ACTION)
         text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
 }

@@ -62,7 +62,7 @@
 #define CONFIG_PEOPLE 0
 #endif
 #endif
-/* Loops that act keep their sense, and have a deviation alarm; 0 leaves both out. */
+/* Loops that act keep their sense, and have alarms of their own; interlocks can latch; 0 leaves these out. */
 #ifndef CONFIG_LOOP_GUARD
 #define CONFIG_LOOP_GUARD 1
 #endif
@@ -193,6 +193,15 @@ struct ff_config {
 
 enum interlock_side { INTERLOCK_ABOVE = 0, INTERLOCK_BELOW = 1 };
 
+#if CONFIG_LOOP_GUARD
+struct interlock_latch {
+    uint8_t on; /* an interlock that holds stays so until an operator releases it */
+};
+#else
+struct interlock_latch {
+};
+#endif
+
 struct interlock_config {
     char measurement[CHANNEL_NAME_SIZE];
     char mv[CHANNEL_NAME_SIZE];
@@ -202,6 +211,7 @@ struct interlock_config {
     float value;      /* value of the output while the interlock is active, EU */
     uint8_t side;     /* enum interlock_side */
     uint8_t on_bad;   /* a bad measurement counts as the condition */
+    struct interlock_latch latch;
 };
 
 enum alarm_side { ALARM_HI_HI, ALARM_HI, ALARM_LO, ALARM_LO_LO, ALARM_DEVIATION };

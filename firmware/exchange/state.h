@@ -32,7 +32,8 @@ enum request_kind {
     REQUEST_SEQUENCE, /* mode: enum sequence_command; output: row that was shown */
     REQUEST_BLOCK,    /* output: number of the block (blockN), from 0; mode: 1 on, 0 off */
     /* Output: number of the block, from 0. Mode: which verb of its kind. Loop: 1 with a number, `value`. */
-    REQUEST_VERB
+    REQUEST_VERB,
+    REQUEST_RELEASE /* output: index of an interlock that its latch alone holds */
 };
 
 /* A request to the tick. It names loops, outputs and alarms by their places in the plan with which it was checked.
@@ -89,6 +90,19 @@ struct lasting {
 };
 #define LASTING_MS 0x3FFFFFFFu
 
+/* Why the board has put a loop into manual. This is the detail of EVENT_MANUAL_BY_BOARD; loop_guard_words.c has the words. */
+enum by_board_cause {
+    BY_BOARD_NOT,     /* the loop acts, or somebody has set its mode */
+    BY_BOARD_BAD,     /* its measurement was bad */
+    BY_BOARD_DOUBTED, /* its measurement was an estimate that was uncertain for long */
+    BY_BOARD_UNBOUND, /* the plant lacked its measurement or its output */
+    BY_BOARD_BLOCK,   /* a block on it had a bad input, or cannot run */
+    BY_BOARD_SAFE,    /* the safe state */
+    BY_BOARD_PLAN,    /* new settings made it another loop of the same name */
+    BY_BOARD_RESTART, /* a restart brought back outputs, but not its mode */
+    BY_BOARD_CAUSES
+};
+
 /* States of features that a board may lack. Where the feature is left out, the struct is empty. */
 #if CONFIG_CALIBRATION
 struct reading_watch { /* supervise/watch.h */
@@ -112,8 +126,20 @@ struct offset_state {
 struct guard_timer { /* supervise/deviations.h */
     struct lasting lasting;
 };
+struct by_board {                   /* supervise/by_board.h */
+    uint8_t cause[CONFIG_LOOPS];    /* enum by_board_cause */
+    uint32_t since_s[CONFIG_LOOPS]; /* plant time, s */
+};
+struct latch_state { /* supervise/latch.h */
+    bool alone;      /* the condition is over, and the latch alone holds */
+};
+#define BY_BOARD_EARLIER UINT32_MAX /* since_s: before the last restart */
 #else
 struct guard_timer {
+};
+struct by_board {
+};
+struct latch_state {
 };
 #endif
 #if CONFIG_ANALYSERS
@@ -326,6 +352,7 @@ struct alarm_state {
 struct interlock_state {
     bool active;
     bool pending; /* the condition holds, or held in the last good reading; the delay is running */
+    struct latch_state latch;
     uint32_t heard_ms; /* plant time at which a good reading last met the condition, low bits */
     uint64_t since_ms;
 };
@@ -372,6 +399,7 @@ struct supervisor {
     struct loop_state *loop;
     struct interlock_state *interlock;
     struct alarm_state *alarm;
+    struct by_board by_board;
     struct sequence sequence;
     struct block_state block[PLAN_BLOCKS]; /* as in the plan */
     struct job work[CONFIG_BLOCKS];        /* jobs of the blocks with a number (blockN) */

@@ -322,6 +322,11 @@ MUST_CHECK enum err operate_acknowledge(struct session *session, const char *nam
 MUST_CHECK enum err operate_shelve(struct session *session, const char *name, float seconds,
                                    struct answer *answer);
 
+/* Releases an interlock, "lock2", that its latch alone holds. ERR_UNKNOWN, ERR_STATE, ERR_BUSY. interlocks.c, on boards with
+ * CONFIG_LOOP_GUARD. */
+MUST_CHECK enum err operate_release(struct session *session, const char *name,
+                                    struct answer *answer);
+
 /* ---- sequences: sequences.c ---- */
 
 /* "start", as the history names it. */

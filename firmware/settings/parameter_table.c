@@ -222,7 +222,8 @@ static const struct parameter_field interlock_fields[] = {
       "value of the output while interlocked"),
     W(interlock_config, on_bad, 8, "on_bad", "off|on", 1,
       "a bad measurement counts as the condition"),
-};
+    GUARD_ROWS(
+        W(interlock_config, latch.on, 9, "latch", "off|on", 0, "holds until `alarm release`"))};
 
 static const struct parameter_field alarm_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct alarm_config, on), "on",

@@ -7,6 +7,7 @@
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
 #include "supervise/blocks.h"
+#include "supervise/by_board.h"
 #include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
 #include "supervise/numbered_place.h"
@@ -68,6 +69,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     if (!plan->loop[i].used) {
         if (l->mode != LOOP_MANUAL)
             event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
+        by_board_place(s, old, i, false);
         memset(l, 0, sizeof *l);
         return;
     }
@@ -80,6 +82,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     if (!same) {
         if (l->mode != LOOP_MANUAL)
             event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
+        by_board_place(s, old, i, l->mode != LOOP_MANUAL);
         memset(l, 0, sizeof *l);
         l->target = l->setpoint = pv_value;
     }

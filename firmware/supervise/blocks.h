@@ -35,7 +35,7 @@ static inline void loop_find_driving(struct supervisor *s, uint8_t i)
     s->loop[i].drives = loop_acts(s, i) && !loop_interlocked(s, i);
 }
 
-/* Puts loop i into manual, if it acts, and reports it with an event. This is for changes that nobody asked for. */
+/* Puts loop i into manual, if it acts, and reports it with an event. For board_to_manual() (by_board.h). */
 void loop_to_manual(struct supervisor *s, uint8_t i);
 /* Returns true if a loop acts that has this measurement as its PV. */
 bool loop_acts_on(const struct supervisor *s, uint8_t measurement);

@@ -3,6 +3,7 @@
 #include "base/elapsed.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
+#include "supervise/latch.h"
 #include "supervise/test_signal.h"
 
 static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
@@ -76,6 +77,7 @@ static void run_interlocks(struct supervisor *s)
         state->pending = condition || interlock_waits(s, k);
         bool active = condition && (state->active || elapsed_ms(s->time_ms, state->since_ms) >=
                                                          c->delay_s * 1000.0f);
+        active = latch_holds(s, k, active);
         if (active != state->active)
             event_put(s->events, s->time_ms, active ? EVENT_INTERLOCK_ON : EVENT_INTERLOCK_OFF,
                       c->mv, m->raw, k);

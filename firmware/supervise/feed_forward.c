@@ -1,6 +1,7 @@
 #include "supervise/feed_forward.h"
 
 #include "supervise/blocks.h"
+#include "supervise/by_board.h"
 #include "supervise/numbered.h"
 #include "supervise/raised.h"
 #include "supervise/switch_offs.h"
@@ -47,7 +48,7 @@ static bool stands_bad_input(struct supervisor *s, uint8_t block, const struct b
         return false;
     }
     for (uint8_t k = 0; k < links->points; k++)
-        loop_to_manual(s, s->plan->owner[links->point[k]]);
+        board_to_manual(s, s->plan->owner[links->point[k]], BY_BOARD_BLOCK);
     return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include "exchange/span.h"
 #include "supervise/block_excitation.h"
+#include "supervise/by_board.h"
 #include "supervise/setpoint.h"
 #include "supervise/setpoint_limits.h"
 
@@ -41,6 +42,7 @@ static bool request_mode(struct supervisor *s, const struct request *r)
             return false;
         }
     }
+    by_board_end(s, r->loop);
     if (l->mode == mode)
         return true;
     if (mode == LOOP_CASCADE) { /* the outer loop may be new, or this its first reading */

@@ -1,6 +1,7 @@
 #include "supervise/numbered_switch.h"
 
 #include "supervise/blocks.h"
+#include "supervise/by_board.h"
 #include "supervise/numbered.h"
 #include "supervise/numbered_place.h"
 #include "supervise/raised.h"
@@ -53,7 +54,7 @@ static void members_to_manual(struct supervisor *s, uint8_t block)
 {
     const struct numbered_plan *r = numbered_at(s, block);
     for (uint8_t k = 0; k < r->members; k++)
-        loop_to_manual(s, r->member[k]);
+        board_to_manual(s, r->member[k], BY_BOARD_BLOCK);
 }
 
 void numbered_check_inputs(struct supervisor *s)

@@ -4,6 +4,7 @@
 
 #include "exchange/span.h"
 #include "supervise/block_excitation.h"
+#include "supervise/by_board.h"
 
 /* Copies the reason, because it may be a name in a plan that is overwritten later. */
 static void keep_reason(struct supervisor *s, const char *reason)
@@ -14,8 +15,11 @@ static void keep_reason(struct supervisor *s, const char *reason)
 void outputs_take_safe(struct supervisor *s, const char *reason)
 {
     excitation_end(s, EXCITE_SAFE);
-    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
+    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+        if (CONFIG_LOOP_GUARD && loop_acts(s, (uint8_t)i))
+            by_board_begin(s, (uint8_t)i, BY_BOARD_SAFE);
         s->loop[i].mode = LOOP_MANUAL;
+    }
     for (unsigned j = 0; j < s->placed[PLACED_MVS]; j++) {
         struct mv_state *o = &s->mv[j];
         const struct mv_config *c = &s->plan->config.mv[j];

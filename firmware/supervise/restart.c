@@ -5,10 +5,15 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
+#include "supervise/by_board.h"
 #include "supervise/restart_sequence.h"
 
 /* Identifies the format of the record, and of num_t. */
-#define MAGIC (NUM_IS_FIXED ? 0x52535134u : 0x52534634u)
+#define MAGIC ((NUM_IS_FIXED ? 0x52535134u : 0x52534634u) + CONFIG_LOOP_GUARD)
+
+/* Bits of record.mode: the loop's mode, and above it enum by_board_cause. */
+#define MODE_BITS 4
+#define MODE_MASK (CONFIG_LOOP_GUARD ? (1u << MODE_BITS) - 1u : 0xFFu)
 
 static uint32_t checksum(const struct restart_record *record)
 {
@@ -68,9 +73,9 @@ static void loop_back(struct supervisor *s, const struct restart_record *record,
     struct request mode = {.kind = REQUEST_MODE,
                            .loop = i,
                            .output = PLAN_NONE,
-                           .mode = record->mode[i],
+                           .mode = record->mode[i] & MODE_MASK,
                            .plan = s->plan->serial};
-    if (record->mode[i] == LOOP_MANUAL)
+    if (mode.mode == LOOP_MANUAL)
         return;
     supervisor_request(s, &mode);
     if (l->mode == LOOP_MANUAL)
@@ -119,6 +124,9 @@ void restart_try(struct restart *r, struct supervisor *s)
     /* A restored cascade has found another value. */
     for (uint8_t i = 0; policy == RESTART_RESUME && i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].v = record->v[i];
+    for (uint8_t i = 0; CONFIG_LOOP_GUARD && i < s->placed[PLACED_LOOPS]; i++)
+        by_board_restore(s, i, record->mode[i] >> MODE_BITS,
+                         (record->mode[i] & MODE_MASK) != LOOP_MANUAL);
     event_put(s->events, s->time_ms, EVENT_RESTART_DONE, NULL, (float)policy, (uint8_t)policy);
 }
 
@@ -138,7 +146,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
             record->interlocks = (uint8_t)(record->interlocks | 1u << k);
     record->time_ms = s->time_ms;
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
-        record->mode[i] = (uint8_t)s->loop[i].mode;
+        record->mode[i] = (uint8_t)((unsigned)s->loop[i].mode | by_board_cause(s, i) << MODE_BITS);
         record->target[i] = s->loop[i].target;
         record->setpoint[i] = loop_own_setpoint(&s->loop[i]);
         record->v[i] = s->loop[i].v;

@@ -8,7 +8,7 @@
  *     no sequence was under way,
  *     and fewer than RESTART_ATTEMPTS restarts in a row have failed to last.
  * Loops return in manual (hold), or with modes and setpoints (resume). A loop whose measurement is not usable stays
- * in manual. Interlocks that were active are active again, and end as always. Offsets of measurements are switched
+ * in manual, with the alarm of by_board.h. Interlocks that were active are active again, and end as always. Offsets of measurements are switched
  * on as they were. Otherwise the safe state stays, and events say which offsets are off again. A sequence never
  * goes on: it counts as aborted. */
 #ifndef REFLUX_SUPERVISE_RESTART_H
@@ -29,8 +29,8 @@ struct restart_record {
     uint8_t acting : 1;
     uint8_t testing : 1; /* start-up was under way or its proposal waited; it does not go on */
     uint8_t attempts : 2;
-    uint8_t interlocks; /* active interlocks, a bit each */
-    uint8_t mode[CONFIG_LOOPS];
+    uint8_t interlocks;         /* active interlocks, a bit each */
+    uint8_t mode[CONFIG_LOOPS]; /* with the alarm of by_board.h in the upper bits */
     uint64_t time_ms;
     num_t target[CONFIG_LOOPS], setpoint[CONFIG_LOOPS], v[CONFIG_LOOPS];
     num_t mv[CHANNEL_MAX];

@@ -7,6 +7,7 @@
 
 #include "supervise/alarms.h"
 #include "supervise/histories.h"
+#include "supervise/latch.h"
 #include "supervise/loop_request.h"
 #include "supervise/numbered_control.h"
 #include "supervise/numbered_switch.h"
@@ -76,6 +77,8 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
         return loop_request(s, r);
     if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
         alarms_request(s, r);
+    else if (CONFIG_LOOP_GUARD && r->kind == REQUEST_RELEASE)
+        latch_release(s, r);
     else if (CONFIG_STEPS && r->kind == REQUEST_SEQUENCE)
         sequence_request(s, r);
     else if (CONFIG_BLOCKS && r->kind == REQUEST_BLOCK &&

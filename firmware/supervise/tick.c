@@ -4,6 +4,7 @@
 #include "supervise/back_calculate.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
+#include "supervise/by_board.h"
 #include "supervise/compensate.h"
 #include "supervise/constrain.h"
 #include "supervise/estimates.h"
@@ -50,7 +51,7 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     if (!loop_acts(s, i) ||
         (s->measurement[p->pv].bound && (p->mv == PLAN_NONE || s->mv[p->mv].bound)))
         return;
-    loop_to_manual(s, i);
+    board_to_manual(s, i, BY_BOARD_UNBOUND);
 }
 
 static void advance_setpoint(struct supervisor *s, uint8_t i)

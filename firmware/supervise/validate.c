@@ -3,6 +3,7 @@
 #include "base/elapsed.h"
 #include "exchange/span.h"
 #include "supervise/blocks.h"
+#include "supervise/by_board.h"
 #include "supervise/calibration.h"
 #include "supervise/estimates.h"
 #include "supervise/safe_state.h"
@@ -118,12 +119,12 @@ static bool infer(struct supervisor *s, uint8_t i)
     return true;
 }
 
-static void loops_to_manual(struct supervisor *s, uint8_t measurement)
+static void loops_to_manual(struct supervisor *s, uint8_t measurement, enum by_board_cause cause)
 {
     for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
         if (s->plan->loop[k].pv == measurement) {
             setpoint_return(s, k);
-            loop_to_manual(s, k);
+            board_to_manual(s, k, cause);
         }
 }
 
@@ -149,7 +150,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
     }
     bool news = m->quality != QUALITY_BAD;
     m->quality = QUALITY_BAD;
-    loops_to_manual(s, i);
+    loops_to_manual(s, i, BY_BOARD_BAD);
     if (news && c->fallback == FALLBACK_SAFE)
         supervisor_outputs_safe(s, c->name);
 }
@@ -162,7 +163,7 @@ static void keep_from_loops(struct supervisor *s, uint8_t i)
     m->doubted = true;
     if (!loop_acts_on(s, i))
         return;
-    loops_to_manual(s, i);
+    loops_to_manual(s, i, BY_BOARD_DOUBTED);
     event_put(s->events, s->time_ms, EVENT_DOUBTFUL, c->name, m->raw, 0);
     if (c->fallback == FALLBACK_SAFE)
         supervisor_outputs_safe(s, c->name);

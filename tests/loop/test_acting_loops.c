@@ -116,6 +116,53 @@ static void width_0_and_an_entry_of_the_loops_own_switch_it_off(void)
     TEST_ASSERT_TRUE_MESSAGE(said("= 115 degC, limit 5 degC from the setpoint\n"), board.said);
 }
 
+/* The night of a stranger's pilot plant: a thermometer drops out for longer than meas.hold, comes back, and nobody is there. */
+static void a_loop_that_the_board_took_says_so_until_somebody_sets_its_mode(void)
+{
+    board.quality[1] = QUALITY_BAD;
+    samples(70);
+    board.quality[1] = QUALITY_GOOD;
+    samples(5);
+    TEST_ASSERT_EQUAL_MESSAGE(1,
+                              times_said("alarm MANUAL_BY_BOARD bottom 0 the board has put this "
+                                         "loop into manual: its measurement was bad\n"),
+                              board.said);
+    samples(600);
+    ask_ok("alarm");
+    TEST_ASSERT_FALSE(said("MEASUREMENT_BAD"));
+    TEST_ASSERT_TRUE_MESSAGE(
+        said("MANUAL_BY_BOARD bottom is in manual, put there by the board at "), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said(" s: T10 was bad\n"), board.said);
+    ask_ok("status");
+    TEST_ASSERT_TRUE_MESSAGE(said("in manual by the board's decision: bottom (`alarm` says why)\n"),
+                             board.said);
+    ask_ok("mode bottom manual");
+    samples(1);
+    TEST_ASSERT_EQUAL(1, times_said("info MANUAL_BY_BOARD_OVER bottom 0 somebody has set"));
+    ask_ok("alarm");
+    TEST_ASSERT_FALSE(said("MANUAL_BY_BOARD bottom is"));
+    ask_ok("status");
+    TEST_ASSERT_FALSE(said("by the board's decision"));
+}
+
+static void silence_of_the_link_takes_every_loop_that_acted(void)
+{
+    board.mute = true;
+    pass(20000);
+    board.mute = false;
+    pass(3000);
+    samples(5);
+    ask_ok("status");
+    TEST_ASSERT_TRUE_MESSAGE(said("in manual by the board's decision: bottom ("), board.said);
+    ask_ok("alarm");
+    TEST_ASSERT_TRUE_MESSAGE(said("MANUAL_BY_BOARD bottom is in manual"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said(" s: the safe state\n"), board.said);
+    ask_ok("mode bottom auto");
+    samples(1);
+    ask_ok("alarm");
+    TEST_ASSERT_FALSE(said("MANUAL_BY_BOARD"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -125,6 +172,8 @@ int main(void)
     RUN_TEST(what_keeps_the_sense_of_an_acting_loop_is_taken);
     RUN_TEST(a_pv_far_from_its_setpoint_for_long_is_an_alarm_without_an_entry);
     RUN_TEST(in_manual_there_is_no_such_alarm);
+    RUN_TEST(a_loop_that_the_board_took_says_so_until_somebody_sets_its_mode);
+    RUN_TEST(silence_of_the_link_takes_every_loop_that_acted);
     RUN_TEST(width_0_and_an_entry_of_the_loops_own_switch_it_off);
     return UNITY_END();
 }

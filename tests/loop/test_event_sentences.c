@@ -133,16 +133,16 @@ static void interlocks_name_what_they_watch_where_it_is_sure(void)
     strcpy(config.interlock[0].mv, "heat");
     strcpy(config.interlock[0].measurement, "T10");
     reads(EVENT_INTERLOCK_ON, "heat", 125.0f,
-          "5.000 alarm interlock holds heat, T10 125 degC (INTERLOCK_ON)");
+          "5.000 alarm interlock holds heat, T10 125 degC: lock1 (INTERLOCK_ON)");
     strcpy(config.interlock[1].mv, "heat");
     strcpy(config.interlock[1].measurement, "feed");
     reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, 1,
-                    "5.000 info interlock releases heat, feed 3 l/h");
+                    "5.000 info interlock releases heat, feed 3 l/h: lock2");
     reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, CONFIG_INTERLOCKS,
-                    "5.000 info interlock releases heat, measurement 3");
+                    "5.000 info interlock releases heat, measurement 3: lock9");
     strcpy(config.interlock[1].mv, "other"); /* the settings have changed since */
     reads_in_detail(EVENT_INTERLOCK_OFF, "heat", 3.0f, 1,
-                    "5.000 info interlock releases heat, measurement 3");
+                    "5.000 info interlock releases heat, measurement 3: lock2");
 }
 
 static void alarms_say_their_code_and_the_fault_in_words(void)

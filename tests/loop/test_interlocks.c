@@ -619,9 +619,47 @@ static void whatever_happens_its_output_moves_only_by_what_acts_on_it(void)
     }
 }
 
+/* At the console: it holds over the night, is refused while its condition lasts, and is released by a person. */
+static void a_latched_one_is_released_at_the_console_and_not_before(void)
+{
+    running();
+    SETTINGS("lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "120", "lock1.hysteresis", "2",
+             "lock1.value", "0", "lock1.latch", "on");
+    samples(2);
+    ask_refused("alarm release lock1", "STATE");
+    TEST_ASSERT_TRUE_MESSAGE(said("does not hold"), board.said);
+    ask_refused("alarm release lock9", "UNKNOWN");
+    ask_refused("alarm release heat", "UNKNOWN");
+    reads(125);
+    samples(2);
+    TEST_ASSERT_EQUAL_MESSAGE(1,
+                              times_said("INTERLOCK_ON heat 125 interlock holds its output; "
+                                         "measurement: lock1\n"),
+                              board.said);
+    TEST_ASSERT_TRUE_MESSAGE(
+        listed("INTERLOCK_ON lock1 holds heat, T10 = 125 degC, limit 120 degC\n"), board.said);
+    ask_refused("alarm release lock1", "STATE");
+    TEST_ASSERT_TRUE_MESSAGE(said("holds for a reason that is not over"), board.said);
+    reads(115);
+    samples(3000);
+    TEST_ASSERT_EQUAL_DOUBLE(0, heat());
+    TEST_ASSERT_TRUE_MESSAGE(
+        listed("T10 = 115 degC, limit 120 degC, until `alarm release lock1`\n"), board.said);
+    board_forget();
+    ask_ok("alarm release lock1");
+    samples(2);
+    TEST_ASSERT_FALSE(active());
+    ask_ok("events");
+    TEST_ASSERT_TRUE_MESSAGE(said("DO_ALARM lock1"), board.said);
+    ask_ok("out heat 0.4");
+    samples(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, heat());
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_latched_one_is_released_at_the_console_and_not_before);
     RUN_TEST(a_number_that_is_good_by_the_plant_begins_it_whatever_came_before_and_stands_in);
     RUN_TEST(what_is_not_good_by_the_plant_begins_nothing_where_bad_does_not_count);
     RUN_TEST(a_sensor_that_dies_during_the_delay_does_not_begin_it_where_bad_does_not_count);

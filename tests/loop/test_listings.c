@@ -125,7 +125,7 @@ static void status_and_alarm_name_what_an_interlock_forces_and_has_left(void)
     samples(1);
     ask_ok("status");
     TEST_ASSERT_EQUAL_STRING("heat = 0 kW interlocked", line_of("heat"));
-    ANSWERS("alarm", "INTERLOCK_ON lock2 holds heat");
+    ANSWERS("alarm", "INTERLOCK_ON lock2 holds heat, T10 = 125 degC, limit 120 degC");
     board.values[1] = 110;
     samples(1);
     ask_ok("status");

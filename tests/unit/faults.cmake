@@ -2,7 +2,7 @@
 reflux_test(faults LABEL unit
   SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_faults.c" "${PROJECT_SOURCE_DIR}/tests/support/two_by_two.c"
   LIBS bench_support)
-foreach(part supervisor_faults alarms)
+foreach(part supervisor_faults alarms by_board)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_settings)
 endforeach()

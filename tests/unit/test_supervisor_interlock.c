@@ -252,9 +252,71 @@ static void one_that_watches_or_moves_something_else_begins_anew(void)
     }
 }
 
+static void release(uint8_t interlock)
+{
+    request(REQUEST_RELEASE, PLAN_NONE, interlock, 0, 0);
+}
+
+static void a_latched_one_holds_until_it_is_released(void)
+{
+    set_and_apply("lock1.latch", "on");
+    mode(BOTTOM, LOOP_AUTO);
+    trip();
+    release(0); /* its condition holds */
+    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "release"));
+    reading(T10, 136); /* inside, but not by the hysteresis */
+    tick();
+    release(0);
+    TEST_ASSERT_EQUAL(2, happened(EVENT_REQUEST_REFUSED, "release"));
+    reading(T10, 115);
+    ticks(500);
+    TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+    TEST_ASSERT_EQUAL(0, happened(EVENT_INTERLOCK_OFF, NULL));
+    release(1); /* another one */
+    TEST_ASSERT_EQUAL(3, happened(EVENT_REQUEST_REFUSED, "release"));
+    release(0);
+    ticks(5);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_INTERLOCK_OFF, "heat"));
+    TEST_ASSERT_FALSE(bench.s.interlock[0].active);
+    TEST_ASSERT_FALSE(bench.s.mv[HEAT].interlocked);
+    trip(); /* and again */
+    reading(T10, 115);
+    ticks(5);
+    TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+}
+
+static void a_latch_that_is_switched_off_lets_go(void)
+{
+    set_and_apply("lock1.latch", "on");
+    trip();
+    reading(T10, 115);
+    ticks(5);
+    set_and_apply("lock1.latch", "off");
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_INTERLOCK_OFF, "heat"));
+    TEST_ASSERT_FALSE(bench.s.interlock[0].active);
+}
+
+static void the_safe_state_does_not_release_a_latched_one(void)
+{
+    set_and_apply("lock1.latch", "on");
+    trip();
+    supervisor_go_safe(&bench.s, "link");
+    reading(T10, 115);
+    ticks(5);
+    out(BOTTOM, 1.5);
+    ticks(3);
+    TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_latched_one_holds_until_it_is_released);
+    RUN_TEST(a_latch_that_is_switched_off_lets_go);
+    RUN_TEST(the_safe_state_does_not_release_a_latched_one);
     RUN_TEST(it_forces_an_output_in_manual);
     RUN_TEST(it_forces_an_output_in_automatic_in_the_same_tick);
     RUN_TEST(it_is_stronger_than_limits_rates_and_the_safe_value);

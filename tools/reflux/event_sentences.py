@@ -15,6 +15,7 @@ PATTERNS = {
     "SAMPLE_TWICE": "sample %n repeated or out of order", "SAMPLE_EARLY": "sample %n s early", "SAMPLE_LATE": "sample %n s late",
     "SAMPLE_MISSING": "%n samples missing", "MEASUREMENT_BAD": "%s not usable at %v, last value held", "MEASUREMENT_GOOD": "%s usable again, %v",
     "INTERLOCK_ON": "interlock holds %s, %i", "INTERLOCK_OFF": "interlock releases %s, %i", "TELEMETRY_LOST": "%n telemetry rows lost",
+    "MANUAL_BY_BOARD": "the board has put %s into manual",
     "ALARM_ON": "%s: %v, beyond its limit", "ALARM_OFF": "%s: %v, the alarm is over",
     "ALARM_SHELVED": "alarm %s silent for %n s|alarm %s no longer silent",
     "RESTART_DONE": "as before the reset: outputs, modes, setpoints|as before the reset: outputs", "PLANT_REFUSED": "plant %s refused (%n)",
