@@ -146,7 +146,8 @@ void restart_keep(struct restart *r, const struct supervisor *s)
             record->interlocks = (uint8_t)(record->interlocks | 1u << k);
     record->time_ms = s->time_ms;
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
-        record->mode[i] = (uint8_t)((unsigned)s->loop[i].mode | by_board_cause(s, i) << MODE_BITS);
+        record->mode[i] =
+            (uint8_t)((unsigned)s->loop[i].mode | (unsigned)by_board_cause(s, i) << MODE_BITS);
         record->target[i] = s->loop[i].target;
         record->setpoint[i] = loop_own_setpoint(&s->loop[i]);
         record->v[i] = s->loop[i].v;
