@@ -1,5 +1,6 @@
 """Scenario files: what is wrong gets one line that says what, where, and what would be right."""
 
+import contextlib
 import unittest
 
 from support import GOOD, ROOT, FolderTest, call
@@ -63,6 +64,11 @@ class Scenarios(FolderTest):
             scenario.load(path)
         with self.assertRaisesRegex(UserError, "cannot be read: No such file"):
             scenario.load(self.folder / "none.toml")
+
+    def test_a_folder_of_that_name_hides_no_scenario(self) -> None:
+        (self.folder / "smoke").mkdir()
+        with contextlib.chdir(self.folder):
+            self.assertEqual(scenario.find("smoke"), scenario.SCENARIOS / "smoke.toml")
 
     def test_console_file_and_script(self) -> None:
         self.file("a.conf", "# comment\nbegin\n\nset a 1   # why\n?set b#2 3\napply\n")

@@ -102,7 +102,7 @@ class Scenario:
 def find(name: str | Path) -> Path:
     """A path as given, or the name of a scenario in host_sim/scenarios."""
     path = Path(name)
-    if path.exists() or path.suffix == ".toml" or "/" in str(name):
+    if path.is_file() or path.suffix == ".toml" or "/" in str(name):
         return path
     known = sorted(p.stem for p in SCENARIOS.glob("*.toml"))
     if str(name) in known:
