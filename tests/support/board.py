@@ -1,7 +1,6 @@
 """A firmware for end-to-end tests: started as a host process or in the emulator, with a console to talk to.
 
-The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f100 and so on in the emulator, board-stm32f405 and so on on the
-virtual board. Nothing is built here.
+The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f405-fixed, stm32f100. Nothing is built here.
 """
 
 from __future__ import annotations
@@ -152,7 +151,7 @@ def console(firmware: launch.Firmware) -> Iterator[Console]:
 
 @contextlib.contextmanager
 def start(kind: str) -> Iterator[launch.Firmware]:
-    with launch.start(kind, paced=True) as firmware:
+    with launch.start(kind) as firmware:
         yield firmware
 
 

@@ -89,9 +89,8 @@ def check_ports(kind: str, console_port: str | None, link_port: str | None) -> N
 
 @contextlib.contextmanager
 def start(kind: str, console_port: str | None = None, link_port: str | None = None,
-          extra: tuple[str, ...] = (), paced: bool = False) -> Iterator[Firmware]:
-    """extra: more options for the emulator or the virtual board. paced: a virtual board keeps step with the clock on the wall and offers its
-    lines as sockets, to others than reflux-sim too."""
+          extra: tuple[str, ...] = ()) -> Iterator[Firmware]:
+    """extra: more options for the emulator."""
     if kind == "serial":
         firmware = _serial(console_port, link_port)
         with contextlib.ExitStack() as stack:
@@ -107,7 +106,7 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
             yield Firmware(kind, "memory", "memory", "reflux-sim-memory", program)
             return
         if kind in VIRTUAL:
-            firmware = _virtual_board(kind, place, extra, paced)
+            firmware = _virtual_board(kind, place, extra)
         else:
             firmware = _host(kind, place) if kind.startswith("host") else _emulator(kind, place, extra)
         try:
@@ -185,12 +184,12 @@ def _emulator(kind: str, place: Path, extra: tuple[str, ...]) -> Firmware:
     return firmware
 
 
-def _virtual_board(kind: str, place: Path, extra: tuple[str, ...], paced: bool) -> Firmware:
-    image, control, console, link = build.find_image(VIRTUAL[kind]), place / "control", place / "console", place / "link"
-    lines = ["--console", str(console), "--link", str(link)] if paced else ["--control", str(control)]
-    firmware = spawn(kind, [str(build.find_program("host", "reflux-board")), "--image", str(image), *lines, *extra], place, image)
-    firmware.console, firmware.link = (f"socket:{console}", f"socket:{link}") if paced else (f"board:{control}",) * 2
-    await_paths(firmware, [console, link] if paced else [control])
+def _virtual_board(kind: str, place: Path, extra: tuple[str, ...]) -> Firmware:
+    image, control = build.find_image(VIRTUAL[kind]), place / "control"
+    command = [str(build.find_program("host", "reflux-board")), "--image", str(image), "--control", str(control), *extra]
+    firmware = spawn(kind, command, place, image)
+    firmware.console = firmware.link = f"board:{control}"
+    await_paths(firmware, [control])
     return firmware
 
 
