@@ -31,8 +31,8 @@ static void print_faults(void)
 {
     for (size_t k = 0; k < FAULT_KINDS; k++) {
         const struct fault_row *row = &fault_table[k];
-        (void)printf(HELP_INDENT " %-18s %g to %g%s%s: %s\n", row->name, row->lo, row->hi,
-                     row->unit[0] != '\0' ? " " : "", row->unit, row->about);
+        (void)printf(HELP_INDENT " %-18s %g to %g%s%s\n" HELP_INDENT "   %s\n", row->name, row->lo,
+                     row->hi, row->unit[0] != '\0' ? " " : "", row->unit, row->about);
     }
 }
 
