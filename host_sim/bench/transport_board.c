@@ -107,7 +107,7 @@ static bool step(void)
     board.now_ns = number(head, 8);
     for (unsigned line = 0; line < LINES; line++) {
         struct half *h = &board.from[line];
-        size_t n = number(head + 8 + 2 * line, 2);
+        size_t n = number(head + 8 + (size_t)2 * line, 2);
         (void)memmove(h->bytes, h->bytes + h->taken, h->n - h->taken);
         h->n -= h->taken;
         h->taken = 0;

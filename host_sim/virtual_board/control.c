@@ -167,18 +167,21 @@ static void exchange(struct board *b, struct end *e, unsigned line)
         close_end(e);
 }
 
+#define ENDS_POLLED 4u /* each line, and its listener */
+_Static_assert(ENDS_POLLED == 2 * BOARD_LINES, "two descriptors for each line");
+
 /* Waits for bytes or for the time, ms. */
 static void wait_for(struct end *ends, int ms)
 {
-    struct pollfd p[2 * BOARD_LINES];
+    struct pollfd p[ENDS_POLLED];
     for (unsigned i = 0; i < BOARD_LINES; i++) {
-        p[2 * i] = (struct pollfd){.fd = ends[i].fd, .events = POLLIN};
-        p[2 * i + 1] =
+        p[i] = (struct pollfd){.fd = ends[i].fd, .events = POLLIN};
+        p[BOARD_LINES + i] =
             (struct pollfd){.fd = ends[i].fd < 0 ? ends[i].listener : -1, .events = POLLIN};
     }
-    (void)poll(p, 2 * BOARD_LINES, ms);
+    (void)poll(p, ENDS_POLLED, ms);
     for (unsigned i = 0; i < BOARD_LINES; i++)
-        if (ends[i].fd < 0 && (p[2 * i + 1].revents & POLLIN) != 0)
+        if (ends[i].fd < 0 && (p[BOARD_LINES + i].revents & POLLIN) != 0)
             ends[i].fd = accept(ends[i].listener, NULL, NULL);
 }
 

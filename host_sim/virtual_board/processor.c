@@ -395,7 +395,7 @@ static void leave(struct processor *p)
                       active, sp);
         return;
     }
-    (void)memcpy(f, stack, 4u * (fp ? EXTENDED : BASIC_WORDS));
+    (void)memcpy(f, stack, sizeof(uint32_t) * (fp ? EXTENDED : BASIC_WORDS));
     (void)interrupts_leave(p->interrupts, active);
     if (active != EXCEPTION_NMI)
         set(p, UC_ARM_REG_FAULTMASK, 0);

@@ -97,7 +97,7 @@ static void check_clocks(struct part *p)
             b, "clocks of %llu, %llu and %llu Hz (core, APB1, APB2); at most 168, 42 and 84 MHz",
             (unsigned long long)core, (unsigned long long)apb1, (unsigned long long)apb2);
     uint32_t waits = part_get(bus_part(b, "FLASH"), 0) & 7u;
-    if (core > 31500000u * (waits + 1u))
+    if (core > (uint64_t)31500000u * (waits + 1u))
         board_verdict(b, "%llu Hz with %u wait states of the flash; one more for each 30 MHz",
                       (unsigned long long)core, waits);
     if (core > 144000000u + 7200000u && (part_get(bus_part(b, "PWR"), 0) >> 14 & 1u) == 0)

@@ -109,14 +109,13 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
 {
     struct rtc *r = p->state;
     (void)before;
-    if (offset != CRL && offset != CRH) {
+    bool sets = (offset != CRL && offset != CRH) || (offset == CRL && (written & CRL_CNF) != 0);
+    if (sets) {
         board_verdict(p->board, "setting the RTC is not modelled");
     } else if (offset == CRH && written != 0) {
         board_verdict(p->board, "interrupts of the RTC are not modelled");
     } else if ((part_get(bus_part(p->board, "PWR"), 0) & PWR_CR_DBP) == 0) {
         board_verdict(p->board, "write of the RTC while PWR_CR_DBP is off");
-    } else if (offset == CRL && (written & CRL_CNF) != 0) {
-        board_verdict(p->board, "setting the RTC is not modelled");
     } else if (offset == CRL && (written & CRL_RSF) == 0) {
         r->synchronised_before = counts_now(p);
         r->reads_old = true;
