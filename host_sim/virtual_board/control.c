@@ -26,7 +26,7 @@ static int listen_at(const char *path, char *err, size_t err_size)
                        sizeof(a.sun_path) - 1);
         return -1;
     }
-    (void)strcpy(a.sun_path, path);
+    (void)snprintf(a.sun_path, sizeof(a.sun_path), "%s", path);
     (void)unlink(path);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd < 0 || bind(fd, (struct sockaddr *)&a, sizeof(a)) != 0 || listen(fd, 1) != 0) {

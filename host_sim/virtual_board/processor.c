@@ -42,33 +42,30 @@ struct processor {
     struct board *board;
     struct interrupts *interrupts;
     uc_engine *uc;
-    bool exact;
     uint8_t *memory[BOARD_LAST_FLASH];
     struct counted {
         uint16_t bytes, instructions;
     } * counted; /* blocks of the flash, by address */
 
-    uint32_t image_bytes;
-    uint64_t slice_end, fault_at; /* cycles */
-    bool fpu_on, stepping;
+    uint64_t slice_end, fault_at;                 /* cycles */
     uint64_t exact_from, block_began, looked_for; /* cycles */
+    struct window windows[WINDOWS];
+    size_t n_forbidden;
+    struct forbidden forbidden[16];
+    uint32_t image_bytes;
     uint32_t looked_pc;
-    bool looked_known, pc_known;
     uint32_t partly; /* bytes of the block that is only run up to some instruction; 0: none */
-    bool running;    /* within the library */
+    uint32_t block, pc, resume;
+    bool exact, fpu_on, stepping, looked_known, pc_known;
+    bool running; /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
     bool protection_changed;
-    struct window windows[WINDOWS];
-    uint32_t block, pc, resume;
-    struct forbidden forbidden[16];
-    size_t n_forbidden;
+    bool divided_by_zero, division_by_step;
 
     /* of the access that the library could not do */
     bool failed;
     uc_mem_type failed_type;
     uint32_t failed_address, failed_pc;
-
-    bool divided_by_zero, division_by_step;
 };
 
 static const struct chip_memory *flash_of(const struct chip *chip)
