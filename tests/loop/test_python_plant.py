@@ -216,7 +216,7 @@ class PythonPlantTest(unittest.TestCase):
                     with unittest.mock.patch("time.monotonic", return_value=1.0 + moment):
                         page["switch"]()
                     self.assertEqual(level(files["heater"]), "1" if moment < on else "0")
-                    self.assertEqual(files["reflux"].read_text(encoding="ascii"), "0")
+                    self.assertEqual(level(files["reflux"]), "0")
             page["drive"]([100.0, 2000.0])
             time.sleep(0.45)
             page["switch"]()
