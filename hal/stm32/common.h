@@ -32,13 +32,14 @@
 #define USART2_IRQ       38
 
 /* RM0041 18.4, RM0090 21.4: independent watchdog */
-#define IWDG_KR        REG32(0x40003000u)
-#define IWDG_KR_ACCESS 0x5555u
-#define IWDG_KR_RELOAD 0xAAAAu
-#define IWDG_KR_START  0xCCCCu
-#define IWDG_PR        REG32(0x40003004u)
-#define IWDG_RLR       REG32(0x40003008u)
-#define IWDG_SR        REG32(0x4000300Cu)
+#define IWDG_KR_ADDRESS 0x40003000u
+#define IWDG_KR         REG32(IWDG_KR_ADDRESS)
+#define IWDG_KR_ACCESS  0x5555u
+#define IWDG_KR_RELOAD  0xAAAAu
+#define IWDG_KR_START   0xCCCCu
+#define IWDG_PR         REG32(0x40003004u)
+#define IWDG_RLR        REG32(0x40003008u)
+#define IWDG_SR         REG32(0x4000300Cu)
 
 /* RM0041 4.4, RM0090 5.4: power. The voltages of PWR_CR_PLS are the chip's own. */
 #define PWR_CR       REG32(0x40007000u)

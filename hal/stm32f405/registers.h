@@ -13,38 +13,36 @@
 #define STARTUP_NOISE startup_noise
 
 /* RM0090 7.3: reset and clock control */
-#define RCC_CR             REG32(0x40023800u)
-#define RCC_CR_HSION       BIT(0)
-#define RCC_CR_HSIRDY      BIT(1)
-#define RCC_CR_HSEON       BIT(16)
-#define RCC_CR_HSERDY      BIT(17)
-#define RCC_CR_PLLON       BIT(24)
-#define RCC_CR_PLLRDY      BIT(25)
-#define RCC_PLLCFGR        REG32(0x40023804u)
-#define RCC_PLLCFGR_HSE    BIT(22)
-#define RCC_PLLCFGR_KEPT   BIT(29) /* reserved, set out of reset, to be left so (7.3.2) */
-#define RCC_CFGR           REG32(0x40023808u)
-#define RCC_CFGR_SW_PLL    2u
-#define RCC_CFGR_SWS       (3u << 2)
-#define RCC_CFGR_SWS_PLL   (2u << 2)
-#define RCC_CFGR_PPRE1_4   (5u << 10)
-#define RCC_CFGR_PPRE2_2   (4u << 13)
-#define RCC_CFGR_RTCPRE(n) ((uint32_t)(n) << 16)
-#define RCC_CIR            REG32(0x4002380Cu)
-#define RCC_AHB1ENR        REG32(0x40023830u)
-#define RCC_AHB1ENR_GPIOA  BIT(0)
-#define RCC_AHB1ENR_CCM    BIT(20)
-#define RCC_APB1ENR        REG32(0x40023840u)
-#define RCC_APB1ENR_TIM2   BIT(0)
-#define RCC_APB1ENR_USART2 BIT(17)
-#define RCC_APB2ENR        REG32(0x40023844u)
-#define RCC_APB2ENR_USART1 BIT(4)
-#define RCC_APB2ENR_TIM11  BIT(18)
-#define RCC_CSR            REG32(0x40023874u)
-/* For ram_test.c, which reaches them without a stack. */
+#define RCC_CR              REG32(0x40023800u)
+#define RCC_CR_HSION        BIT(0)
+#define RCC_CR_HSIRDY       BIT(1)
+#define RCC_CR_HSEON        BIT(16)
+#define RCC_CR_HSERDY       BIT(17)
+#define RCC_CR_PLLON        BIT(24)
+#define RCC_CR_PLLRDY       BIT(25)
+#define RCC_PLLCFGR         REG32(0x40023804u)
+#define RCC_PLLCFGR_HSE     BIT(22)
+#define RCC_PLLCFGR_KEPT    BIT(29) /* reserved, set out of reset, to be left so (7.3.2) */
+#define RCC_CFGR            REG32(0x40023808u)
+#define RCC_CFGR_SW_PLL     2u
+#define RCC_CFGR_SWS        (3u << 2)
+#define RCC_CFGR_SWS_PLL    (2u << 2)
+#define RCC_CFGR_PPRE1_4    (5u << 10)
+#define RCC_CFGR_PPRE2_2    (4u << 13)
+#define RCC_CFGR_RTCPRE(n)  ((uint32_t)(n) << 16)
+#define RCC_CIR             REG32(0x4002380Cu)
+#define RCC_AHB1ENR_ADDRESS 0x40023830u /* ram_test.c reaches these without a stack */
+#define RCC_AHB1ENR         REG32(RCC_AHB1ENR_ADDRESS)
+#define RCC_AHB1ENR_GPIOA   BIT(0)
+#define RCC_AHB1ENR_CCM     BIT(20)
+#define RCC_APB1ENR         REG32(0x40023840u)
+#define RCC_APB1ENR_TIM2    BIT(0)
+#define RCC_APB1ENR_USART2  BIT(17)
+#define RCC_APB2ENR         REG32(0x40023844u)
+#define RCC_APB2ENR_USART1  BIT(4)
+#define RCC_APB2ENR_TIM11   BIT(18)
 #define RCC_CSR_ADDRESS     0x40023874u
-#define RCC_AHB1ENR_ADDRESS 0x40023830u
-#define IWDG_KR_ADDRESS     0x40003000u
+#define RCC_CSR             REG32(RCC_CSR_ADDRESS)
 #define CCM_START           0x10000000u
 
 /* RM0090 5.4.1: power */

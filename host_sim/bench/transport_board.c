@@ -8,14 +8,12 @@
 #include <unistd.h>
 
 #include "bench/text.h"
+#include "virtual_board/control_frame.h"
 
 /* The protocol: host_sim/virtual_board/control.h */
-#define STEP_NS       UINT64_C(1000000) /* how far time goes on when nobody has anything to say */
-#define REQUEST_BYTES 14u
-#define REPLY_BYTES   13u
-#define MOST          16384u
-#define AGAIN_US      10000u
-#define FAULTS        4096u
+#define STEP_NS  UINT64_C(1000000) /* how far time goes on when nobody has anything to say */
+#define AGAIN_US 10000u
+#define FAULTS   4096u
 
 enum { LINE_CONSOLE, LINE_LINK, LINES };
 
@@ -26,7 +24,7 @@ static struct {
     uint8_t faults[FAULTS]; /* lines for the next step */
     size_t n_faults;
     struct half {
-        uint8_t bytes[MOST];
+        uint8_t bytes[FRAME_MOST];
         size_t n, taken;
     } to[LINES], from[LINES];
 } board = {.fd = -1};
@@ -56,62 +54,34 @@ static long board_write(struct transport *t, const void *data, size_t n)
     return board.gone ? transport_lost(t, "the board has ended") : (long)taken;
 }
 
-static bool whole(uint8_t *bytes, size_t n, bool out)
-{
-    while (n > 0) {
-        ssize_t k = out ? send(board.fd, bytes, n, MSG_NOSIGNAL) : recv(board.fd, bytes, n, 0);
-        if (k < 0 && errno == EINTR)
-            continue;
-        if (k <= 0)
-            return false;
-        bytes += k;
-        n -= (size_t)k;
-    }
-    return true;
-}
-
-static void put(uint8_t *at, uint64_t x, unsigned bytes)
-{
-    for (unsigned i = 0; i < bytes; i++)
-        at[i] = (uint8_t)(x >> 8 * i);
-}
-
-static uint64_t number(const uint8_t *at, unsigned bytes)
-{
-    uint64_t x = 0;
-    for (unsigned i = 0; i < bytes; i++)
-        x |= (uint64_t)at[i] << 8 * i;
-    return x;
-}
-
 /* One step: what was written goes there, what came back waits to be read. What was not read yet stays in front. */
 static bool step(void)
 {
     uint8_t head[REQUEST_BYTES];
-    put(head, STEP_NS, 8);
-    put(head + 8, board.to[LINE_CONSOLE].n, 2);
-    put(head + 10, board.to[LINE_LINK].n, 2);
-    put(head + 12, board.n_faults, 2);
-    if (!whole(head, REQUEST_BYTES, true))
+    frame_put(head, STEP_NS, 8);
+    frame_put(head + 8, board.to[LINE_CONSOLE].n, 2);
+    frame_put(head + 10, board.to[LINE_LINK].n, 2);
+    frame_put(head + 12, board.n_faults, 2);
+    if (!frame_whole(board.fd, head, REQUEST_BYTES, true))
         return false;
     for (unsigned line = 0; line < LINES; line++) {
-        if (!whole(board.to[line].bytes, board.to[line].n, true))
+        if (!frame_whole(board.fd, board.to[line].bytes, board.to[line].n, true))
             return false;
         board.to[line].n = 0;
     }
-    if (!whole(board.faults, board.n_faults, true))
+    if (!frame_whole(board.fd, board.faults, board.n_faults, true))
         return false;
     board.n_faults = 0;
-    if (!whole(head, REPLY_BYTES, false))
+    if (!frame_whole(board.fd, head, REPLY_BYTES, false))
         return false;
-    board.now_ns = number(head, 8);
+    board.now_ns = frame_number(head, 8);
     for (unsigned line = 0; line < LINES; line++) {
         struct half *h = &board.from[line];
-        size_t n = number(head + 8 + (size_t)2 * line, 2);
+        size_t n = frame_number(head + 8 + (size_t)2 * line, 2);
         (void)memmove(h->bytes, h->bytes + h->taken, h->n - h->taken);
         h->n -= h->taken;
         h->taken = 0;
-        if (n > sizeof(h->bytes) - h->n || !whole(h->bytes + h->n, n, false))
+        if (n > sizeof(h->bytes) - h->n || !frame_whole(board.fd, h->bytes + h->n, n, false))
             return false;
         h->n += n;
     }

@@ -94,7 +94,7 @@ struct board *board_new(const struct chip *chip, const struct surroundings *arou
     }
     b->chip = chip;
     b->around = *around;
-    b->random = around->seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    b->random = random_state(around->seed);
     b->core_hz = chip->internal_hz;
     b->next_ns = BOARD_NEVER;
     if (!processor_start(b, image, image_bytes, exact, err, err_size)) {
@@ -209,13 +209,22 @@ void board_verdict(struct board *b, const char *format, ...)
     processor_break(b);
 }
 
-/* xorshift64* */
+uint64_t random_state(uint64_t seed)
+{
+    return seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+}
+
+uint32_t random_word(uint64_t *state)
+{
+    *state ^= *state >> 12;
+    *state ^= *state << 25;
+    *state ^= *state >> 27;
+    return (uint32_t)((*state * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
+}
+
 uint32_t board_random(struct board *b)
 {
-    b->random ^= b->random >> 12;
-    b->random ^= b->random << 25;
-    b->random ^= b->random >> 27;
-    return (uint32_t)((b->random * UINT64_C(0x2545F4914F6CDD1D)) >> 32);
+    return random_word(&b->random);
 }
 
 /* ---- lines ---- */

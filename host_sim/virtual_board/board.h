@@ -139,6 +139,9 @@ void board_run_events(struct board *b);
 
 /* The first one counts. */
 void board_verdict(struct board *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* A generator of random words (xorshift64*): its state after a seed, and the next word. */
+uint64_t random_state(uint64_t seed);
+uint32_t random_word(uint64_t *state);
 uint32_t board_random(struct board *b);
 
 size_t line_give(struct board *b, unsigned line, const uint8_t *bytes,

@@ -126,7 +126,7 @@ void processor_protection_changed(struct board *b);
 
 /* For faults: flips a bit of R0 to R15, S0 to S31; forgets how code was counted and translated. */
 void processor_flip_register(struct board *b, uint32_t number, uint32_t bit);
-void processor_forget_code(struct board *b, uint32_t address);
+void processor_forget_code(struct board *b);
 uint32_t processor_image_bytes(const struct board *b);
 /* Steps by instructions from the block on that begins at this cycle or after it; the first access that fails is then `found`. */
 void processor_exact_from(struct board *b, uint64_t cycle);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "control.h"
 
+#include "control_frame.h"
 #include "faults.h"
 
 #include <errno.h>
@@ -12,11 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define REQUEST_BYTES 14u
-#define REPLY_BYTES   13u
-#define LOOK_NS       UINT64_C(200000) /* two bytes at 115200 baud and a little */
-#define WALL_STEP_NS  UINT64_C(1000000)
-#define MOST          16384u
+#define LOOK_NS      UINT64_C(200000) /* two bytes at 115200 baud and a little */
+#define WALL_STEP_NS UINT64_C(1000000)
 
 static int listen_at(const char *path, char *err, size_t err_size)
 {
@@ -38,21 +36,6 @@ static int listen_at(const char *path, char *err, size_t err_size)
     return fd;
 }
 
-static bool whole(int fd, void *bytes, size_t n, bool out)
-{
-    uint8_t *at = bytes;
-    while (n > 0) {
-        ssize_t k = out ? send(fd, at, n, MSG_NOSIGNAL) : recv(fd, at, n, 0);
-        if (k < 0 && errno == EINTR)
-            continue;
-        if (k <= 0)
-            return false;
-        at += k;
-        n -= (size_t)k;
-    }
-    return true;
-}
-
 /* Until the time, or until what left has left. */
 static void step(struct board *b, uint64_t ns)
 {
@@ -69,46 +52,32 @@ static void step(struct board *b, uint64_t ns)
     }
 }
 
-static uint64_t number(const uint8_t *at, unsigned bytes)
-{
-    uint64_t n = 0;
-    for (unsigned i = 0; i < bytes; i++)
-        n |= (uint64_t)at[i] << 8 * i;
-    return n;
-}
-
-static void put(uint8_t *at, uint64_t n, unsigned bytes)
-{
-    for (unsigned i = 0; i < bytes; i++)
-        at[i] = (uint8_t)(n >> 8 * i);
-}
-
 static bool serve_one(struct board *b, int fd)
 {
-    static uint8_t bytes[2 * MOST];
+    static uint8_t bytes[2 * FRAME_MOST];
     uint8_t head[REQUEST_BYTES];
-    if (!whole(fd, head, REQUEST_BYTES, false))
+    if (!frame_whole(fd, head, REQUEST_BYTES, false))
         return false;
-    size_t n[BOARD_LINES] = {number(head + 8, 2), number(head + 10, 2)};
+    size_t n[BOARD_LINES] = {frame_number(head + 8, 2), frame_number(head + 10, 2)};
     for (unsigned line = 0; line < BOARD_LINES; line++) {
-        if (n[line] > MOST || !whole(fd, bytes, n[line], false))
+        if (n[line] > FRAME_MOST || !frame_whole(fd, bytes, n[line], false))
             return false;
         (void)line_give(b, line, bytes, n[line]);
     }
-    size_t faults = number(head + 12, 2);
+    size_t faults = frame_number(head + 12, 2);
     char refused[BOARD_VERDICT];
-    if (faults > MOST || !whole(fd, bytes, faults, false))
+    if (faults > FRAME_MOST || !frame_whole(fd, bytes, faults, false))
         return false;
     if (!faults_add_text(b, (const char *)bytes, faults, refused, sizeof(refused)))
         board_verdict(b, "%s", refused);
-    step(b, number(head, 8));
-    n[0] = line_take(b, 0, bytes, MOST);
-    n[1] = line_take(b, 1, bytes + n[0], MOST);
-    put(head, board_ns(b), 8);
-    put(head + 8, n[0], 2);
-    put(head + 10, n[1], 2);
+    step(b, frame_number(head, 8));
+    n[0] = line_take(b, 0, bytes, FRAME_MOST);
+    n[1] = line_take(b, 1, bytes + n[0], FRAME_MOST);
+    frame_put(head, board_ns(b), 8);
+    frame_put(head + 8, n[0], 2);
+    frame_put(head + 10, n[1], 2);
     head[12] = b->verdict[0] != '\0';
-    return whole(fd, head, REPLY_BYTES, true) && whole(fd, bytes, n[0] + n[1], true) &&
+    return frame_whole(fd, head, REPLY_BYTES, true) && frame_whole(fd, bytes, n[0] + n[1], true) &&
            b->verdict[0] == '\0';
 }
 
@@ -163,7 +132,7 @@ static void exchange(struct board *b, struct end *e, unsigned line)
             close_end(e);
     }
     size_t n = line_take(b, line, bytes, sizeof(bytes));
-    if (e->fd >= 0 && n > 0 && !whole(e->fd, bytes, n, true))
+    if (e->fd >= 0 && n > 0 && !frame_whole(e->fd, bytes, n, true))
         close_end(e);
 }
 

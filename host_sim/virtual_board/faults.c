@@ -115,15 +115,7 @@ static void replug_link(void *context)
 
 static uint32_t pick(struct faults *f, uint32_t below)
 {
-    f->random ^= f->random >> 12;
-    f->random ^= f->random << 25;
-    f->random ^= f->random >> 27;
-    return (uint32_t)((f->random * UINT64_C(0x2545F4914F6CDD1D)) >> 32) % below;
-}
-
-static void seed(struct faults *f, uint64_t from)
-{
-    f->random = from * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return random_word(&f->random) % below;
 }
 
 static void flip_memory(struct faults *f, enum memory_kind kind, uint32_t bits)
@@ -138,9 +130,9 @@ static void flip_memory(struct faults *f, enum memory_kind kind, uint32_t bits)
             uint32_t at = pick(f, size);
             f->board->flipped = m->base + at;
             *processor_memory(f->board, m->base + at, 1) ^= (uint8_t)(1u << pick(f, 8));
-            if (kind == MEMORY_FLASH)
-                processor_forget_code(f->board, m->base + at);
         }
+        if (kind == MEMORY_FLASH)
+            processor_forget_code(f->board);
         return;
     }
 }
@@ -265,7 +257,7 @@ static bool set_up(struct faults *f, enum fault_kind kind, double value)
         f->off_ns = (uint64_t)llround(value * S);
         return true;
     case FAULT_PLACE:
-        seed(f, (uint64_t)value);
+        f->random = random_state((uint64_t)value);
         return true;
     default:
         return false;
@@ -412,7 +404,7 @@ struct faults *faults_new(struct board *b)
         abort();
     f->board = b;
     f->off_ns = f->ramp_ns = (uint64_t)S;
-    seed(f, b->around.seed);
+    f->random = random_state(b->around.seed);
     struct {
         struct board_event *event;
         void (*due)(void *);

@@ -16,7 +16,6 @@
 #include "replay.h"
 #include "thumb.h"
 
-#define PAGE         0x400u
 #define EXC_RETURNS  0xFFFFFF00u
 #define EXC_HANDLER  0xFFFFFFF1u
 #define EXC_THREAD   0xFFFFFFF9u
@@ -146,14 +145,26 @@ void processor_break(struct board *b)
     b->processor->slice_end = 0;
 }
 
-uint8_t *processor_memory(struct board *b, uint32_t address, uint32_t bytes)
+/* In the chip's memories from this one on; the flash is the first. */
+static uint8_t *memory_from(struct board *b, size_t first, uint32_t address, uint32_t bytes)
 {
-    for (size_t i = 0; i < b->chip->n_memory; i++) {
+    for (size_t i = first; i < b->chip->n_memory; i++) {
         const struct chip_memory *m = &b->chip->memory[i];
         if (address >= m->base && bytes <= m->size && address - m->base <= m->size - bytes)
             return b->processor->memory[i] + (address - m->base);
     }
     return NULL;
+}
+
+uint8_t *processor_memory(struct board *b, uint32_t address, uint32_t bytes)
+{
+    return memory_from(b, 0, address, bytes);
+}
+
+/* No flash: a stack there is none. */
+static uint8_t *data_at(struct board *b, uint32_t address, uint32_t bytes)
+{
+    return memory_from(b, 1, address, bytes);
 }
 
 /* ---- hooks of the library ---- */
@@ -298,16 +309,6 @@ static void on_write(uc_engine *uc, uint64_t offset, unsigned bytes, uint64_t va
 }
 
 /* ---- exceptions ---- */
-
-static uint8_t *data_at(struct board *b, uint32_t address, uint32_t bytes)
-{
-    for (size_t i = 1; i < b->chip->n_memory; i++) {
-        const struct chip_memory *m = &b->chip->memory[i];
-        if (address >= m->base && address - m->base <= m->size - bytes)
-            return b->processor->memory[i] + (address - m->base);
-    }
-    return NULL;
-}
 
 static const int frame_regs[BASIC_WORDS] = {UC_ARM_REG_R0, UC_ARM_REG_R1,  UC_ARM_REG_R2,
                                             UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
@@ -505,13 +506,19 @@ static void pass_time(struct board *b, uint64_t until)
         b->cycles = next;
 }
 
+/* Of the flash and of its alias at 0. */
+static void forget_translations(struct processor *p)
+{
+    const struct chip_memory *flash = flash_of(p->board->chip);
+    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
+    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
+}
+
 static void turn_exact(struct processor *p)
 {
     uc_hook hook;
-    const struct chip_memory *flash = flash_of(p->board->chip);
     (void)uc_hook_add(p->uc, &hook, UC_HOOK_CODE, (void *)on_instruction, p, 1, 0);
-    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
-    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
+    forget_translations(p);
     p->exact = true;
 }
 
@@ -698,14 +705,11 @@ void processor_flip_register(struct board *b, uint32_t number, uint32_t bit)
     set(p, name, name == UC_ARM_REG_R15 ? word | 1u : word);
 }
 
-void processor_forget_code(struct board *b, uint32_t address)
+void processor_forget_code(struct board *b)
 {
     struct processor *p = b->processor;
-    const struct chip_memory *flash = flash_of(b->chip);
-    (void)memset(p->counted, 0, flash->size / 2u * sizeof(*p->counted));
-    (void)uc_ctl_remove_cache(p->uc, flash->base, flash->base + flash->size);
-    (void)uc_ctl_remove_cache(p->uc, 0, flash->size);
-    (void)address;
+    (void)memset(p->counted, 0, flash_of(b->chip)->size / 2u * sizeof(*p->counted));
+    forget_translations(p);
 }
 
 void processor_scramble(struct board *b)
