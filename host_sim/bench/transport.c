@@ -364,9 +364,14 @@ void transport_wait(struct transport *const *list, size_t n, uint64_t timeout_ms
     }
 }
 
+bool transport_keeps_time(const struct transport *t)
+{
+    return t->ops->now_ms != NULL;
+}
+
 uint64_t transport_now_ms(struct transport *t)
 {
-    return t->ops->now_ms != NULL ? t->ops->now_ms(t) : sim_clock_ms();
+    return transport_keeps_time(t) ? t->ops->now_ms(t) : sim_clock_ms();
 }
 
 bool transport_fault(struct transport *t, const char *name, double value)
