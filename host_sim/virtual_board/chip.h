@@ -84,7 +84,8 @@ struct chip {
 struct part {
     struct board *board;
     const struct chip_part *row;
-    uint32_t *words; /* in the order of the class's registers */
+    uint32_t *words; /* in the order of the class's registers, and one for what is none of them */
+    uint8_t *index;  /* of the word at each offset, in words */
     void *state;
 };
 
