@@ -116,8 +116,8 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
                                .speed = o->speed,
                                .timeout_ms = patience,
                                .interrupted = interrupted};
-    return link_server_init(&p->link, &p->port, o->class, o->tick_ms, session_number(&p->port),
-                            err, err_size);
+    return link_server_init(&p->link, &p->port, o->class, o->tick_ms, session_number(&p->port), err,
+                            err_size);
 }
 
 static bool close_file(FILE *file)
