@@ -101,13 +101,21 @@ static bool on_bad_access(uc_engine *uc, uc_mem_type type, uint64_t address, int
     return false;
 }
 
+/* The library's numbers: a fetch from where code never is, a jump to an EXC_RETURN value. */
+enum { LIBRARY_NO_FETCH = 3, LIBRARY_EXC_RETURN = 8 };
+
 static void on_exception(uc_engine *uc, uint32_t number, void *context)
 {
     struct processor *p = context;
-    if (number == 8) /* the library's number for a jump to an EXC_RETURN value */
+    if (number == LIBRARY_EXC_RETURN) {
         p->left = true;
-    else
+    } else if (number == LIBRARY_NO_FETCH) {
+        p->failed = true;
+        p->failed_type = UC_MEM_FETCH_UNMAPPED;
+        p->failed_address = core_get(p, UC_ARM_REG_PC) & ~1u;
+    } else {
         board_verdict(p->board, "the processor library raised its exception %u", number);
+    }
     (void)uc_emu_stop(uc);
 }
 

@@ -118,6 +118,12 @@ void exception_leave(struct processor *p)
     p->block = p->pc = f[6];
 }
 
+/* Peripherals, devices and the core's own space hold no code, with and without protection unit (PM0214 2.2.1, unverified). */
+static bool never_executes(uint32_t address)
+{
+    return address >= 0xA0000000u || (address >= 0x40000000u && address < 0x60000000u);
+}
+
 void exception_of_access(struct processor *p)
 {
     struct board *b = p->board;
@@ -125,7 +131,7 @@ void exception_of_access(struct processor *p)
     p->failed_pc = pc;
     bool fetch = p->failed_type == UC_MEM_FETCH_UNMAPPED || p->failed_type == UC_MEM_FETCH_PROT;
     p->failed = false;
-    if (address_forbidden(p, at)) {
+    if (address_forbidden(p, at) || (fetch && never_executes(at))) {
         exception_fault(p, EXCEPTION_MEM_MANAGE,
                         fetch ? CFSR_IACCVIOL : CFSR_DACCVIOL | CFSR_MMARVALID, at,
                         fetch ? at : pc);

@@ -284,15 +284,23 @@ void processor_set_fpu(struct board *b, bool on)
     b->processor->fpu_on = on;
 }
 
-void processor_flip_register(struct board *b, uint32_t number, uint32_t bit)
+static int register_name(uint32_t number)
 {
     static const int names[] = {UC_ARM_REG_R13, UC_ARM_REG_R14, UC_ARM_REG_R15};
-    int name = number < 13   ? UC_ARM_REG_R0 + (int)number
-               : number < 16 ? names[number - 13u]
-                             : UC_ARM_REG_S0 + (int)number - 16;
-    struct processor *p = b->processor;
-    uint32_t word = core_get(p, name) ^ UINT32_C(1) << bit;
-    core_set(p, name, name == UC_ARM_REG_R15 ? word | 1u : word);
+    return number < 13   ? UC_ARM_REG_R0 + (int)number
+           : number < 16 ? names[number - 13u]
+                         : UC_ARM_REG_S0 + (int)number - 16;
+}
+
+void processor_set_register(struct board *b, uint32_t number, uint32_t value)
+{
+    core_set(b->processor, register_name(number), number == REGISTER_PC ? value | 1u : value);
+}
+
+void processor_flip_register(struct board *b, uint32_t number, uint32_t bit)
+{
+    uint32_t word = core_get(b->processor, register_name(number));
+    processor_set_register(b, number, word ^ UINT32_C(1) << bit);
 }
 
 void processor_forget_code(struct board *b)
