@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs one scenario on several firmwares and asks whether their logs are the same, bit for bit.
 
-Firmwares are named as for tools/run; nothing is built here. Every log is compared with the first. A plant sends a sample again when a busy
+Firmwares are named as for tools/run; nothing is built here. A plant sends a sample again when a busy
 machine, or a new board that erases its flash, is late with the answer: of the events that a log counts, these are left out.
 """
 
@@ -34,16 +34,18 @@ def main() -> int:
     parser.add_argument("--until", type=float, help="plant time at which the run ends, s (default: the scenario's)")
     parser.add_argument("--line", action="append", default=[], help="console line that is sent at 0 s")
     parser.add_argument("scenario", type=scenario.find, help="a .toml file, or the name of one in host_sim/scenarios")
+    parser.add_argument("twin", help="firmware whose log the others shall have")
     parser.add_argument("firmware", nargs="+")
     options = parser.parse_args()
     wanted = scenario.load(options.scenario)
-    end = options.until or wanted.duration_s
-    lines = (*(scenario.Line(0.0, line) for line in options.line), *wanted.lines)
-    wanted = replace(wanted, duration_s=end, lines=tuple(line for line in lines if line.at_s < end),
-                     events=tuple(event for event in wanted.events if event.at_s < end))
+    wanted = replace(wanted, lines=(*(scenario.Line(0.0, line) for line in options.line), *wanted.lines))
+    if end := options.until:
+        wanted = replace(wanted, duration_s=end, lines=tuple(line for line in wanted.lines if line.at_s < end),
+                         events=tuple(event for event in wanted.events if event.at_s < end))
+    firmwares = [options.twin, *options.firmware]
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        places = [Path(folder) / f"{number}-{firmware}" for number, firmware in enumerate(options.firmware)]
-        for firmware, place in zip(options.firmware, places):
+        places = [Path(folder) / f"{number}-{firmware}" for number, firmware in enumerate(firmwares)]
+        for firmware, place in zip(firmwares, places):
             result = runner.run(replace(wanted, firmware=firmware), runner.Options(place, quiet=True))
             repeats = leave_out_repeats(result)
             print(f"{firmware}: {result.facts['samples']} samples in {result.facts['wall_s']} s, {repeats} sent again", flush=True)

@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
 from reflux import build, launch  # noqa: E402
-from virtual_board import FLOW, VirtualBoard  # noqa: E402
+from virtual_board import VirtualBoard  # noqa: E402
 
 PATIENCE_S = 600.0  # stops what hangs, on however busy a machine; nothing here measures time
 
