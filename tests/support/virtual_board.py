@@ -26,7 +26,7 @@ STEP_S = 0.05
 ERASED_S = 4.0  # a start on an empty flash has erased it by then
 FRAME_MOST = 16384
 FLOW = b"\x11\x13"  # XON and XOFF, which the virtual line obeys
-PATIENCE_S = 60.0  # on this machine, until the program listens
+PATIENCE_S = 600.0  # stops what hangs, on however busy a machine
 
 
 class Ended(Exception):

@@ -119,7 +119,7 @@ class StartUpOnTheBoard(unittest.TestCase):
             print(f"commission wood-berry on {kind}, from test to trial: {model}; {len(told)} events at the same samples")
 
     def test_the_model_of_a_whole_start_up_is_the_hosts_to_the_last_bit(self):
-        self.whole_start_up("host", "stm32f405", "board-stm32f405")
+        self.whole_start_up("host", "stm32f405", *(["board-stm32f405"] if sample.EVERY else []))
 
     @unittest.skipUnless(sample.EVERY, "the fixed-point image of this board: with the argument `all`")
     def test_so_it_is_in_fixed_point(self):
