@@ -103,7 +103,7 @@ class VirtualBoard:
         self.text += self._whole(n_console).translate(None, FLOW).decode("latin-1").replace("\r", "")
         link = self._whole(n_link)
         if self.plant is not None:
-            with contextlib.suppress(BrokenPipeError):  # it has gone meanwhile
+            with contextlib.suppress(ConnectionError):  # it has gone meanwhile
                 self.plant.sendall(struct.pack("<QHHB", ns, 0, len(link), state) + link)
         if state != 0:
             raise Ended(self.close())

@@ -91,7 +91,7 @@ class EmulatorTest(unittest.TestCase):
         self.assertTrue(self.console.do("status")[0].startswith("state safe"))
 
 
-class VirtualBoardTest(EmulatorTest):
+class OnTheVirtualBoard(EmulatorTest):
     KIND, SAYS = "board-stm32f405", "STM32F405, Cortex-M4F, chip"
 
 
