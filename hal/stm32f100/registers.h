@@ -6,7 +6,7 @@
 
 #include "common.h"
 
-#define CHIP_INTERRUPTS 61 /* RM0041 table 50 */
+#define CHIP_INTERRUPTS 56 /* RM0041 8.1: medium density */
 
 #define STARTUP       reset_entry
 #define STARTUP_NOISE 2166136261u
