@@ -1,4 +1,4 @@
-/* The option bytes of the STM32F405 (RM0090 3.6.4 and 3.9.10): what protects the board. They are flash, whose writing must not be cut, so the
+/* The option bytes of the STM32F405 (RM0090 Rev 21 3.7 and 3.9.9): what protects the board. They are flash, whose writing must not be cut, so the
  * firmware tells them and leaves them to somebody with a programmer (tools/flash --protect). */
 #include <stddef.h>
 

@@ -74,7 +74,7 @@ bool address_map_memory(struct board *b, struct processor *p)
                 UC_ERR_OK)
                 return false;
         }
-        /* The chip fetches from the SRAM as well, and not from the memory next to the core (RM0090 2.1). */
+        /* The chip fetches from the SRAM as well, and not from the memory next to the core (RM0090 Rev 21 2.1.2, 2.1.3, 2.3.1). */
         uint32_t rights = m->kind == MEMORY_FLASH ? UC_PROT_READ | UC_PROT_EXEC
                           : m->kind == MEMORY_RAM ? UC_PROT_ALL
                                                   : UC_PROT_READ | UC_PROT_WRITE;

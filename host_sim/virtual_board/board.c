@@ -132,6 +132,7 @@ static void reset(struct board *b, enum board_reset kind)
 {
     b->resets[kind]++;
     b->hang_main = b->hang_tick = false;
+    bus_reset(b, kind); /* while it is still known what the flash was about */
     end_events(b);
     board_set_core_hz(b, board_internal_hz(b));
     bus_reset(b, kind);
@@ -143,7 +144,7 @@ void board_hold(struct board *b, enum board_reset kind)
     b->held = true;
     for (unsigned line = 0; line < BOARD_LINES; line++)
         b->lines[line].to_head = b->lines[line].to_tail;
-    bus_reset(b, kind); /* while it is still known what the flash was about */
+    bus_reset(b, kind);
     end_events(b);
     processor_reset(b);
     processor_break(b);

@@ -114,7 +114,7 @@ struct board *board_new(const struct chip *chip, const struct surroundings *arou
                         size_t err_size);
 void board_free(struct board *b);
 
-/* Power comes on, or has come back: memory holds random bits, flags say power-on. */
+/* Power comes on, or has come back: flags say power-on. Memory holds random bits after a power-on (unverified). */
 void board_power_on(struct board *b);
 /* Runs until the time, a verdict, or board_pause(). */
 void board_run(struct board *b, uint64_t until_ns);

@@ -101,6 +101,12 @@ static bool clocked(const struct part *p)
     return (part_get(rcc, row->enable_offset) >> row->enable_bit & 1u) != 0;
 }
 
+static bool takes(const struct part_class *class, uint32_t offset, unsigned bytes)
+{
+    return class->only_words != NULL && class->only_words(offset) ? bytes == WIDTH_WORD
+                                                                  : (class->widths & bytes) != 0;
+}
+
 /* The part and the index of its register; NULL with a verdict: the access is none that a chip takes. */
 static struct part *find(struct board *b, uint32_t address, unsigned bytes, const char *what,
                          size_t *reg)
@@ -122,7 +128,7 @@ static struct part *find(struct board *b, uint32_t address, unsigned bytes, cons
                           row->class->regs[*reg].name, address);
             return NULL;
         }
-        if ((row->class->widths & bytes) == 0) {
+        if (!takes(row->class, row->class->regs[*reg].offset, bytes)) {
             board_verdict(b, "%s of %u bytes of %s_%s (0x%08x), which takes no such width", what,
                           bytes, row->name, row->class->regs[*reg].name, address);
             return NULL;

@@ -23,8 +23,9 @@ struct part_class {
     size_t n_regs;
     size_t state_bytes;
     uint8_t widths; /* of access that the manual allows: a sum of enum access_width */
-    void (*start)(struct part *p); /* once */
-    void (*stop)(struct part *p);  /* gives back what it has beside its state */
+    bool (*only_words)(uint32_t offset); /* NULL, or of which registers only words */
+    void (*start)(struct part *p);       /* once */
+    void (*stop)(struct part *p);        /* gives back what it has beside its state */
     void (*reset)(struct part *p, enum board_reset kind);
     /* What is read in place of the stored word; NULL: the stored word. */
     uint32_t (*read)(struct part *p, uint32_t offset, uint32_t stored);
@@ -143,6 +144,6 @@ void interrupts_free(struct interrupts *i);
 void interrupts_reset(struct interrupts *i);
 struct interrupts *processor_interrupts(struct board *b);
 void interrupt_line(struct board *b, unsigned irq, bool high);
-void interrupt_nmi(struct board *b);
+void interrupt_nmi(struct board *b, bool high);
 
 #endif

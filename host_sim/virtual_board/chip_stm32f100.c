@@ -1,4 +1,5 @@
-/* STM32F100xB: memory map RM0041 2.3, enables 6.3.6 to 6.3.8, interrupts table 50. From memory of the manual (unverified).
+/* STM32F100xB. Read in RM0041 Rev 6: 6.3.7 and 6.3.8 enables, 8.1 and table 50 interrupts, 6.2.2 and 6.2.5 oscillators, 25.6.3 core. Addresses:
+ * the vendor's SVD file. The chip has 128 KiB of flash and 8 KiB of SRAM (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -32,8 +33,8 @@ static const struct chip_part parts[] = {
     {"DBGMCU", &debug_f1_class, 0xE0042000u, 0x400, "core", 0, 0, NO_IRQ, 0},
 };
 
-/* Stacks of exceptions are not aligned to 8 bytes after a reset: so on revision r1p1 of the core, so stated by ARM for that revision (unverified;
- * PM0056 may say otherwise). A firmware that wants it sets CCR_STKALIGN. */
+/* After a reset of the Cortex-M3 r1p1, exceptions do not align the stack to 8 bytes (unverified). A firmware that wants it sets CCR_STKALIGN.
+ * This core has no protection unit (unverified). */
 const struct chip chip_stm32f100 = {
     .name = "STM32F100",
     .cpu_model = UC_CPU_ARM_CORTEX_M3,
@@ -42,9 +43,9 @@ const struct chip chip_stm32f100 = {
     .mpu_regions = 0,
     .ccr_reset = 0,
     .priority_bits = 4,
-    .interrupts = 61,
+    .interrupts = 56, /* 8.1, medium density */
     .internal_hz = 8000000u,
-    .slow_clock_hz = 40000u, /* RM0041 6.2.5 */
+    .slow_clock_hz = 40000u, /* 6.2.5; RM0008 Rev 12 19.3.3 has 30 to 60 kHz for its sisters */
     .slow_clock_least = 30000u,
     .slow_clock_most = 60000u,
     .memory = memory,

@@ -1,4 +1,5 @@
-/* STM32F405xG: memory map RM0090 2.3, enables 7.3.10 to 7.3.14, interrupts 12.2.
+/* STM32F405xG. Read in RM0090 Rev 21: 2.1 and 2.3 memories and addresses, 3.4 sectors, 12.1 and table 62 interrupts, 7.2.2 and 7.2.5
+ * oscillators; in PM0214 Rev 10: 4.2 regions, 4.4.7 CCR. Enables: the vendor's SVD file. The core is revision r0p1 (38.8.3).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -45,7 +46,7 @@ const struct chip chip_stm32f405 = {
     .priority_bits = 4,
     .interrupts = 82,
     .internal_hz = 16000000u,
-    .slow_clock_hz = 32000u, /* DS8626 */
+    .slow_clock_hz = 32000u, /* 17 to 47 kHz over chips: DS8626 table 35 as others quote it */
     .slow_clock_least = 17000u,
     .slow_clock_most = 47000u,
     .memory = memory,

@@ -5,7 +5,7 @@
 #include "core.h"
 #include "thumb.h"
 
-/* Instructions of a block: a halfword of 0xE800 and above begins one of two halfwords (PM0214 3, ARMv7-M A5.1). */
+/* Instructions of a block: a halfword of 0xE800 and above begins one of two halfwords (thumb.h). */
 static uint32_t instructions_in(struct processor *p, uint32_t address, uint32_t bytes)
 {
     const struct chip_memory *flash = flash_of(p->board->chip);
@@ -60,7 +60,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
     b->instructions += n;
 }
 
-/* At each division: the library's gives 0 where the core traps (PM0214 4.4.7, DIV_0_TRP). */
+/* At each division: the library's gives 0 where the core traps (PM0214 Rev 10 4.4.7, DIV_0_TRP). */
 static void on_division(uc_engine *uc, uint64_t address, uint32_t bytes, void *context)
 {
     struct processor *p = context;

@@ -1,4 +1,5 @@
-/* The cycle counter (DDI 0403 C1.8): it counts once the trace unit is on (DEMCR_TRCENA).
+/* The cycle counter. DWT_CYCCNT counts once DEMCR_TRCENA is on (unverified). DWT keeps its state through a reset that is no power-on
+ * (unverified). Addresses and bits: a public register map.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -33,10 +34,17 @@ static void trace_write(struct part *p, uint32_t offset, uint32_t before, uint32
         part_set(p, DWT_CYCCNT, (uint32_t)(p->board->cycles - t->zero));
 }
 
+static void trace_reset(struct part *p, enum board_reset kind)
+{
+    for (size_t k = 0; kind == RESET_POWER && k < p->row->class->n_regs; k++)
+        p->words[k] = p->row->class->regs[k].reset;
+}
+
 const struct part_class trace_class = {.name = "cycle counter",
                                        .regs = trace_regs,
                                        .n_regs = 2,
                                        .widths = WIDTH_WORD,
                                        .state_bytes = sizeof(struct trace),
+                                       .reset = trace_reset,
                                        .read = trace_read,
                                        .write = trace_write};

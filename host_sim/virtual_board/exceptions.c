@@ -1,5 +1,6 @@
-/* Entry to exceptions and return from them: the frame on the stack (PM0214 2.3.7, with the floating-point registers where they are in
- * use), faults, lock-up. Not modelled: the process stack, unprivileged code, imprecise bus faults (a write that fails is told at once here).
+/* Entry to exceptions and return from them: the frame on the stack, with the floating-point registers where they are in use, faults, lock-up.
+ * Read in PM0214 Rev 10: 2.3.7, 2.4, 4.4.10 to 4.4.13. The registers of a floating-point frame are stored at entry, not when they are needed.
+ * Not modelled: the process stack, unprivileged code, imprecise bus faults (a write that fails is told at once here).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -24,7 +25,7 @@ void exception_fault(struct processor *p, unsigned exception, uint32_t status, u
 {
     unsigned n = interrupts_fault(p->interrupts, core_masks(p), exception, status, address);
     if (n == 0) {
-        p->locked_up = true; /* until a reset */
+        p->locked_up = true; /* until a reset or an NMI (2.4.4) */
         return;
     }
     exception_enter(p, n, pc);

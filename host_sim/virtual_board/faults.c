@@ -14,11 +14,15 @@
 #define WAITING 16u
 #define S       1e9
 #define RAMP_NS UINT64_C(1000000)
-#define POWER_MV                                                                                   \
-    1700u /* below this the chip is held in reset whatever its options (DS8626 5.3.5, unverified) */
-#define KEEPS_MV   1000u /* below this memory forgets: a guess on the safe side */
-#define HYSTERESIS 100u  /* of the brown-out reset, mV (DS8626 5.3.5, typical; unverified) */
-#define TEXT       64u
+/* DS8626 5.3.5, table 19, typical: below the first the chip is held in reset whatever its options, up to the second. The STM32F100 is held in
+ * reset below the same voltages as the STM32F405 (unverified). */
+#define POWER_MV            1680u
+#define POWER_HYSTERESIS_MV 40u
+/* RM0090 Rev 4 5.2.2 and DS8626 table 19, typical: of the brown-out reset */
+#define BROWN_OUT_HYSTERESIS_MV 100u
+/* Memory keeps all that it holds while the supply is 1.0 V or more (unverified). Below that, and in a power cut, it forgets all. */
+#define KEEPS_MV 1000u
+#define TEXT     64u
 
 struct faults {
     struct board *board;
@@ -74,7 +78,7 @@ static void set_supply(struct faults *f, uint32_t mv)
     if (mv < POWER_MV)
         f->held_as = RESET_POWER;
     f->forgets = f->forgets || mv < KEEPS_MV;
-    if (mv >= level + HYSTERESIS) {
+    if (mv >= level + (level > POWER_MV ? BROWN_OUT_HYSTERESIS_MV : POWER_HYSTERESIS_MV)) {
         f->supply_holds = false;
         board_release(b, f->held_as, f->forgets);
     }

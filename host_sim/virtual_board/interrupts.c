@@ -1,4 +1,5 @@
-/* Which exception runs and which comes next (DDI 0403 B1.5).
+/* Which exception runs and which comes next, read in PM0214 Rev 10: 2.3.5, 2.3.7, 2.4.2, 2.4.4, 2.5.2. Exceptions of the Cortex-M3 have the same
+ * order (unverified). Groups of priorities are not modelled.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -38,7 +39,7 @@ void interrupts_reset(struct interrupts *i)
     i->tick_next = BOARD_NEVER;
 }
 
-/* DDI 0403 B1.5.4 */
+/* 2.3.5: of those that are equal, the lowest number comes first */
 static int priority(const struct interrupts *i, unsigned exception)
 {
     static const int fixed[] = {0, -3, -2, -1};
@@ -88,6 +89,11 @@ static bool is_active(const struct interrupts *i, unsigned n)
     return false;
 }
 
+bool interrupts_in_hard_fault(const struct interrupts *i)
+{
+    return is_active(i, EXCEPTION_NMI) || is_active(i, EXCEPTION_HARD_FAULT);
+}
+
 bool interrupts_any(const struct interrupts *i)
 {
     return (i->asking[0] | i->asking[1]) != 0;
@@ -120,6 +126,8 @@ void interrupts_enter(struct interrupts *i, unsigned exception)
         board_verdict(i->board, "exceptions are nested %u deep", DEPTH);
     else
         i->active[i->depth++] = exception;
+    if (exception <= EXCEPTION_HARD_FAULT)
+        processor_protection_changed(i->board);
 }
 
 bool interrupts_leave(struct interrupts *i, unsigned exception)
@@ -127,6 +135,8 @@ bool interrupts_leave(struct interrupts *i, unsigned exception)
     if (i->depth == 0 || i->active[i->depth - 1u] != exception)
         return false;
     i->depth--;
+    if (exception <= EXCEPTION_HARD_FAULT)
+        processor_protection_changed(i->board);
     return true;
 }
 
@@ -140,7 +150,7 @@ unsigned interrupts_depth(const struct interrupts *i)
     return i->depth;
 }
 
-/* DDI 0403 B1.5.6 and B1.5.14: a fault that may not interrupt becomes a hard fault; one within a hard fault locks up. */
+/* 2.4.2 and 2.4.4: a fault that may not interrupt becomes a hard fault; one within a hard fault locks up. */
 unsigned interrupts_fault(struct interrupts *i, struct masks masks, unsigned exception,
                           uint32_t status, uint32_t address)
 {
@@ -188,8 +198,11 @@ void interrupt_line(struct board *b, unsigned irq, bool high)
         processor_attend(b);
 }
 
-void interrupt_nmi(struct board *b)
+void interrupt_nmi(struct board *b, bool high)
 {
-    interrupts_set_pending(processor_interrupts(b), EXCEPTION_NMI, true);
-    processor_attend(b);
+    struct interrupts *i = processor_interrupts(b);
+    i->line[EXCEPTION_NMI] = high;
+    interrupts_look_at(i, EXCEPTION_NMI);
+    if (high)
+        processor_attend(b);
 }

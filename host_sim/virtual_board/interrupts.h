@@ -18,7 +18,7 @@ enum {
     EXCEPTION_IRQ0 = 16
 };
 
-/* Bits of CFSR (PM0214 4.4.13) */
+/* Bits of CFSR (PM0214 Rev 10 4.4.10 to 4.4.13) */
 #define CFSR_IACCVIOL   (UINT32_C(1) << 0)
 #define CFSR_DACCVIOL   (UINT32_C(1) << 1)
 #define CFSR_MMARVALID  (UINT32_C(1) << 7)

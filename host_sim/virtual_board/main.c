@@ -32,7 +32,7 @@ static const char usage[] =
     "  --slow-clock HZ   clock of the watchdog, Hz (default: the chip's nominal one)\n"
     "  --oscillator PPM  error of the internal oscillator, millionths (default 0)\n"
     "  --supply MV       supply, mV (default 3300)\n"
-    "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2700)\n"
+    "  --brown-out MV    level of the brown-out reset, mV; 0: off (default 2830)\n"
     "  --hardware-watchdog  option byte: the watchdog runs from a reset on\n"
     "  --write-protect BITS option bytes: sectors of the flash, a sum of 1 << sector (default 0)\n"
     "  --seed N          of what memory holds at power-on (default 1)\n"
@@ -121,7 +121,7 @@ int main(int argc, char **argv)
                                           {0}};
     static uint8_t image[1u << 20];
     struct surroundings around = {
-        .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2700, .baud = 115200, .seed = 1};
+        .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2830, .baud = 115200, .seed = 1};
     const char *file = NULL, *name = NULL, *control = NULL, *console = NULL, *link = NULL,
                *nvm = NULL;
     bool exact = false, statistics = false;

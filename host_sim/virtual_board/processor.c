@@ -237,10 +237,11 @@ void processor_run(struct board *b, uint64_t until)
         }
         if (p->protection_changed)
             address_protect(p);
-        if (p->locked_up) {
+        if (p->locked_up && interrupts_pick(p->interrupts, core_masks(p), false) == 0) {
             pass_time(b, until);
             continue;
         }
+        p->locked_up = false;
         if (p->sleeping) {
             if (interrupts_pick(p->interrupts, core_masks(p), true) == 0) {
                 pass_time(b, until);

@@ -1,31 +1,40 @@
-/* The protection unit (PM0214 4.2): what it forbids.
+/* The protection unit: what it forbids. Read in PM0214 Rev 10: 4.2.6 to 4.2.9. That FAULTMASK switches it off is not modelled.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "system_control.h"
 
-#define MPU_ON        1u
-#define MPU_REGION_ON 1u
+#define MPU_ON         1u
+#define MPU_IN_FAULTS  2u /* HFNMIENA */
+#define MPU_BACKGROUND 4u /* PRIVDEFENA */
+#define MPU_REGION_ON  1u
+#define SIZE_LEAST     4u
 
-/* PM0214 4.2: a region is 2^(SIZE + 1) bytes; access permission 0 is none at all. */
+/* 4.2.9: a region is 2^(SIZE + 1) bytes, and lies on a multiple of that (4.2.8). Access permission 0 is none at all (unverified). */
 size_t interrupts_forbidden(const struct interrupts *i, struct forbidden *list, size_t n)
 {
     size_t found = 0;
-    if ((control_word(i, MPU_CTRL) & MPU_ON) == 0)
+    uint32_t control = control_word(i, MPU_CTRL);
+    if ((control & MPU_ON) == 0 || ((control & MPU_IN_FAULTS) == 0 && interrupts_in_hard_fault(i)))
         return 0;
+    if ((control & MPU_BACKGROUND) == 0) {
+        board_verdict(i->board, "the protection unit without the background map is not modelled");
+        return 0;
+    }
     for (uint32_t k = 0; k < i->board->chip->mpu_regions && found < n; k++) {
         uint32_t a = i->region[k].attributes;
         if ((a & MPU_REGION_ON) == 0)
             continue;
-        if ((a >> 24 & 7u) != 0 || (a >> 8 & 0xFFu) != 0) {
+        uint32_t size = a >> 1 & 0x1Fu;
+        if ((a >> 24 & 7u) != 0 || (a >> 8 & 0xFFu) != 0 || size < SIZE_LEAST || size == 31u) {
             board_verdict(
                 i->board,
                 "region %u of the protection unit is of a form that is not modelled (0x%08x)", k,
                 a);
             return 0;
         }
-        list[found++] = (struct forbidden){.base = i->region[k].base & ~0x1Fu,
-                                           .size = UINT32_C(2) << (a >> 1 & 0x1Fu)};
+        list[found++] = (struct forbidden){.base = i->region[k].base & UINT32_MAX << (size + 1u),
+                                           .size = UINT32_C(2) << size};
     }
     return found;
 }

@@ -1,5 +1,7 @@
-/* Registers of the interrupt controller, system control block, SysTick and protection unit: PM0214 4, PM0056 4 and the ARMv7-M manual
- * (DDI 0403), from memory of those documents where docs/inside/boards.md says "unverified".
+/* Registers of the interrupt controller, system control block, SysTick, protection unit and floating-point unit, read in PM0214 Rev 10: 4.2.6
+ * to 4.6. The core's debug registers keep what they hold through a reset that is no power-on (RM0090 Rev 21 38.10). The Cortex-M3 has the same
+ * system control space but for protection unit and floating-point unit (unverified). MMFAR and BFAR read 0 before the first fault; those of a
+ * chip are undefined (4.4.15).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -8,6 +10,8 @@
 
 #define AIRCR_KEY   0x05FAu
 #define AIRCR_RESET 4u
+#define AIRCR_DEBUG 3u /* VECTCLRACTIVE, VECTRESET */
+#define CCR_UNALIGN 8u
 
 #define ALL UINT32_MAX
 #define NVIC_WORDS(name, at)                                                                       \
@@ -27,12 +31,10 @@ static const struct reg control_regs[] = {
     {"SYST_CSR", SYST_CSR, 0, 0x00010007u, 0x7u},
     {"SYST_RVR", SYST_RVR, 0, 0x00FFFFFFu, 0x00FFFFFFu},
     {"SYST_CVR", SYST_CVR, 0, ALL, 0},
-    {"SYST_CALIB", SYST_CALIB, 0x40000000u, ALL, 0},
     NVIC_WORDS("ISER", ISER),
     NVIC_WORDS("ICER", ICER),
     NVIC_WORDS("ISPR", ISPR),
     NVIC_WORDS("ICPR", ICPR),
-    NVIC_WORDS("IABR", IABR),
     IPR_WORDS(0),
     IPR_WORDS(1),
     IPR_WORDS(2),
@@ -41,7 +43,7 @@ static const struct reg control_regs[] = {
     IPR_WORDS(5),
     {"CPUID", CPUID, 0, ALL, 0},
     {"ICSR", ICSR, 0, 0x9E000000u, 0},
-    {"VTOR", VTOR, 0, 0xFFFFFF80u, 0x3FFFFF80u},
+    {"VTOR", VTOR, 0, 0x3FFFFE00u, 0x3FFFFE00u},
     {"AIRCR", AIRCR, 0xFA050000u, 0xFFFF0707u, 0x00000700u},
     {"SCR", SCR, 0, 0x16u, 0x16u},
     {"CCR", CCR, 0, 0x31Bu, 0x31Bu},
@@ -81,9 +83,10 @@ static void control_start(struct part *p)
 static void control_reset(struct part *p, enum board_reset kind)
 {
     const struct chip *chip = p->board->chip;
-    (void)kind;
+    uint32_t demcr = part_get(p, DEMCR);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
+    part_set(p, DEMCR, kind == RESET_POWER ? 0 : demcr);
     part_set(p, CPUID, chip->cpuid);
     part_set(p, CCR, chip->ccr_reset);
     part_set(p, MPU_TYPE, chip->mpu_regions << 8);
@@ -135,7 +138,7 @@ static uint32_t control_read(struct part *p, uint32_t offset, uint32_t stored)
     case SYST_CVR:
         return systick_count(i);
     case ICSR:
-        return interrupts_active(i) | (i->depth == 1 ? UINT32_C(1) << 11 : 0) |
+        return interrupts_active(i) | (i->depth <= 1 ? UINT32_C(1) << 11 : 0) |
                (i->pending[EXCEPTION_SYSTICK] ? UINT32_C(1) << 26 : 0) |
                (i->pending[EXCEPTION_PENDSV] ? UINT32_C(1) << 28 : 0);
     case MPU_RBAR:
@@ -181,7 +184,12 @@ static void control_write(struct part *p, uint32_t offset, uint32_t before, uint
         write_icsr(i, written);
     } else if (offset == AIRCR) {
         if (written >> 16 != AIRCR_KEY)
-            part_set(p, offset, before); /* without the key nothing is written */
+            part_set(p, offset, before); /* without the key nothing is written (4.4.5) */
+        else if ((written & AIRCR_DEBUG) != 0 || (written >> 8 & 7u) > 3u)
+            board_verdict(p->board,
+                          "AIRCR of 0x%08x: groups of priorities are not modelled, and "
+                          "the debugger's bits stay 0",
+                          written);
         else if ((written & AIRCR_RESET) != 0)
             board_ask_reset(p->board, RESET_SOFTWARE);
         part_set(p, offset, (part_get(p, offset) & 0x700u) | 0xFA050000u);
@@ -191,9 +199,18 @@ static void control_write(struct part *p, uint32_t offset, uint32_t before, uint
         protection_write(p, offset, written);
     } else if (offset == CPACR) {
         processor_set_fpu(p->board, interrupts_fpu_on(i));
-    } else if (offset == SCR && (written & 0x4u) != 0) {
-        board_verdict(p->board, "deep sleep is not modelled");
+    } else if (offset == CCR && (written & CCR_UNALIGN) != 0) {
+        board_verdict(p->board, "traps of unaligned access are not modelled");
+    } else if (offset == SCR && written != 0) {
+        board_verdict(p->board, "SCR of 0x%x: deep sleep and its like are not modelled", written);
     }
+}
+
+/* 4.4.18, 4.5.5 */
+static bool only_words(uint32_t offset)
+{
+    return offset < ISER || (offset >= CPUID && !(offset >= SHPR1 && offset <= SHPR3) &&
+                             offset != CFSR && offset != MPU_RASR);
 }
 
 const struct part_class system_control_class = {.name = "system control",
@@ -201,6 +218,7 @@ const struct part_class system_control_class = {.name = "system control",
                                                 .n_regs =
                                                     sizeof(control_regs) / sizeof(control_regs[0]),
                                                 .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
+                                                .only_words = only_words,
                                                 .start = control_start,
                                                 .reset = control_reset,
                                                 .read = control_read,

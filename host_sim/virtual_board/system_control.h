@@ -20,12 +20,10 @@ enum {
     SYST_CSR = 0x010,
     SYST_RVR = 0x014,
     SYST_CVR = 0x018,
-    SYST_CALIB = 0x01C,
     ISER = 0x100,
     ICER = 0x180,
     ISPR = 0x200,
     ICPR = 0x280,
-    IABR = 0x300,
     IPR = 0x400,
     CPUID = 0xD00,
     ICSR = 0xD04,
@@ -72,7 +70,9 @@ static inline uint32_t control_word(const struct interrupts *i, uint32_t offset)
     return part_get(i->control, offset);
 }
 
-/* interrupts.c: after a change of what makes it ask. */
+/* interrupts.c: what runs has priority -1 or -2. */
+bool interrupts_in_hard_fault(const struct interrupts *i);
+/* After a change of what makes it ask. */
 void interrupts_look_at(struct interrupts *i, unsigned n);
 void interrupts_set_pending(struct interrupts *i, unsigned n, bool to);
 

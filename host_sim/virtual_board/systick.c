@@ -1,4 +1,4 @@
-/* SysTick: counts the core's cycles, or an eighth of them.
+/* SysTick: counts the core's cycles, or an eighth of them. Read in PM0214 Rev 10: 4.5.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

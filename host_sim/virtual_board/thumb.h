@@ -1,4 +1,5 @@
-/* As much of the instructions' encoding as counting and stopping need (ARMv7-M, DDI 0403 A5; A6.7.4 for IT; unverified).
+/* As much of the instructions' encoding as counting and stopping need. Lengths of instructions, IT, divisions and coprocessors are as in the
+ * ARMv7-M manual, DDI 0403 A5 and A7 (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

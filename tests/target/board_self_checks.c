@@ -49,7 +49,7 @@ static struct board *power_on(const struct surroundings *changes)
 }
 
 static const struct surroundings usual = {
-    .crystal_hz = 8000000, .slow_clock_hz = 32000, .supply_mv = 3300, .brown_out_mv = 2700};
+    .crystal_hz = 8000000, .slow_clock_hz = 32000, .supply_mv = 3300, .brown_out_mv = 2830};
 
 static void listen(struct board *b)
 {
@@ -255,7 +255,7 @@ static void a_supply_that_dips_in_an_erase_spoils_it(void)
     while (stored_flash(b)->erase_count == 0 && b->stalled_until_ns < board_ns(b) + 100u * MS)
         board_run(b, board_ns(b) + MS);
     run(b, 300u * MS);
-    b->around.supply_mv = 2750; /* below the detector's level, not below that of the reset */
+    b->around.supply_mv = 2880; /* below the detector's level, not below that of the reset */
     run(b, 100u * MS);
     b->around.supply_mv = 3300;
     run(b, 3u * SECOND);

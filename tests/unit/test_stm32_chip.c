@@ -464,7 +464,7 @@ static void test_the_level_of_the_brown_out_reset_is_told(void)
     }
 }
 
-/* RM0090 3.6.4 and 3.9.10: bit 5 is 0 with the hardware watchdog; bits 16 to 27 are 0 in a sector that is write-protected. */
+/* RM0090 Rev 21 3.7 and 3.9.9: bit 5 is 0 with the hardware watchdog; bits 16 to 27 are 0 in a sector that is write-protected. */
 static void test_the_watchdog_option_and_the_write_protection_of_the_program_are_told(void)
 {
     static const struct {

@@ -234,7 +234,7 @@ static void test_programming_writes_whole_words_to_erased_ones_and_locks(void)
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_read(AREA_SIZE, back, 1));
 }
 
-/* RM0090 3.6.2 and table 7: words need 2.7 V. */
+/* RM0090 Rev 21 3.6.2 and table 13: words need 2.7 V. */
 static void test_with_a_low_supply_nothing_is_programmed_or_erased(void)
 {
     static const uint8_t data[4] = {1, 2, 3, 4};

@@ -1,64 +1,12 @@
 /* What the models of the STM32F100 stand for, asked of them register by register: no code runs. Sections are those of the reference manual. */
-#include <string.h>
-
-#include "models/models.h"
-#include "stm32_addresses.h" /* registers.h of the port: names stand for addresses */
-#include "unity.h"
+#include "board_registers.h"
 
 #define PLLXTPRE BIT(17) /* 6.3.2 */
 
-static struct board *b;
-
 static void new_board(uint32_t crystal_hz)
 {
-    static const uint8_t image[8] = {0, 0x20, 0, 0x20, 0x09, 0, 0, 0x08};
-    const struct surroundings around = {.crystal_hz = crystal_hz,
-                                        .slow_clock_hz = 40000,
-                                        .supply_mv = 3300,
-                                        .baud = 115200,
-                                        .seed = 1};
-    char err[200] = "";
-    if (b != NULL)
-        board_free(b);
-    b = board_new(&chip_stm32f100, &around, image, sizeof image, false, err, sizeof err);
-    TEST_ASSERT_NOT_NULL_MESSAGE(b, err);
-    board_power_on(b);
-}
-
-static void restart(enum board_reset kind)
-{
-    board_ask_reset(b, kind);
-    board_run(b, board_ns(b) + 1); /* the one instruction that is run faults */
-}
-
-static void pass(uint64_t ns)
-{
-    b->cycles = board_cycles_at(b, board_ns(b) + ns);
-    board_run_events(b);
-}
-
-static uint32_t get(uint32_t address)
-{
-    return bus_read(b, address, 4);
-}
-
-static void put(uint32_t address, uint32_t word)
-{
-    bus_write(b, address, 4, word);
-}
-
-static void put_ok(uint32_t address, uint32_t word)
-{
-    put(address, word);
-    TEST_ASSERT_EQUAL_STRING("", b->verdict);
-}
-
-/* The verdict has these words. The board goes on after it, so that one test can ask for several. */
-static void expect_verdict(const char *words)
-{
-    if (strstr(b->verdict, words) == NULL)
-        TEST_FAIL_MESSAGE(b->verdict[0] != '\0' ? b->verdict : words);
-    b->verdict[0] = '\0';
+    const struct surroundings around = usual(&chip_stm32f100, crystal_hz);
+    start_board(&chip_stm32f100, &around, empty_image, sizeof empty_image);
 }
 
 void setUp(void)
@@ -106,8 +54,6 @@ static void pll_on(uint32_t source)
 static void test_the_pll_runs_from_either_oscillator_and_the_core_from_it(void)
 {
     TEST_ASSERT_EQUAL(8000000, b->core_hz);
-    put_ok(RCC_CFGR, RCC_CFGR_SW_PLL); /* not ready: not taken */
-    TEST_ASSERT_EQUAL(0, get(RCC_CFGR) & 15u);
     pll_on(0);
     TEST_ASSERT_EQUAL(RCC_CFGR_SWS_PLL, get(RCC_CFGR) & RCC_CFGR_SWS);
     TEST_ASSERT_EQUAL(24000000, b->core_hz);
@@ -118,7 +64,24 @@ static void test_the_pll_runs_from_either_oscillator_and_the_core_from_it(void)
     TEST_ASSERT_EQUAL(24000000, bus_clock_hz(b, "apb1"));
 }
 
-/* 6.3.2 and 6.3.12 */
+/* 6.2.6, 6.3.1 */
+static void test_a_switch_waits_for_its_clock_and_what_is_used_stays_on(void)
+{
+    put_ok(RCC_CFGR, RCC_CFGR_PLLMUL(6) | RCC_CFGR_SW_PLL);
+    TEST_ASSERT_EQUAL(RCC_CFGR_SW_PLL, get(RCC_CFGR) & 15u);
+    TEST_ASSERT_EQUAL(8000000, b->core_hz);
+    put_ok(RCC_CR, get(RCC_CR) | RCC_CR_PLLON);
+    put_ok(RCC_CR, get(RCC_CR) & ~RCC_CR_PLLON); /* it is asked for */
+    pass(1000000);
+    TEST_ASSERT_EQUAL(RCC_CFGR_SW_PLL | RCC_CFGR_SWS_PLL, get(RCC_CFGR) & 15u);
+    TEST_ASSERT_EQUAL(24000000, b->core_hz);
+    put_ok(RCC_CR, get(RCC_CR) & ~1u); /* HSION: the PLL is fed with it */
+    TEST_ASSERT_EQUAL(3, get(RCC_CR) & 3u);
+    put(RCC_CFGR, get(RCC_CFGR) | 3u);
+    expect_verdict("switches to clock 3");
+}
+
+/* 6.3.2 and 6.3.11 */
 static void test_the_lowest_bit_of_the_divider_is_in_two_registers(void)
 {
     put_ok(RCC_CFGR2, 5);
@@ -154,6 +117,15 @@ static void test_a_failing_crystal_raises_the_nmi_or_stops_the_core(void)
     TEST_ASSERT_EQUAL(0, b->stalled_until_ns);
     put_ok(RCC_CIR, RCC_CIR_CSSC);
     TEST_ASSERT_EQUAL(0, get(RCC_CIR));
+
+    new_board(8000000);
+    crystal_on();
+    put_ok(RCC_CFGR, 1);
+    put_ok(RCC_CR, (get(RCC_CR) & ~1u) | RCC_CR_CSSON);
+    b->around.crystal_hz = 0;
+    crystal_changed(b);
+    TEST_ASSERT_EQUAL(3, get(RCC_CR) & 3u); /* 6.3.1: the internal oscillator comes on again */
+    TEST_ASSERT_EQUAL(8000000, b->core_hz);
 
     new_board(8000000);
     crystal_on();
@@ -197,6 +169,10 @@ static void test_a_part_without_its_clock_and_a_reserved_bit_are_refused(void)
     expect_verdict("floating-point unit");
     TEST_ASSERT_EQUAL(0, get(0xE000ED90u)); /* MPU_TYPE */
     TEST_ASSERT_EQUAL_HEX32(0x411FC231u, get(0xE000ED00u));
+    put(NVIC_ISER(1), BIT(23)); /* RM0041 8.1: 56 interrupts */
+    TEST_ASSERT_EQUAL_STRING("", b->verdict);
+    put(NVIC_ISER(1), BIT(24));
+    expect_verdict("has no interrupt 56");
 }
 
 /* ---- RM0041 7.2: pins ---- */
@@ -268,7 +244,8 @@ static void test_the_clock_counts_the_crystals_128th_down(void)
     from = bus_read(b, RTC_DIVL, 2);
     pass(1000000);
     TEST_ASSERT_EQUAL(from, bus_read(b, RTC_DIVL, 2));
-    put_ok(PWR_CR, 0);
+    put(PWR_CR, 0);
+    expect_verdict("PWR_CR_DBP cleared while the crystal's 128th is the clock of the RTC");
     bus_write(b, RTC_CRL, 2, 0);
     expect_verdict("write of the RTC while PWR_CR_DBP is off");
 }
@@ -280,7 +257,11 @@ static void test_the_voltage_detector(void)
     put_ok(RCC_APB1ENR, RCC_APB1ENR_PWR);
     put_ok(PWR_CR, PWR_CR_PVDE | PWR_CR_PLS_CHOSEN);
     TEST_ASSERT_EQUAL(0, get(PWR_CSR));
+    b->around.supply_mv = 2300; /* between its two thresholds it stays as it was */
+    TEST_ASSERT_EQUAL(0, get(PWR_CSR));
     b->around.supply_mv = 2200;
+    TEST_ASSERT_EQUAL(PWR_CSR_PVDO, get(PWR_CSR));
+    b->around.supply_mv = 2300;
     TEST_ASSERT_EQUAL(PWR_CSR_PVDO, get(PWR_CSR));
     put_ok(PWR_CR, PWR_CR_PLS_CHOSEN);
     TEST_ASSERT_EQUAL(0, get(PWR_CSR));
@@ -366,6 +347,23 @@ static void test_an_erase_takes_one_page(void)
     TEST_ASSERT_EQUAL_HEX32(0x4444, stored_flash_read(b, 0x800, 2));
 }
 
+static void test_a_reset_within_an_erase_leaves_weak_bits(void)
+{
+    unlock();
+    for (uint32_t at = 0; at < 32; at += 2)
+        program(at, 0);
+    put_ok(FLASH_CR, FLASH_CR_PER);
+    put_ok(FLASH_AR, STORED);
+    put_ok(FLASH_CR, FLASH_CR_PER | FLASH_CR_STRT);
+    pass(20000000);
+    restart(RESET_WATCHDOG);
+    uint32_t differ = 0;
+    for (uint32_t at = 0; at < 32; at += 2)
+        for (unsigned i = 0; i < 20; i++)
+            differ |= stored_flash_read(b, at, 2) ^ stored_flash_read(b, at, 2);
+    TEST_ASSERT_NOT_EQUAL(0, differ);
+}
+
 static void test_what_the_flash_refuses(void)
 {
     b->chip->store(b, PLACE, 2, 0);
@@ -396,6 +394,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_crystal_is_ready_after_its_start_and_without_one_never);
     RUN_TEST(test_the_pll_runs_from_either_oscillator_and_the_core_from_it);
+    RUN_TEST(test_a_switch_waits_for_its_clock_and_what_is_used_stays_on);
     RUN_TEST(test_the_lowest_bit_of_the_divider_is_in_two_registers);
     RUN_TEST(test_a_pll_that_is_too_fast_or_changed_while_on_is_refused);
     RUN_TEST(test_a_failing_crystal_raises_the_nmi_or_stops_the_core);
@@ -409,6 +408,7 @@ int main(void)
     RUN_TEST(test_a_half_word_takes_its_time_and_the_core_stands_still);
     RUN_TEST(test_a_half_word_that_is_not_erased_takes_only_zero);
     RUN_TEST(test_an_erase_takes_one_page);
+    RUN_TEST(test_a_reset_within_an_erase_leaves_weak_bits);
     RUN_TEST(test_what_the_flash_refuses);
     board_free(b);
     return UNITY_END();

@@ -1,4 +1,4 @@
-"""Option bytes of the STM32F405, as FLASH_OPTCR shows them (RM0090 3.9.10): brown-out reset, watchdog, write protection of sectors."""
+"""Option bytes of the STM32F405, as FLASH_OPTCR shows them (RM0090 Rev 21 3.9.9): brown-out reset, watchdog, write protection of sectors."""
 
 from __future__ import annotations
 

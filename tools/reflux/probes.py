@@ -163,7 +163,7 @@ def openocd_steps(image: Path, back: Path, serial: str) -> Steps:
                  [openocd("init", "reset run", "shutdown")])
 
 
-# Both not tried on a board yet. st-flash knows the bytes of this chip as its register OPTCR; OpenOCD follows RM0090 3.6.4.
+# Both not tried on a board yet. st-flash knows the bytes of this chip as its register OPTCR; OpenOCD follows RM0090 3.7.2.
 STLINK_OPTIONS = Options(lambda serial: ["st-flash", "--connect-under-reset", "--serial", serial, "--area=option", "read"],
                          r"^\s*(?:0x)?([0-9a-f]{8})\s*$",
                          lambda serial, value: ["st-flash", "--connect-under-reset", "--serial", serial, "--area=option", "write",

@@ -34,7 +34,7 @@ uint8_t pin_function(struct board *b, char port, unsigned pin)
     return b->chip->pin_function(b, port, pin);
 }
 
-/* RM0090 7.3.3, RM0041 6.3.2: codes below the first divider mean undivided. */
+/* RM0090 Rev 21 7.3.3, RM0041 Rev 6 6.3.2: codes below the first divider mean undivided. */
 uint32_t ahb_divider(uint32_t code)
 {
     static const uint16_t by[] = {2, 4, 8, 16, 64, 128, 256, 512};
@@ -46,6 +46,7 @@ uint32_t apb_divider(uint32_t code)
     return (code & 4u) == 0 ? 1u : 2u << (code & 3u);
 }
 
+/* RM0090 7.2, RM0041 6.2 */
 uint64_t timer_of_bus_hz(struct board *b, const char *bus)
 {
     uint64_t hz = bus_clock_hz(b, bus);

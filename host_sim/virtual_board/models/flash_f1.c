@@ -1,5 +1,8 @@
-/* Flash interface of the STM32F100 (PM0063): lock, program by half-words, erase by pages, errors. While it is busy no code is fetched. From
- * memory of the manual (unverified).
+/* Flash interface of the STM32F100 (PM0063): lock, program by half-words, erase by pages, errors. Register map, reset values and masks: the
+ * vendor's SVD file. Writing needs the internal oscillator, which is the clock of the interface (RM0041 Rev 6 6.2). The flash takes half-words
+ * only (unverified). A half-word that is not erased takes only 0, else PGERR comes and it stays as it was (unverified). A wrong
+ * key locks until a reset (unverified). EOP comes at the end of every operation (unverified). While the flash is busy no code is
+ * fetched, and nothing of its interface may be written (unverified). Reading by half cycles is for 8 MHz at most (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -29,7 +32,7 @@ enum {
 #define CR_OTHER   0x1634u /* mass erase, option bytes, interrupts */
 #define RCC_HSION  1u
 
-/* DS5944, flash memory characteristics (unverified): a half-word 40 to 70 us, 52.5 us typical; a page 20 to 40 ms */
+/* A half-word takes 40 to 70 us, 52.5 us typical, a page 20 to 40 ms, the supply must be 2.0 V at least, of DS5944 (unverified). */
 #define HALF_NS    52500u
 #define PAGE_NS    UINT64_C(40000000)
 #define PAGE_BYTES 0x400u
@@ -51,6 +54,8 @@ struct flash {
     unsigned keys; /* given so far; 3: a wrong one, locked until reset */
     bool erasing;
     uint32_t erased; /* page: from the beginning of what is stored, bytes */
+    uint32_t stored; /* place of the half-word under way */
+    uint64_t began_ns;
 };
 
 static void done(void *context)
@@ -70,6 +75,7 @@ static void busy(struct part *p, uint64_t ns)
     struct flash *f = p->state;
     uint64_t until = board_ns(b) + ns;
     part_set(p, SR, part_get(p, SR) | SR_BSY);
+    f->began_ns = board_ns(b);
     b->stalled_until_ns = until;
     board_schedule(b, &f->done, until);
 }
@@ -81,10 +87,25 @@ static void start(struct part *p)
     board_add_event(p->board, &f->done);
 }
 
+/* What a reset interrupts is not guaranteed (unverified). */
+static void interrupted(struct part *p)
+{
+    struct flash *f = p->state;
+    uint64_t spent = board_ns(p->board) - f->began_ns;
+    f->done.at_ns = BOARD_NEVER;
+    if (f->erasing)
+        stored_flash_erase_partly(p->board, f->erased, PAGE_BYTES,
+                                  (uint32_t)(1000u * spent / PAGE_NS));
+    else
+        stored_flash_weaken(p->board, f->stored, 2);
+}
+
 static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
+    if (f->done.at_ns != BOARD_NEVER)
+        interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     f->keys = 0;
@@ -117,6 +138,7 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     } else {
         check_conditions(b);
         stored_flash_program(b, at, bytes, word);
+        ((struct flash *)p->state)->stored = at;
         busy(p, HALF_NS);
     }
 }

@@ -1,4 +1,5 @@
-/* Flash interface of the STM32F405 (RM0090 3.9): lock, program, erase by sectors, errors, option bytes. While it is busy no code is fetched.
+/* Flash interface of the STM32F405, read in RM0090 Rev 21: 3.6 (lock, program, erase by sectors, errors; no read while it is busy), 3.7.1
+ * (option bytes), 3.9 (registers).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -10,6 +11,7 @@ enum { ACR = 0x00, KEYR = 0x04, OPTKEYR = 0x08, SR = 0x0C, CR = 0x10, OPTCR = 0x
 #define KEY2         0xCDEF89ABu
 #define SR_EOP       (UINT32_C(1) << 0)
 #define SR_WRP       (UINT32_C(1) << 4)
+#define SR_PGA       (UINT32_C(1) << 5)
 #define SR_PGP       (UINT32_C(1) << 6)
 #define SR_PGS       (UINT32_C(1) << 7)
 #define SR_BSY       (UINT32_C(1) << 16)
@@ -17,24 +19,27 @@ enum { ACR = 0x00, KEYR = 0x04, OPTKEYR = 0x08, SR = 0x0C, CR = 0x10, OPTCR = 0x
 #define CR_SER       (UINT32_C(1) << 1)
 #define CR_MER       (UINT32_C(1) << 2)
 #define CR_STRT      (UINT32_C(1) << 16)
+#define CR_IRQS      (UINT32_C(3) << 24) /* EOPIE, ERRIE */
 #define CR_LOCK      (UINT32_C(1) << 31)
 #define ACR_RESETS   0x1800u
 #define OPTCR_WDG_SW (UINT32_C(1) << 5)
 #define OPTCR_NWRP   16u /* 0 in a sector's bit: write-protected */
+#define ROW_BYTES    16u
 
-/* DS8626, flash memory programming: a word 16 us typical; 128 KiB by words 1 s typical, 2 s at most */
+/* A word takes 16 us, a sector of 128 KiB 1 s where it is erased by words, both typical of DS8626 (unverified). Others quote 2 s at most
+ * from its table 40. */
 #define WORD_NS             16000u
 #define SECTOR_NS           UINT64_C(1000000000)
 #define FIRST_STORED_SECTOR 10u
 #define SECTOR_BYTES        0x20000u
-#define NEEDED_MV           2700u /* for words (RM0090 3.6.2) */
+#define NEEDED_MV           2700u /* for words (3.6.2) */
 
 static const struct reg regs[] = {
     {"ACR", ACR, 0, 0x00001F07u, 0x00001F07u},
     {"KEYR", KEYR, 0, UINT32_MAX, 0},
     {"OPTKEYR", OPTKEYR, 0, UINT32_MAX, 0},
     {"SR", SR, 0, 0x000100F3u, 0},
-    {"CR", CR, 0x80000000u, 0x8101037Fu, 0x8101037Fu},
+    {"CR", CR, 0x80000000u, 0x8301037Fu, 0x8301037Fu},
     {"OPTCR", OPTCR, 0x0FFFAAEDu, 0x0FFFFFEFu, 0x0FFFFFEFu},
 };
 
@@ -77,6 +82,7 @@ static void start(struct part *p)
     board_add_event(p->board, &f->done);
 }
 
+/* 3.7.1: level 3 is 0. Which voltage falls into which level is of DS8626 5.3.5: 2.75 to 2.88 V, 2.44 to 2.56 V, 2.13 to 2.24 V, falling. */
 static uint32_t option_brown_out(const struct board *b)
 {
     uint32_t mv = b->around.brown_out_mv;
@@ -112,8 +118,7 @@ static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
-    if (f->done.at_ns !=
-        BOARD_NEVER) /* RM0090 3.6: what a reset interrupts is not guaranteed (unverified) */
+    if (f->done.at_ns != BOARD_NEVER) /* 3.6: what a reset interrupts is not guaranteed */
         interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
@@ -128,11 +133,13 @@ void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     struct flash *f = p->state;
     uint32_t cr = part_get(p, CR), width = 1u << (cr >> 8 & 3u);
     if ((part_get(p, SR) & SR_BSY) != 0) {
-        board_verdict(b, "store into the flash while it is busy");
+        board_verdict(b, "store into the flash while it is busy"); /* RM0090 3.6 */
     } else if ((cr & CR_LOCK) != 0 || (cr & CR_PG) == 0 || (cr & (CR_SER | CR_MER)) != 0) {
         part_set(p, SR, part_get(p, SR) | SR_PGS);
     } else if (width != bytes) {
         part_set(p, SR, part_get(p, SR) | SR_PGP);
+    } else if (at % ROW_BYTES + bytes > ROW_BYTES) { /* 3.6.4 */
+        part_set(p, SR, part_get(p, SR) | SR_PGA);
     } else if (write_protected(b, FIRST_STORED_SECTOR + at / SECTOR_BYTES)) {
         part_set(p, SR, part_get(p, SR) | SR_WRP);
     } else {
@@ -150,8 +157,8 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     struct board *b = p->board;
     struct flash *f = p->state;
     if ((part_get(p, SR) & SR_BSY) != 0) {
-        board_verdict(
-            b, "write of FLASH_CR while the flash is busy"); /* RM0090 3.6.2: stalls the bus */
+        part_set(p, CR, before);
+        board_verdict(b, "write of FLASH_CR while the flash is busy"); /* 3.6.1: stalls the bus */
         return;
     }
     if ((before & CR_LOCK) != 0) {
@@ -162,12 +169,16 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
         board_verdict(b, "mass erase of the flash");
         return;
     }
+    if ((written & CR_IRQS) != 0)
+        board_verdict(b, "interrupts of the flash are not modelled");
     if ((written & CR_STRT) == 0)
         return;
     uint32_t sector = written >> 3 & 15u;
-    if ((written & CR_SER) == 0 || (written & CR_PG) != 0) {
-        part_set(p, SR, part_get(p, SR) | SR_PGS);
-        part_set(p, CR, part_get(p, CR) & ~CR_STRT);
+    if ((written & CR_SER) == 0 || (written & CR_PG) != 0) { /* 3.6.3, 3.6.4 */
+        board_verdict(b,
+                      "start of the flash with FLASH_CR at 0x%08x, which is not the erase of a "
+                      "sector alone",
+                      written);
     } else if (sector < FIRST_STORED_SECTOR || sector > FIRST_STORED_SECTOR + 1u) {
         board_verdict(b, "erase of sector %u of the flash, which holds the program or is not there",
                       sector);
@@ -214,11 +225,17 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         break;
     case ACR:
         if ((written & ACR_RESETS) != 0 && (before & (written & ACR_RESETS) >> 2) != 0)
-            board_verdict(p->board, "cache of the flash emptied while it is on"); /* RM0090 3.9.1 */
+            board_verdict(p->board, "cache of the flash emptied while it is on"); /* 3.9.1 */
         break;
     default:
         break;
     }
+}
+
+/* 3.9.3, 3.9.4 */
+static bool keys(uint32_t offset)
+{
+    return offset == KEYR || offset == OPTKEYR;
 }
 
 const struct part_class flash_f4_class = {.name = "flash interface of the STM32F4",
@@ -226,6 +243,7 @@ const struct part_class flash_f4_class = {.name = "flash interface of the STM32F
                                           .n_regs = sizeof(regs) / sizeof(regs[0]),
                                           .state_bytes = sizeof(struct flash),
                                           .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
+                                          .only_words = keys,
                                           .start = start,
                                           .reset = reset,
                                           .write = write};

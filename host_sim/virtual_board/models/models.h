@@ -35,6 +35,13 @@ uint64_t timer_of_bus_hz(struct board *b, const char *bus);
 void rtc_f1_clock_changed(struct board *b);
 void rtc_f1_backup_reset(struct board *b);
 
+/* voltage_detector.c: PVDO, for the bits of PWR_CR and the thresholds that they choose. */
+struct voltage_detector {
+    bool low;
+};
+void voltage_detector_reset(struct part *p, enum board_reset kind);
+uint32_t voltage_detector(struct part *p, uint32_t cr, uint32_t falling_mv, uint32_t rising_mv);
+
 /* The alternate function that a pin (0 = PA0) is given to. Where a chip does not number them: 0 drives the pin, PIN_INPUT listens. */
 #define PIN_NO_FUNCTION 0xFFu
 #define PIN_INPUT       0xFEu

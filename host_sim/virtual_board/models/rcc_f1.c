@@ -1,5 +1,5 @@
-/* Reset and clock control of the STM32F100 (RM0041 6): oscillators, PLL, bus clocks, enables, backup domain, reset flags. All of it is
- * from memory of that manual (unverified).
+/* Reset and clock control of the STM32F100, read in RM0041 Rev 6: 6.1 and 6.2 (resets, clocks), 6.3.1 to 6.3.3 and 6.3.8 to 6.3.12
+ * (oscillators, PLL, bus clocks, interrupts, enables, backup domain, reset flags). Masks of 6.3.4 to 6.3.7: table 15.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -25,6 +25,7 @@ enum {
 #define CR_HSIRDY    (UINT32_C(1) << 1)
 #define CR_HSEON     (UINT32_C(1) << 16)
 #define CR_HSERDY    (UINT32_C(1) << 17)
+#define CR_HSEBYP    (UINT32_C(1) << 18)
 #define CR_CSSON     (UINT32_C(1) << 19)
 #define CR_PLLON     (UINT32_C(1) << 24)
 #define CR_PLLRDY    (UINT32_C(1) << 25)
@@ -49,12 +50,11 @@ enum {
 #define SLACK                                                                                      \
     20u /* 1 / 20: the internal oscillator may be fast, and a crystal is taken for its neighbour */
 
-/* DS5944 (unverified): start-up of the crystal 2 ms typical, lock of the PLL 200 us at most */
+/* The crystal starts within 2 ms, the PLL locks within 0.2 ms, the internal oscillator starts within 2 us, of DS5944 (unverified). */
 #define CRYSTAL_START_NS 2000000u
 #define PLL_LOCK_NS      200000u
 #define HSI_START_NS     2000u
 
-/* Masks for the medium-density value line (unverified). */
 static const struct reg regs[] = {
     {"CR", CR, 0x00000083u, 0x030FFFFBu, 0x010D00F9u},
     {"CFGR", CFGR, 0, 0x073FFFFFu, 0x073FFFF3u},
@@ -141,7 +141,7 @@ static bool crystal_ready(struct board *b)
     return (part_get(bus_part(b, "RCC"), CR) & CR_HSERDY) != 0;
 }
 
-/* RM0041 6.3.9, RTCSEL: 2 is the watchdog's slow clock, 3 the crystal's 128th. No crystal of 32 kHz is fitted. */
+/* 6.3.9, RTCSEL: 2 is the watchdog's slow clock, 3 the crystal's 128th. No crystal of 32 kHz is fitted. */
 static uint64_t rtc_hz(struct board *b)
 {
     const struct part *p = bus_part(b, "RCC");
@@ -155,6 +155,20 @@ static uint64_t rtc_hz(struct board *b)
 
 /* ---- events ---- */
 
+/* 6.2.6: the switch waits until the clock that SW asks for is ready. */
+static void switch_over(struct part *p)
+{
+    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
+    uint32_t cfgr = part_get(p, CFGR), wanted = cfgr & 3u;
+    if (wanted == 3u)
+        board_verdict(p->board, "RCC_CFGR switches to clock 3, which is none");
+    if ((part_get(p, CR) & ready[wanted]) == 0 || (cfgr >> 2 & 3u) == wanted)
+        return;
+    part_set(p, CFGR, (cfgr & ~12u) | wanted << 2);
+    check_clocks(p);
+    clocks_changed(p);
+}
+
 static void crystal_started(void *context)
 {
     struct part *p = context;
@@ -162,9 +176,10 @@ static void crystal_started(void *context)
         return;
     part_set(p, CR, part_get(p, CR) | CR_HSERDY);
     rtc_f1_clock_changed(p->board);
+    switch_over(p);
 }
 
-/* DS5944 (unverified): 1 to 24 MHz in, 16 to 24 MHz out */
+/* 6.2.3: 16 to 24 MHz out. The PLL takes 1 MHz at least, of DS5944 (unverified). */
 static void pll_locked(void *context)
 {
     struct part *p = context;
@@ -177,17 +192,21 @@ static void pll_locked(void *context)
         board_verdict(p->board, "PLL fed with %llu Hz gives %llu Hz; 16 to 24 MHz are allowed",
                       (unsigned long long)fed, (unsigned long long)made);
     part_set(p, CR, part_get(p, CR) | CR_PLLRDY);
+    switch_over(p);
 }
 
 static void internal_started(void *context)
 {
     struct part *p = context;
-    if ((part_get(p, CR) & CR_HSION) != 0)
-        part_set(p, CR, part_get(p, CR) | CR_HSIRDY);
+    if ((part_get(p, CR) & CR_HSION) == 0)
+        return;
+    part_set(p, CR, part_get(p, CR) | CR_HSIRDY);
+    switch_over(p);
 }
 
-/* RM0041 6.2.7: with the security system on, the chip falls back to its own oscillator and raises the NMI. Without it, a core that runs
- * from the crystal stands still. */
+/* 6.2.7, 6.3.1, 6.3.2: with the security system on, the chip falls back to its own oscillator and raises the NMI, which stays until CSSC clears
+ * its flag. The clock security system sees a crystal that fails at once (unverified). Without it a core that ran from the crystal stands still
+ * (unverified). */
 static void crystal_changes(struct board *b)
 {
     struct part *p = bus_part(b, "RCC");
@@ -196,6 +215,8 @@ static void crystal_changes(struct board *b)
     if (b->around.crystal_hz != 0) {
         if ((cr & CR_HSEON) != 0)
             board_schedule(b, &r->crystal, board_ns(b) + CRYSTAL_START_NS);
+        rtc_f1_clock_changed(b);
+        clocks_changed(p);
         return;
     }
     bool was_running = (cr & CR_HSERDY) != 0;
@@ -208,13 +229,17 @@ static void crystal_changes(struct board *b)
             b->stalled_until_ns = BOARD_NEVER - 1u; /* until the watchdog */
         return;
     }
-    bool pll_goes = (part_get(p, CFGR) & CFGR_PLLSRC) != 0;
-    if (runs_from_crystal(p))
+    bool pll_fails = (part_get(p, CFGR) & CFGR_PLLSRC) != 0;
+    uint32_t on = 0, off = CR_HSEON | (pll_fails ? CR_PLLRDY : 0);
+    if (runs_from_crystal(p)) {
+        off |= pll_fails ? CR_PLLON : 0;
+        on = CR_HSION | CR_HSIRDY;
         part_set(p, CFGR, part_get(p, CFGR) & ~15u);
-    part_set(p, CR, part_get(p, CR) & ~(CR_HSEON | (pll_goes ? CR_PLLON | CR_PLLRDY : 0)));
+    }
+    part_set(p, CR, (part_get(p, CR) & ~off) | on);
     part_set(p, CIR, part_get(p, CIR) | CIR_CSSF);
     clocks_changed(p);
-    interrupt_nmi(b);
+    interrupt_nmi(b, true);
 }
 
 const struct clocks clocks_f1 = {.bus_hz = bus_hz,
@@ -235,8 +260,9 @@ static void start(struct part *p)
     board_add_event(p->board, &r->internal);
 }
 
-/* RM0041 6.3.10: the pin's flag comes with every reset, because the chip pulls it. There is no brown-out flag: the chip's own supervisor
- * resets as at power-on. */
+/* 6.1, 6.3.10: a power-on clears the flags of before. There is no brown-out flag: the chip's own supervisor resets as at power-on. The chip
+ * pulls its reset pin at every reset (6.1.2), so the pin's flag comes as well (unverified). The backup domain's supply is taken to be the
+ * chip's (6.1.3). */
 static void reset(struct part *p, enum board_reset kind)
 {
     struct rcc *r = p->state;
@@ -269,13 +295,18 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     struct rcc *r = p->state;
     uint64_t now = board_ns(b);
     uint32_t source = part_get(p, CFGR) >> 2 & 3u, word = part_get(p, CR);
-    uint32_t on = written & ~before, off = before & ~written;
+    uint32_t on = written & ~before, off = before & ~written, wanted = part_get(p, CFGR) & 3u;
+    bool on_internal =
+        source == 0 || (source == 2 && (part_get(p, CFGR) & CFGR_PLLSRC) == 0) || wanted == 0;
+    if ((before & CR_HSEON) != 0 && ((written ^ before) & CR_HSEBYP) != 0)
+        board_verdict(b, "RCC_CR_HSEBYP changed while the crystal is on");
+    /* 6.3.1: what is used, or will be, cannot be switched off */
     if ((off & CR_HSEON) != 0)
-        word = runs_from_crystal(p) ? word | CR_HSEON : word & ~CR_HSERDY; /* RM0041 6.3.1 */
+        word = runs_from_crystal(p) ? word | CR_HSEON : word & ~CR_HSERDY;
     if ((off & CR_PLLON) != 0)
-        word = source == 2 ? word | CR_PLLON : word & ~CR_PLLRDY;
+        word = source == 2 || wanted == 2 ? word | CR_PLLON : word & ~CR_PLLRDY;
     if ((off & CR_HSION) != 0)
-        word = source == 0 ? word | CR_HSION : word & ~CR_HSIRDY;
+        word = on_internal ? word | CR_HSION : word & ~CR_HSIRDY;
     if ((on & CR_HSEON) != 0)
         board_schedule(b, &r->crystal, now + CRYSTAL_START_NS);
     if ((on & CR_PLLON) != 0)
@@ -288,14 +319,11 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
 
 static void write_cfgr(struct part *p, uint32_t before)
 {
-    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
-    uint32_t word = part_get(p, CFGR), wanted = word & 3u;
+    uint32_t word = part_get(p, CFGR);
     if ((part_get(p, CR) & CR_PLLON) != 0 && ((word ^ before) & CFGR_PLL) != 0)
         board_verdict(p->board, "write of the PLL's settings in RCC_CFGR while the PLL is on");
-    if (wanted == 3u || (part_get(p, CR) & ready[wanted]) == 0)
-        wanted = before & 3u; /* a clock that is not ready is not switched to */
-    part_set(p, CFGR, (word & ~15u) | wanted | wanted << 2);
     part_set(p, CFGR2, (part_get(p, CFGR2) & ~1u) | ((word & CFGR_PREDIV) != 0 ? 1u : 0));
+    switch_over(p);
     check_clocks(p);
     clocks_changed(p);
 }
@@ -308,7 +336,7 @@ static void write_cfgr2(struct part *p, uint32_t before)
     part_set(p, CFGR, (part_get(p, CFGR) & ~CFGR_PREDIV) | ((word & 1u) != 0 ? CFGR_PREDIV : 0));
 }
 
-/* RM0041 6.3.9 and 4.1.2: closed until PWR_CR_DBP opens it; a clock of the RTC is chosen once after a reset of the domain. */
+/* 6.3.9, 4.4.1: closed until PWR_CR_DBP opens it; a clock of the RTC is chosen once after a reset of the domain. */
 static void write_bdcr(struct part *p, uint32_t before)
 {
     struct board *b = p->board;
@@ -353,8 +381,10 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         write_cfgr2(p, before);
         break;
     case CIR:
-        if ((written & CIR_CSSC) != 0)
+        if ((written & CIR_CSSC) != 0) {
             part_set(p, CIR, part_get(p, CIR) & ~CIR_CSSF);
+            interrupt_nmi(p->board, false);
+        }
         if ((part_get(p, CIR) & 0x1F00u) != 0)
             board_verdict(p->board, "interrupts of the RCC are not modelled");
         break;

@@ -1,4 +1,6 @@
-/* Reset and clock control of the STM32F405 (RM0090 7): oscillators, PLL, bus clocks, enables, reset flags.
+/* Reset and clock control of the STM32F405, read in RM0090 Rev 21: 7.1 and 7.2 (resets, clocks), 7.3.1 to 7.3.4 and 7.3.21 (oscillators, PLL,
+ * bus clocks, interrupts, reset flags), 3.5.1 (wait states). Enables and their masks: the vendor's SVD file. Bit 29 of RCC_PLLCFGR is
+ * reserved and set after a reset (7.3.2).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -24,12 +26,14 @@ enum {
 #define CR_HSIRDY   (UINT32_C(1) << 1)
 #define CR_HSEON    (UINT32_C(1) << 16)
 #define CR_HSERDY   (UINT32_C(1) << 17)
+#define CR_HSEBYP   (UINT32_C(1) << 18)
 #define CR_CSSON    (UINT32_C(1) << 19)
 #define CR_PLLON    (UINT32_C(1) << 24)
 #define CR_PLLRDY   (UINT32_C(1) << 25)
 #define PLL_HSE     (UINT32_C(1) << 22)
 #define CIR_CSSF    (UINT32_C(1) << 7)
 #define CIR_CSSC    (UINT32_C(1) << 23)
+#define CIR_IRQS    0x3F00u
 #define CSR_LSION   (UINT32_C(1) << 0)
 #define CSR_LSIRDY  (UINT32_C(1) << 1)
 #define CSR_RMVF    (UINT32_C(1) << 24)
@@ -39,7 +43,7 @@ enum {
 #define CSR_SFTRST  (UINT32_C(1) << 28)
 #define CSR_IWDGRST (UINT32_C(1) << 29)
 
-/* DS8626: start-up of the crystal 2 ms typical, lock of the PLL 300 us at most */
+/* The crystal starts within 2 ms, the PLL locks within 0.2 ms, the internal oscillator starts within 4 us, of DS8626 (unverified). */
 #define CRYSTAL_START_NS 2000000u
 #define PLL_LOCK_NS      200000u
 #define HSI_START_NS     4000u
@@ -94,7 +98,8 @@ static bool runs_from_crystal(const struct part *p)
     return source == 1 || (source == 2 && pll_on_crystal(p));
 }
 
-/* RM0090 7.2.3 and 3.5.1: what the PLL takes and gives, and what the flash and the buses take. */
+/* 7.2, 3.5.1 table 10, 5.1.3: what the buses, the flash at 2.7 V and more, and the regulator take. That a lower supply wants more wait states
+ * is not modelled. The regulator takes 144 MHz in scale 2 (unverified). */
 static void check_clocks(struct part *p)
 {
     struct board *b = p->board;
@@ -144,39 +149,66 @@ static uint64_t rtc_hz(struct board *b)
 
 /* ---- events ---- */
 
+/* 7.2.6: the switch waits until the clock that SW asks for is ready. */
+static void switch_over(struct part *p)
+{
+    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
+    uint32_t cfgr = part_get(p, CFGR), wanted = cfgr & 3u;
+    if (wanted == 3u)
+        board_verdict(p->board, "RCC_CFGR switches to clock 3, which is none");
+    if ((part_get(p, CR) & ready[wanted]) == 0 || (cfgr >> 2 & 3u) == wanted)
+        return;
+    part_set(p, CFGR, (cfgr & ~12u) | wanted << 2);
+    check_clocks(p);
+    clocks_changed(p);
+}
+
 static void crystal_started(void *context)
 {
     struct part *p = context;
-    if ((part_get(p, CR) & CR_HSEON) != 0 && p->board->around.crystal_hz != 0)
-        part_set(p, CR, part_get(p, CR) | CR_HSERDY);
+    if ((part_get(p, CR) & CR_HSEON) == 0 || p->board->around.crystal_hz == 0)
+        return;
+    part_set(p, CR, part_get(p, CR) | CR_HSERDY);
+    switch_over(p);
+}
+
+/* 7.3.2. The internal oscillator may be slow by 8 %, and a crystal is taken for its neighbour. */
+static void check_pll(struct part *p, uint64_t in)
+{
+    uint32_t c = part_get(p, PLLCFGR), m = c & 63u, n = c >> 6 & 511u;
+    uint64_t fed = m < 2u ? 0 : in / m, made = fed * n;
+    if (n < 50u || n > 432u || fed < 900000u || fed > 2100000u || made < 90000000u ||
+        made > 453600000u)
+        board_verdict(p->board,
+                      "PLL fed with %llu Hz, oscillator at %llu Hz; 1 to 2 MHz and 100 to 432 MHz "
+                      "are allowed, by factors of 2 to 63 and 50 to 432",
+                      (unsigned long long)fed, (unsigned long long)made);
 }
 
 static void pll_locked(void *context)
 {
     struct part *p = context;
-    uint32_t c = part_get(p, PLLCFGR);
     uint64_t in = pll_on_crystal(p) ? (crystal_ready(p->board) ? p->board->around.crystal_hz : 0)
                                     : board_internal_hz(p->board);
-    uint64_t fed = (c & 63u) == 0 ? 0 : in / (c & 63u), made = fed * (c >> 6 & 511u);
     if ((part_get(p, CR) & CR_PLLON) == 0 || in == 0)
         return;
-    if (fed < 900000u || fed > 2100000u || made < 99000000u || made > 453600000u)
-        board_verdict(p->board,
-                      "PLL fed with %llu Hz, oscillator at %llu Hz; 0.95 to 2.1 MHz and 100 to 432 "
-                      "MHz are allowed",
-                      (unsigned long long)fed, (unsigned long long)made);
+    check_pll(p, in);
     part_set(p, CR, part_get(p, CR) | CR_PLLRDY);
+    switch_over(p);
 }
 
 static void internal_started(void *context)
 {
     struct part *p = context;
-    if ((part_get(p, CR) & CR_HSION) != 0)
-        part_set(p, CR, part_get(p, CR) | CR_HSIRDY);
+    if ((part_get(p, CR) & CR_HSION) == 0)
+        return;
+    part_set(p, CR, part_get(p, CR) | CR_HSIRDY);
+    switch_over(p);
 }
 
-/* RM0090 7.2.7: with the security system on, the chip falls back to its own oscillator and raises the NMI. Without it, a core that ran
- * from the crystal stands still. */
+/* 7.2.7, 7.3.1, 7.3.3: with the security system on, the chip falls back to its own oscillator and raises the NMI, which stays until CSSC clears
+ * its flag. The clock security system sees a crystal that fails at once (unverified). Without it a core that ran from the crystal stands still
+ * (unverified). */
 static void crystal_changes(struct board *b)
 {
     struct part *p = bus_part(b, "RCC");
@@ -197,13 +229,16 @@ static void crystal_changes(struct board *b)
             b->stalled_until_ns = BOARD_NEVER - 1u; /* until the watchdog */
         return;
     }
-    if (runs_from_crystal(p))
+    uint32_t on = 0, off = CR_HSEON | (pll_on_crystal(p) ? CR_PLLRDY : 0);
+    if (runs_from_crystal(p)) {
+        off |= pll_on_crystal(p) ? CR_PLLON : 0;
+        on = CR_HSION | CR_HSIRDY;
         part_set(p, CFGR, part_get(p, CFGR) & ~15u);
-    uint32_t off = CR_HSEON | (pll_on_crystal(p) ? CR_PLLON | CR_PLLRDY : 0);
-    part_set(p, CR, part_get(p, CR) & ~off);
+    }
+    part_set(p, CR, (part_get(p, CR) & ~off) | on);
     part_set(p, CIR, part_get(p, CIR) | CIR_CSSF);
     clocks_changed(p);
-    interrupt_nmi(b);
+    interrupt_nmi(b, true);
 }
 
 const struct clocks clocks_f4 = {.bus_hz = bus_hz,
@@ -224,7 +259,8 @@ static void start(struct part *p)
     board_add_event(p->board, &r->internal);
 }
 
-/* RM0090 7.3.21: the pin's flag comes with every reset, because the chip pulls it. */
+/* 7.1, 7.3.21: a power-on and a brown-out clear the flags of before. The chip pulls its reset pin at every reset (7.1.2), so the pin's flag comes
+ * as well (unverified). RCC_BDCR is of the backup domain, whose supply is taken to be the chip's (7.1.3). */
 static void reset(struct part *p, enum board_reset kind)
 {
     struct rcc *r = p->state;
@@ -234,7 +270,8 @@ static void reset(struct part *p, enum board_reset kind)
                                      [RESET_SOFTWARE] = CSR_SFTRST | CSR_PINRST,
                                      [RESET_WATCHDOG] = CSR_IWDGRST | CSR_PINRST};
     uint32_t bdcr = part_get(p, BDCR);
-    r->reset_flags = kind == RESET_POWER ? flags[kind] : r->reset_flags | flags[kind];
+    bool power = kind == RESET_POWER || kind == RESET_BROWN_OUT;
+    r->reset_flags = power ? flags[kind] : r->reset_flags | flags[kind];
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     if (kind != RESET_POWER)
@@ -254,9 +291,12 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     struct rcc *r = p->state;
     uint64_t now = board_ns(b);
     uint32_t source = part_get(p, CFGR) >> 2 & 3u, word = part_get(p, CR);
+    bool on_internal = source == 0 || (source == 2 && !pll_on_crystal(p));
+    if ((before & CR_HSEON) != 0 && ((written ^ before) & CR_HSEBYP) != 0)
+        board_verdict(b, "RCC_CR_HSEBYP changed while the crystal is on");
     if ((written & CR_HSEON) == 0 && (before & CR_HSEON) != 0) {
         if (runs_from_crystal(p))
-            word |= CR_HSEON; /* RM0090 7.3.1: cannot be switched off while it is used */
+            word |= CR_HSEON; /* what is used cannot be switched off, here and below (7.3.1) */
         else
             word &= ~CR_HSERDY;
     }
@@ -267,7 +307,7 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     if ((written & ~before & CR_PLLON) != 0)
         board_schedule(b, &r->pll, now + PLL_LOCK_NS);
     if ((written & CR_HSION) == 0 && (before & CR_HSION) != 0)
-        word = source == 0 ? word | CR_HSION : word & ~CR_HSIRDY;
+        word = on_internal ? word | CR_HSION : word & ~CR_HSIRDY;
     if ((written & ~before & CR_HSION) != 0)
         board_schedule(b, &r->internal, now + HSI_START_NS);
     part_set(p, CR, word);
@@ -281,15 +321,16 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
     } else if (offset == PLLCFGR && (part_get(p, CR) & CR_PLLON) != 0 && word != before) {
         board_verdict(p->board, "write of RCC_PLLCFGR while the PLL is on");
     } else if (offset == CFGR) {
-        static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
-        uint32_t wanted = word & 3u;
-        if (wanted == 3u || (part_get(p, CR) & ready[wanted]) == 0)
-            wanted = before & 3u; /* a clock that is not ready is not switched to */
-        part_set(p, CFGR, (word & ~15u) | wanted | wanted << 2);
+        switch_over(p);
         check_clocks(p);
         clocks_changed(p);
-    } else if (offset == CIR && (written & CIR_CSSC) != 0) {
-        part_set(p, CIR, part_get(p, CIR) & ~CIR_CSSF);
+    } else if (offset == CIR) {
+        if ((written & CIR_CSSC) != 0) {
+            part_set(p, CIR, part_get(p, CIR) & ~CIR_CSSF);
+            interrupt_nmi(p->board, false);
+        }
+        if ((part_get(p, CIR) & CIR_IRQS) != 0)
+            board_verdict(p->board, "interrupts of the RCC are not modelled");
     } else if (offset == CSR) {
         struct rcc *r = p->state;
         if ((written & CSR_RMVF) != 0)

@@ -1,5 +1,5 @@
-/* Real-time clock of the STM32F100 (RM0041 17) as a counter: it counts down from its prescaler at the clock that RCC_BDCR chooses. It lies in
- * the backup domain. All of it is from memory of the manual (unverified).
+/* Real-time clock of the STM32F100 as a counter, read in RM0041 Rev 6: 17.2 to 17.4. It counts down from its prescaler at the clock that
+ * RCC_BDCR chooses, lies in the backup domain, and is read through copies that are old until RSF is set (17.3.3).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -28,7 +28,7 @@ enum {
 static const struct reg regs[] = {
     {"CRH", CRH, 0, 0x7u, 0x7u},         {"CRL", CRL, CRL_RTOFF, 0x3Fu, 0},
     {"PRLH", PRLH, 0, 0xFu, 0},          {"PRLL", PRLL, PRESCALER, 0xFFFFu, 0},
-    {"DIVH", DIVH, 0, 0xFFFFu, 0},       {"DIVL", DIVL, PRESCALER, 0xFFFFu, 0},
+    {"DIVH", DIVH, 0, 0xFu, 0},          {"DIVL", DIVL, PRESCALER, 0xFFFFu, 0},
     {"CNTH", CNTH, 0, 0xFFFFu, 0},       {"CNTL", CNTL, 0, 0xFFFFu, 0},
     {"ALRH", ALRH, 0xFFFFu, 0xFFFFu, 0}, {"ALRL", ALRL, 0xFFFFu, 0xFFFFu, 0},
 };

@@ -1,5 +1,5 @@
-/* The part of the flash that the firmware writes: an array whose bits only fall until they are erased, and which keeps what it held
- * when the supply goes. A word or an erase that is cut leaves bits that read differently each time.
+/* The part of the flash that the firmware writes: an array whose bits only fall until they are erased, and which keeps what it held when the
+ * supply goes. A word or an erase that is cut leaves bits that read differently each time (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

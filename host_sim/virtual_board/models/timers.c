@@ -1,4 +1,8 @@
-/* Timers as counters: TIM2 of 32 bits (RM0090 18.4), TIM11 with one capture input that may be the crystal's share for the real-time clock (19.5).
+/* Timers as counters: TIM2 of 32 bits, TIM11 with one capture input that may be the crystal's share for the real-time clock. Register maps and
+ * masks: the vendor's SVD file. Read in RM0090: the prescaler that an update takes over (Rev 11 18.3.1), the divider of PSC + 1 and a counter
+ * that stands while ARR is 0, as after a reset (Rev 4 15.4.11 and 15.4.12), TIM11 fed with the crystal's share (Rev 21 7.2.11). Code 2 of
+ * TIM11_OR feeds that share to TIM11 (unverified). A read of TIM11_CCR1 clears CC1IF, and a capture before that sets CC1OF (unverified).
+ * TIM11_CCMR1 captures every 1, 2, 4 or 8 edges (unverified). Flags of TIM2_SR and TIM11_SR are cleared by zeros (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -34,20 +38,15 @@ static const struct reg regs32[] = {
     {"EGR", EGR, 0, 0x5Fu, 0},
     {"CNT", CNT, 0, UINT32_MAX, UINT32_MAX},
     {"PSC", PSC, 0, 0xFFFFu, 0xFFFFu},
-    {"ARR", ARR, UINT32_MAX, UINT32_MAX, UINT32_MAX},
+    {"ARR", ARR, 0, UINT32_MAX, UINT32_MAX},
 };
 
 static const struct reg regs16[] = {
-    {"CR1", CR1, 0, 0x387u, 0x387u},
-    {"DIER", DIER, 0, 0x3u, 0x3u},
-    {"SR", SR, 0, 0x203u, 0},
-    {"EGR", EGR, 0, 0x3u, 0},
-    {"CCMR1", CCMR1, 0, 0xFFu, 0xFFu},
-    {"CCER", CCER, 0, 0xBu, 0xBu},
-    {"CNT", CNT, 0, 0xFFFFu, 0xFFFFu},
-    {"PSC", PSC, 0, 0xFFFFu, 0xFFFFu},
-    {"ARR", ARR, 0xFFFFu, 0xFFFFu, 0xFFFFu},
-    {"CCR1", CCR1, 0, 0xFFFFu, 0xFFFFu},
+    {"CR1", CR1, 0, 0x387u, 0x387u},   {"DIER", DIER, 0, 0x3u, 0x3u},
+    {"SR", SR, 0, 0x203u, 0},          {"EGR", EGR, 0, 0x3u, 0},
+    {"CCMR1", CCMR1, 0, 0xFFu, 0xFFu}, {"CCER", CCER, 0, 0xBu, 0xBu},
+    {"CNT", CNT, 0, 0xFFFFu, 0xFFFFu}, {"PSC", PSC, 0, 0xFFFFu, 0xFFFFu},
+    {"ARR", ARR, 0, 0xFFFFu, 0xFFFFu}, {"CCR1", CCR1, 0, 0xFFFFu, 0xFFFFu},
     {"OR", OR, 0, 0x3u, 0x3u},
 };
 
@@ -60,7 +59,7 @@ struct timer {
 static uint32_t count(const struct part *p)
 {
     const struct timer *t = p->state;
-    if ((part_get(p, CR1) & CR1_CEN) == 0)
+    if ((part_get(p, CR1) & CR1_CEN) == 0 || part_get(p, ARR) == 0)
         return part_get(p, CNT);
     uint64_t core = p->board->core_hz, own = timer_clock_hz(p->board, p->row->bus),
              spent = p->board->cycles - t->zero_cycles;

@@ -1,5 +1,8 @@
-/* Serial ports (RM0090 30.6, RM0041 23.6): 8 data bits, no parity, one stop bit; baud rate, overrun, framing errors, the order in which
- * flags are cleared. The far end of the line speaks at its own rate.
+/* Serial ports, read in RM0041 Rev 6: 23.3.2, 23.3.3, 23.4, 23.6. 8 data bits, no parity, one stop bit; baud rate, overrun, framing errors, the
+ * order in which flags are cleared. Masks of the STM32F405: the vendor's SVD file. Serial ports of the STM32F405 behave like those of the
+ * STM32F100 (unverified). USART_SR is 0xC0 after a reset, where RM0041 prints 0x00C00000 (unverified). A bit lasts as many periods of the
+ * bus as USART_BRR says (unverified). The far end of the line speaks at its own rate. A port does not understand a rate that is off by 5 %
+ * (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -18,7 +21,7 @@ enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTP
 #define SR_ERRORS 0xFu
 #define CR1_RE    (UINT32_C(1) << 2)
 #define CR1_TE    (UINT32_C(1) << 3)
-#define CR1_IRQS  0x1F0u
+#define CR1_KNOWN 0x20FCu /* UE, TXEIE, TCIE, RXNEIE, IDLEIE, TE, RE */
 #define CR1_UE    (UINT32_C(1) << 13)
 #define XON       0x11u
 #define XOFF      0x13u
@@ -95,21 +98,22 @@ static void arrives(void *context)
     if (l->to_head == l->to_tail)
         return;
     uint8_t byte = l->to_board[l->to_head++ % BOARD_LINE_ROOM];
+    uint32_t framing = 0;
     if (noisy(p->board, l)) {
         byte ^= (uint8_t)(1u << (board_random(p->board) & 7u));
-        sr |= board_random(p->board) % 4u == 0 ? SR_FE : 0;
+        framing = board_random(p->board) % 4u == 0 ? SR_FE : 0;
     }
     if ((cr1 & (CR1_UE | CR1_RE)) == (CR1_UE | CR1_RE) &&
         pin_function(p->board, 'A', pins_of[p->row->number].rx) != PIN_NO_FUNCTION) {
         if (!understood(p)) {
             byte = (uint8_t)board_random(p->board);
-            sr |= SR_FE;
+            framing = SR_FE;
         }
         if ((sr & SR_RXNE) != 0) {
-            sr |= SR_ORE; /* the byte is lost */
+            sr |= SR_ORE; /* the byte is lost, and of its errors this one alone is told (23.6.1) */
         } else {
             u->received = byte;
-            sr |= SR_RXNE;
+            sr |= SR_RXNE | framing;
         }
         part_set(p, SR, sr);
         update_irq(p);
@@ -141,7 +145,6 @@ static void shift(struct part *p, uint8_t byte)
     uint64_t baud = own_baud(p);
     u->shifts = true;
     u->shifting = byte;
-    part_set(p, SR, part_get(p, SR) & ~SR_TC);
     board_schedule(p->board, &u->sent,
                    board_ns(p->board) + BITS * NS_PER_S / (baud != 0 ? baud : 1u));
 }
@@ -210,7 +213,11 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         if ((part_get(p, CR1) & (CR1_UE | CR1_TE)) != (CR1_UE | CR1_TE)) {
             board_verdict(p->board, "a byte written to %s while its transmitter is off",
                           p->row->name);
-        } else if (!u->shifts) {
+            return;
+        }
+        if ((u->seen & SR_TC) != 0) /* 23.6.1: a read of SR, and a write of DR */
+            part_set(p, SR, part_get(p, SR) & ~SR_TC);
+        if (!u->shifts) {
             shift(p, (uint8_t)written);
         } else {
             if (u->full)
@@ -220,10 +227,16 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
             u->waiting = (uint8_t)written;
             part_set(p, SR, part_get(p, SR) & ~SR_TXE);
         }
-    } else if (offset == CR2 || offset == CR3) {
+    } else if (offset == CR1) {
+        if ((written & ~CR1_KNOWN) != 0)
+            board_verdict(p->board, "%s_CR1 of 0x%x is not modelled", p->row->name, written);
+    } else if (offset == CR2 || offset == CR3 || offset == GTPR) {
         if (written != 0)
             board_verdict(p->board, "%s_%s of 0x%x is not modelled", p->row->name,
-                          offset == CR2 ? "CR2" : "CR3", written);
+                          offset == CR2   ? "CR2"
+                          : offset == CR3 ? "CR3"
+                                          : "GTPR",
+                          written);
     }
     update_irq(p);
 }
@@ -246,7 +259,7 @@ const struct part_class usart_class = {.name = "USART",
                                        .regs = regs,
                                        .n_regs = sizeof(regs) / sizeof(regs[0]),
                                        .state_bytes = sizeof(struct usart),
-                                       .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
+                                       .widths = WIDTH_HALF | WIDTH_WORD, /* 23.6 */
                                        .start = start,
                                        .reset = reset,
                                        .read = read,

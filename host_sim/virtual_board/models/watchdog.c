@@ -1,4 +1,6 @@
-/* Independent watchdog (RM0090 21, RM0041 18): a down-counter on a slow clock of its own that nothing stops.
+/* Independent watchdog: a down-counter on a slow clock of its own that nothing stops. Read in RM0090 Rev 21 (21.3 and 21.4) and RM0041 Rev 6
+ * (18.3 and 18.4). A value of IWDG_PR or IWDG_RLR arrives after five periods of the slow clock, whether that runs or not (unverified). A new
+ * divider is in force from the next feeding on (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -11,7 +13,7 @@ enum { KR = 0x0, PR = 0x4, RLR = 0x8, SR = 0xC };
 #define KEY_START  0xCCCCu
 #define PVU        1u
 #define RVU        2u
-#define ARRIVES    5u /* periods of the slow clock that a value takes (RM0090 21.4.4) */
+#define ARRIVES    5u /* periods of the slow clock that a value takes at most (21.4.4) */
 #define NS_PER_S   UINT64_C(1000000000)
 
 static const struct reg regs[] = {
@@ -25,6 +27,7 @@ struct watchdog {
     struct board_event bites, arrives;
     bool runs, open;
     uint32_t divider, reload; /* in force */
+    uint32_t counter;         /* from which it starts */
 };
 
 static uint64_t count_ns(const struct part *p, uint64_t counts)
@@ -33,12 +36,12 @@ static uint64_t count_ns(const struct part *p, uint64_t counts)
     return counts * (4u << w->divider) * NS_PER_S / p->board->around.slow_clock_hz;
 }
 
-static void reload(struct part *p)
+static void count_down(struct part *p)
 {
     struct watchdog *w = p->state;
     if (w->runs)
         board_schedule(p->board, &w->bites,
-                       board_ns(p->board) + count_ns(p, (uint64_t)w->reload + 1u));
+                       board_ns(p->board) + count_ns(p, (uint64_t)w->counter + 1u));
 }
 
 static void bites(void *context)
@@ -71,10 +74,10 @@ static void reset(struct part *p, enum board_reset kind)
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     w->open = false;
-    w->runs = p->board->around.hardware_watchdog; /* RM0090 21.3.1 */
+    w->runs = p->board->around.hardware_watchdog; /* 21.3.1 */
     w->divider = 0;
-    w->reload = 0xFFFu;
-    reload(p);
+    w->reload = w->counter = 0xFFFu;
+    count_down(p);
 }
 
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
@@ -82,15 +85,17 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
     struct watchdog *w = p->state;
     if (offset == KR) {
         w->open = written == KEY_ACCESS;
-        if (written == KEY_START)
-            w->runs = true;
-        if (written == KEY_START || written == KEY_RELOAD)
-            reload(p);
+        if (written == KEY_RELOAD)
+            w->counter = w->reload;
+        bool starts = written == KEY_START && !w->runs; /* 21.4.1: it starts once */
+        w->runs = w->runs || starts;
+        if (starts || written == KEY_RELOAD)
+            count_down(p);
         return;
     }
     uint32_t busy = offset == PR ? PVU : RVU;
     if (!w->open) {
-        part_set(p, offset, before); /* RM0090 21.3.3: protected */
+        part_set(p, offset, before); /* 21.3.2: protected */
         return;
     }
     if ((part_get(p, SR) & busy) != 0) {
