@@ -11,9 +11,9 @@ from unittest import mock
 from support import ROOT, FolderTest, board, call
 
 from dev import cmd_reference
-from dev.reference import firmware_pages, markdown, plant_page, scenario_page, tables
+from dev.reference import board_page, firmware_pages, markdown, plant_page, scenario_page, tables
 from reflux import build, scenario_keys
-from reflux.errors import RunFailed
+from reflux.errors import RunFailed, UserError
 from reflux.ports import Port
 from reflux.session import Refused, Session
 
@@ -231,6 +231,27 @@ class Command(FolderTest):
         status, _, said = call("reference", "--out", str(self.file("x", "")))
         self.assertEqual(status, 2)
         self.assertIn("is a file", said)
+
+
+class FromMemory(FolderTest):
+    def test_each_marked_sentence_is_a_row_of_its_chip(self) -> None:
+        (self.folder / "a_f1.c").write_text("/* Read in RM0041 6.1. It bites\n * at once (unverified). So\n * it is.\n *\n * Two sleep (unverified).\n */\n/* no (mark) */\n")
+        (self.folder / "b.h").write_text("int x; /* It waits (unverified) */\n")
+        text = board_page.virtual_board(self.folder)
+        both, large, small = (text.split(f"\n## {section}\n")[1].split("\n## ")[0] for section in board_page.SECTIONS)
+        self.assertIn("| It waits | `b.h` |", both)
+        self.assertNotIn("`", large)
+        self.assertIn("| It bites at once | `a_f1.c` |\n| Two sleep | `a_f1.c` |", small)
+
+    def test_a_mark_that_ends_no_sentence_is_refused(self) -> None:
+        for comment in ("/* It waits (unverified) and sleeps. */", "/* it waits (unverified). */"):
+            with self.subTest(comment), self.assertRaisesRegex(UserError, "a.c: .*begins with a capital and ends with"):
+                board_page.statements(comment, "a.c")
+
+    def test_every_model_says_what_was_read_or_what_was_not(self) -> None:
+        folder = board_page.SOURCES / "models"
+        for path in folder.glob("*.c"):
+            self.assertRegex(path.read_text(encoding="utf-8"), r"RM00\d\d Rev \d|\(unverified\)", path.name)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from dev.reference import firmware_pages
+from dev.reference.board_page import virtual_board
 from dev.reference.plant_page import plant_files
 from dev.reference.scenario_page import scenario_files
 from dev.reference.tables import rows_of, said_by
@@ -28,6 +29,7 @@ def pages(folder: Path) -> dict[str, str]:
         "errors.md": firmware_pages.errors(rows),
         "plant-files.md": plant_files(rows_of(said_by(folder / PROGRAMS[1]))),
         "scenario-files.md": scenario_files(),
+        "virtual-board.md": virtual_board(),
     }
 
 
@@ -39,8 +41,8 @@ def differing(made: dict[str, str], folder: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/reference",
-        description="Writes the pages of docs/reference (commands, parameters, events, refusals, plant and scenario files) from the tables of the code and from the "
-        "notes in docs/reference/notes. Builds what prints the tables first.")
+        description="Writes the pages of docs/reference (commands, parameters, events, refusals, plant and scenario files, virtual board) from the tables "
+        "and comments of the code and from the notes in docs/reference/notes. Builds what prints the tables first.")
     p.add_argument("--check", action="store_true", help="write nothing; name the pages that differ, status 1 where there are any")
     p.add_argument("--out", type=named, metavar="FOLDER", default=FOLDER, help="where the pages are put (default docs/reference)")
     options = p.parse_args(arguments)
