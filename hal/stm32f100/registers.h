@@ -74,6 +74,6 @@
 #define DBGMCU_CR           REG32(0xE0042004u)
 #define DBGMCU_CR_IWDG_STOP BIT(8)
 
-#define LSI_PER_MS 40u /* RM0041 6.2.5: 30 to 60 kHz */
+#define LSI_PER_MS 40u /* RM0041 6.2.5; 30 to 60 kHz in RM0008 19.3.3, of its sisters */
 
 #endif

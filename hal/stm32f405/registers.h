@@ -121,6 +121,6 @@
 #define SCB_CPACR     REG32(0xE000ED88u)
 #define SCB_CPACR_FPU (15u << 20)
 
-#define LSI_PER_MS 32u /* RM0090 7.2.5: 17 to 47 kHz over chips and temperature */
+#define LSI_PER_MS 32u /* RM0090 7.2.5; DS8626: 17 to 47 kHz over chips and temperature */
 
 #endif
