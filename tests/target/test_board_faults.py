@@ -56,7 +56,7 @@ def faults() -> list[Fault]:
     out += [Fault("supply to 2.85 V and back", ("supply=2.85", "after_ns=500000000", "supply=3.3"), ("",))]
     out += [Fault(f"supply ramp to {v:g} V in {t:g} s and back",
                   (f"ramp_time={t:g}", f"supply_ramp={v:g}", "after_ns=3000000000", "supply=3.3"),
-                  ("power-on",)) for v, t in ((2.5, 0.05), (2.0, 0.5), (0.0, 2))]
+                  ("power-on",)) for v, t in ((2.5, 0.05), (2.0, 0.25), (0.0, 2))]
     out += [Fault("crystal stops", ("crystal=0",), ("crystal",)),
             Fault("crystal stops and comes back", ("crystal=0", "after_ns=100000000", "crystal=8000000"), ("crystal",)),
             Fault("crystal 1 % low", ("crystal=7920000",), ("",)),
