@@ -65,6 +65,7 @@ bool address_map_memory(struct board *b, struct processor *p)
         if (p->memory[i] == NULL)
             return false;
         uint32_t size = m->size;
+        /* With BOOT0 low the flash lies at 0 once more (unverified). */
         if (m->kind == MEMORY_FLASH) {
             (void)memset(p->memory[i], 0xFF, size);
             size -=

@@ -78,6 +78,7 @@ struct chip {
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
     const struct clocks *clocks;
     uint8_t (*pin_function)(struct board *b, char port, unsigned pin); /* models/models.h */
+    uint8_t usart_function; /* what that says of a pin that is given to a serial port */
     const struct chip_part *parts;
     size_t n_parts;
 };

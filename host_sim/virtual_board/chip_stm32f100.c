@@ -1,5 +1,5 @@
-/* STM32F100xB. Read in RM0041 Rev 6: 6.3.7 and 6.3.8 enables, 8.1 and table 50 interrupts, 6.2.2 and 6.2.5 oscillators, 25.6.3 core. Addresses:
- * the vendor's SVD file. The chip has 128 KiB of flash and 8 KiB of SRAM (unverified).
+/* STM32F100xB. Read in RM0041 Rev 6: table 15 enables, 8.1 and table 50 interrupts, 6.2.2 and 6.2.5 oscillators, 25.6.3 core. Addresses: the
+ * vendor's SVD file. The chip has 128 KiB of flash and 8 KiB of SRAM (unverified). CPUID of the Cortex-M3 r1p1 is 0x411FC231 (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -55,6 +55,7 @@ const struct chip chip_stm32f100 = {
     .store = flash_f1_store,
     .clocks = &clocks_f1,
     .pin_function = pin_function_f1,
+    .usart_function = 0,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),
 };

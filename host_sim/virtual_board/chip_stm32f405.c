@@ -1,5 +1,6 @@
-/* STM32F405xG. Read in RM0090 Rev 21: 2.1 and 2.3 memories and addresses, 3.4 sectors, 12.1 and table 62 interrupts, 7.2.2 and 7.2.5
- * oscillators; in PM0214 Rev 10: 4.2 regions, 4.4.7 CCR. Enables: the vendor's SVD file. The core is revision r0p1 (38.8.3).
+/* STM32F405xG. Read in RM0090 Rev 21: 2.1 and 2.3 memories and addresses, 12.1 and table 62 interrupts, 7.2.2 and 7.2.5 oscillators; in PM0214
+ * Rev 10: 4.2.10 regions, 4.4.7 CCR. Enables: the vendor's SVD file. The core is revision r0p1 (RM0090 38.8.3). Its CPUID is 0x410FC241
+ * (unverified). The flash has 1 MiB (unverified). Serial ports are the alternate function 7 of their pins (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -56,6 +57,7 @@ const struct chip chip_stm32f405 = {
     .store = flash_f4_store,
     .clocks = &clocks_f4,
     .pin_function = pin_function_f4,
+    .usart_function = 7,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),
 };

@@ -174,6 +174,13 @@ static void test_without_its_pin_or_its_receiver_nothing_comes(void)
     TEST_ASSERT_EQUAL(0, get(SR) & 0x2Fu);
     TEST_ASSERT_EQUAL(0, line_take(b, 0, seen, sizeof seen));
     put_ok(GPIOA_MODER, 0xA8000000u | 10u << 18);
+    put_ok(GPIOA_AFRH, 0x660u); /* given to something else */
+    give("a");
+    put_ok(DR, 'a');
+    pass(BYTE_NS + 100u);
+    TEST_ASSERT_EQUAL(0, get(SR) & 0x2Fu);
+    TEST_ASSERT_EQUAL(0, line_take(b, 0, seen, sizeof seen));
+    put_ok(GPIOA_AFRH, 0x770u);
     put_ok(CR1, CR1_ON & ~USART_CR1_RE);
     give("a");
     pass(BYTE_NS + 100u);

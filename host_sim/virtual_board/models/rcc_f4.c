@@ -1,6 +1,6 @@
 /* Reset and clock control of the STM32F405, read in RM0090 Rev 21: 7.1 and 7.2 (resets, clocks), 7.3.1 to 7.3.4 and 7.3.21 (oscillators, PLL,
- * bus clocks, interrupts, reset flags), 3.5.1 (wait states). Enables and their masks: the vendor's SVD file. Bit 29 of RCC_PLLCFGR is
- * reserved and set after a reset (7.3.2).
+ * bus clocks, interrupts, reset flags); in DS8626: 5.3.6 (wait states). Enables and their masks: the vendor's SVD file. Bit 29 of
+ * RCC_PLLCFGR is reserved and set after a reset (7.3.2).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -98,7 +98,7 @@ static bool runs_from_crystal(const struct part *p)
     return source == 1 || (source == 2 && pll_on_crystal(p));
 }
 
-/* 7.2, 3.5.1 table 10, 5.1.3: what the buses, the flash at 2.7 V and more, and the regulator take. That a lower supply wants more wait states
+/* 7.2, DS8626 5.3.6: what the buses, the flash, and the regulator take. That a lower supply wants more wait states
  * is not modelled. The regulator takes 144 MHz in scale 2 (unverified). */
 static void check_clocks(struct part *p)
 {

@@ -43,10 +43,22 @@ struct usart {
     uint32_t seen;     /* flags that a read of SR has shown: a read of DR then clears them */
 };
 
-/* Of the chip's pins: which carry this port, and under which alternate function. */
+/* USART1 is on PA9 and PA10, USART2 on PA2 and PA3 (unverified). */
 static const struct pins {
     uint8_t tx, rx;
 } pins_of[] = {{9, 10}, {2, 3}};
+
+static bool drives(const struct part *p)
+{
+    return pin_function(p->board, 'A', pins_of[p->row->number].tx) ==
+           p->board->chip->usart_function;
+}
+
+static bool listens(const struct part *p)
+{
+    uint8_t function = pin_function(p->board, 'A', pins_of[p->row->number].rx);
+    return function == PIN_INPUT || function == p->board->chip->usart_function;
+}
 
 static struct line *line_of(const struct part *p)
 {
@@ -103,8 +115,7 @@ static void arrives(void *context)
         byte ^= (uint8_t)(1u << (board_random(p->board) & 7u));
         framing = board_random(p->board) % 4u == 0 ? SR_FE : 0;
     }
-    if ((cr1 & (CR1_UE | CR1_RE)) == (CR1_UE | CR1_RE) &&
-        pin_function(p->board, 'A', pins_of[p->row->number].rx) != PIN_NO_FUNCTION) {
+    if ((cr1 & (CR1_UE | CR1_RE)) == (CR1_UE | CR1_RE) && listens(p)) {
         if (!understood(p)) {
             byte = (uint8_t)board_random(p->board);
             framing = SR_FE;
@@ -124,7 +135,7 @@ static void arrives(void *context)
 static void leave_for_line(struct part *p, uint8_t byte)
 {
     struct line *l = line_of(p);
-    if (l->unplugged || pin_function(p->board, 'A', pins_of[p->row->number].tx) >= PIN_INPUT)
+    if (l->unplugged || !drives(p))
         return; /* nobody hears it */
     if (!understood(p))
         byte = (uint8_t)board_random(p->board);
