@@ -189,8 +189,9 @@ def simulator(firmware: launch.Firmware | VirtualBoard, *arguments: str) -> list
 
 
 def plant(test: unittest.TestCase, firmware: launch.Firmware | VirtualBoard, name: str = "pilot") -> subprocess.Popen[bytes]:
-    """A simulated plant at the plant link, at 300 times its own speed, until the test ends."""
-    process = subprocess.Popen(simulator(firmware, "--plant", name, "--speed", "300", "--duration", "1e6"),
+    """A simulated plant at the plant link, with ten samples a second if its tick is 30 s, until the test ends."""
+    speed = "max" if isinstance(firmware, VirtualBoard) else "300"
+    process = subprocess.Popen(simulator(firmware, "--plant", name, "--speed", speed, "--duration", "1e6"),
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     test.addCleanup(process.wait)
     test.addCleanup(process.kill)

@@ -1,7 +1,7 @@
 """A virtual board that a test drives: the flashed file, its console, and time that goes on only as the test says (virtual_board/control.h).
 
-A reflux-sim at `link` has the plant's end. It asks for a step at a time, which it gets when the test waits for the board. So no test
-depends on how fast the machine is.
+A reflux-sim at `link` has the plant's end. It asks for a step at a time, which it gets when the test waits for the board, and sends a frame
+every FRAMES_APART_S of the board's time at most. So no test depends on how fast the machine is, and each run is the same.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from reflux import build  # noqa: E402
 
 STEP_S = 0.05
 ERASED_S = 4.0  # a start on an empty flash has erased it by then
+FRAMES_APART_S = 0.1
 FRAME_MOST = 16384
 FLOW = b"\x11\x13"  # XON and XOFF, which the virtual line obeys
 PATIENCE_S = 600.0  # stops what hangs, on however busy a machine
@@ -57,6 +58,8 @@ class VirtualBoard:
         self.text = ""
         self.typed, self.linked, self.faults = b"", b"", b""
         self.plant: socket.socket | None = None
+        self.asked: tuple[int, bytes, bytes] | None = None  # a step that the plant waits for: time, bytes, faults
+        self.heard, self.due_s = b"", 0.0  # what the plant has not been given yet, and when its next frame may come
         self.link = f"board:{self.folder.name}/plant"
         self.listener = socket.socket(socket.AF_UNIX)
         self.listener.bind(f"{self.folder.name}/plant")
@@ -92,7 +95,8 @@ class VirtualBoard:
 
     def step(self, seconds: float = STEP_S, console: bytes = b"") -> None:
         """Runs the board, until the time at most, or until what left has left. A plant says for how long."""
-        ns, link, faults = self._plant_wants() or (round(seconds * 1e9), b"", b"")
+        wanted = self._plant_wants()
+        ns, link, faults = wanted or (round(seconds * 1e9), b"", b"")
         self.typed += console
         console, self.typed = self.typed[:FRAME_MOST], self.typed[FRAME_MOST:]
         link, self.linked = self.linked + link, b""
@@ -101,24 +105,25 @@ class VirtualBoard:
         ns, n_console, n_link, state = struct.unpack("<QHHB", self._whole(13))
         self.now_s = ns / 1e9
         self.text += self._whole(n_console).translate(None, FLOW).decode("latin-1").replace("\r", "")
-        link = self._whole(n_link)
-        if self.plant is not None:
+        self.heard = (self.heard if self.plant else b"") + self._whole(n_link)
+        if wanted is not None:
+            self.due_s = self.now_s + FRAMES_APART_S if wanted[1] else self.due_s
             with contextlib.suppress(ConnectionError):  # it has gone meanwhile
-                self.plant.sendall(struct.pack("<QHHB", ns, 0, len(link), state) + link)
+                self.plant.sendall(struct.pack("<QHHB", ns, 0, len(self.heard), state) + self.heard)
+            self.asked, self.heard = None, b""
         if state != 0:
             raise Ended(self.close())
 
     def _plant_wants(self) -> tuple[int, bytes, bytes] | None:
-        """The plant's step: time, bytes, faults. None: no plant is there, or it has gone."""
-        if self.plant is None:
-            return None
-        try:
-            ns, _, n_link, n_faults = struct.unpack("<QHHH", whole(self.plant, 14))
-            return ns, whole(self.plant, n_link), whole(self.plant, n_faults)
-        except ConnectionError:
-            self.plant.close()
-            self.plant = None
-            return None
+        """The plant's step. None: it is too early for its frame, no plant is there, or it has gone."""
+        if self.plant is not None and self.asked is None:
+            try:
+                ns, _, n_link, n_faults = struct.unpack("<QHHH", whole(self.plant, 14))
+                self.asked = ns, whole(self.plant, n_link), whole(self.plant, n_faults)
+            except ConnectionError:
+                self.plant.close()
+                self.plant = None
+        return None if self.asked is not None and self.asked[1] and self.now_s < self.due_s else self.asked
 
     def _whole(self, n: int) -> bytes:
         try:

@@ -161,7 +161,8 @@ def target_logs() -> list[Test]:
     others = [path.stem for path in every(SCENARIOS, "*.toml") if path.stem not in EVERYWHERE]
     return [*(same_log(f"target.{scenario}-{image.test}", scenario, *image.kinds) for scenario in EVERYWHERE for image in boards.RUNS
               if (scenario, image.test) != ("demo", "assert")),
-            *(same_log(f"target.scenario-{scenario}-{image.test}", scenario, *image.kinds, lines=UNSUPERVISED.get(scenario, ()))
+            *(same_log(f"target.scenario-{scenario}-{image.test}", scenario, *image.kinds, lines=UNSUPERVISED.get(scenario, ()),
+                       hang_s=4 * HANG_S)
               for scenario in others for image in whole if scenario not in image.too_large),
             # Parts of scenarios, in the emulator alone.
             *(same_log(f"target.self-tuning-{image.test}", "self-tuning-pair", *image.emulated, lines=UNSUPERVISED["self-tuning-pair"])
@@ -180,11 +181,14 @@ def target_logs() -> list[Test]:
                      lines=("begin", "set block2.method kalman", "set block2.covariance band", "apply"))]
 
 
-def same_log(name: str, scenario: str, *firmwares: str, lines: tuple[str, ...] = (), until: int | None = None) -> Test:
+def same_log(name: str, scenario: str, *firmwares: str, lines: tuple[str, ...] = (), until: int | None = None,
+             hang_s: float = HANG_S) -> Test:
     """One scenario on several firmwares, whose logs must be the same to the last bit."""
     ends = [] if until is None else ["--until", str(until)]
-    return script(name, ROOT / "tests" / "loop" / "same_log.py", name.split(".")[0], needs_of_firmware(*firmwares), *ends,
+    test = script(name, ROOT / "tests" / "loop" / "same_log.py", name.split(".")[0], needs_of_firmware(*firmwares), *ends,
                   *(f"--line={line}" for line in lines), scenario, *firmwares)
+    test.properties["TIMEOUT"] = hang_s
+    return test
 
 
 def style_tests() -> list[Test]:
