@@ -132,6 +132,8 @@ static void reset(struct board *b, enum board_reset kind)
 {
     b->resets[kind]++;
     b->hang_main = b->hang_tick = false;
+    if (b->stalled_until_ns > board_ns(b))
+        bus_reset(b, kind); /* while it is still known what the flash was about */
     end_events(b);
     board_set_core_hz(b, board_internal_hz(b));
     bus_reset(b, kind);

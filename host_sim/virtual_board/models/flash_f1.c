@@ -51,6 +51,8 @@ struct flash {
     unsigned keys; /* given so far; 3: a wrong one, locked until reset */
     bool erasing;
     uint32_t erased; /* page: from the beginning of what is stored, bytes */
+    uint32_t stored; /* place of the half-word under way */
+    uint64_t began_ns;
 };
 
 static void done(void *context)
@@ -70,6 +72,7 @@ static void busy(struct part *p, uint64_t ns)
     struct flash *f = p->state;
     uint64_t until = board_ns(b) + ns;
     part_set(p, SR, part_get(p, SR) | SR_BSY);
+    f->began_ns = board_ns(b);
     b->stalled_until_ns = until;
     board_schedule(b, &f->done, until);
 }
@@ -81,10 +84,26 @@ static void start(struct part *p)
     board_add_event(p->board, &f->done);
 }
 
+static void interrupted(struct part *p)
+{
+    struct flash *f = p->state;
+    uint64_t spent = board_ns(p->board) - f->began_ns;
+    f->done.at_ns = BOARD_NEVER;
+    if (stored_flash(p->board)->cut) /* what the cut has left is there */
+        return;
+    if (f->erasing)
+        stored_flash_erase_partly(p->board, f->erased, PAGE_BYTES,
+                                  (uint32_t)(1000u * spent / PAGE_NS));
+    else
+        stored_flash_weaken(p->board, f->stored, 2);
+}
+
 static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
+    if (f->done.at_ns != BOARD_NEVER) /* what a reset interrupts is not guaranteed */
+        interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     f->keys = 0;
@@ -103,6 +122,7 @@ static void check_conditions(struct board *b)
 void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
 {
     struct part *p = bus_part(b, "FLASH");
+    struct flash *f = p->state;
     uint32_t cr = part_get(p, CR);
     if ((part_get(p, SR) & SR_BSY) != 0) {
         board_verdict(b, "store into the flash while it is busy");
@@ -117,6 +137,7 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     } else {
         check_conditions(b);
         stored_flash_program(b, at, bytes, word);
+        f->stored = at;
         busy(p, HALF_NS);
     }
 }
@@ -136,7 +157,7 @@ static void start_erase(struct part *p, uint32_t written)
         check_conditions(b);
         f->erasing = true;
         f->erased = at & ~(PAGE_BYTES - 1u);
-        busy(p, PAGE_NS);
+        busy(p, PAGE_NS / 1000u * stored_flash_erase_share(b));
     }
 }
 
