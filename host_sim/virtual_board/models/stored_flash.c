@@ -73,7 +73,7 @@ void stored_flash_program(struct board *b, uint32_t at, unsigned bytes, uint32_t
     f->words++;
     bool cut = f->words == f->cut_word;
     uint32_t per_mille = cut ? board_random(b) % 1001u : 1000u,
-             spread = cut ? 50u + board_random(b) % 450u : 0;
+             spread = cut ? board_random(b) % 400u : 0;
     for (unsigned i = 0; i < bytes; i++) {
         uint8_t low = (uint8_t) ~(word >> 8 * i), weak = 0;
         uint8_t falls = (uint8_t)(f->bytes[at + i] & low);

@@ -17,7 +17,8 @@ static const char usage[] =
     "has stored.\n"
     "Words in capitals in the results are finds; the exit status is 1 if there is one.\n"
     "\n"
-    "  first             once in each word of a save, and at 20 points within each erase of a save\n"
+    "  first             once in each word of a save, and at 20 points within each erase of a "
+    "save\n"
     "  further           in a save, and twice more in the starts and saves that follow\n"
     "  instants          or its reset: at random instants of five states, with the pilot column "
     "at its link\n"
@@ -73,11 +74,17 @@ static bool read_image(struct image *image, const char *path)
 
 int main(int argc, char **argv)
 {
-    static const struct option known[] = {
-        {"from", 1, NULL, 'f'},    {"count", 1, NULL, 'c'}, {"stride", 1, NULL, 's'},
-        {"whole", 1, NULL, 'w'},   {"append", 0, NULL, 'a'}, {"results", 1, NULL, 'r'},
-        {"jobs", 1, NULL, 'j'},    {"seed", 1, NULL, 'e'},  {"root", 1, NULL, 'o'},
-        {"help", 0, NULL, 'h'},    {0}};
+    static const struct option known[] = {{"from", 1, NULL, 'f'},
+                                          {"count", 1, NULL, 'c'},
+                                          {"stride", 1, NULL, 's'},
+                                          {"whole", 1, NULL, 'w'},
+                                          {"append", 0, NULL, 'a'},
+                                          {"results", 1, NULL, 'r'},
+                                          {"jobs", 1, NULL, 'j'},
+                                          {"seed", 1, NULL, 'e'},
+                                          {"root", 1, NULL, 'o'},
+                                          {"help", 0, NULL, 'h'},
+                                          {0}};
     static const struct {
         const char *name;
         bool (*run)(const struct campaign *c);

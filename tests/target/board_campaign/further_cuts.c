@@ -57,8 +57,7 @@ static bool cut_a_save(struct life *l, struct station *s, bool with_erase)
 {
     const struct save_site *site = l->site;
     if (with_erase && below(&l->random, 2) == 0) {
-        unsigned erase = 1u + below(&l->random, site->erases),
-                 per_mille = below(&l->random, 1001);
+        unsigned erase = 1u + below(&l->random, site->erases), per_mille = below(&l->random, 1001);
         say(l->carried, " save/erase%u@%u", erase, per_mille);
         return save_with_cut(s, 0, erase, per_mille);
     }
@@ -180,8 +179,7 @@ static void three_cuts(void *context, char *result)
     uint64_t random = campaign_random(l.c, l.number);
     for (unsigned life = 0; l.carried->wrong[0] == '\0' && life <= CUTS; life++) {
         l.random = random_state(random + life);
-        l.site->before->board->random = l.site->start->board->random =
-            random_state(~random + life);
+        l.site->before->board->random = l.site->start->board->random = random_state(~random + life);
         l.cuts = life;
         live(&l, life == 0 ? first_life : later_life);
         if (life < CUTS && l.carried->wrong[0] == '\0' && !l.carried->cut)

@@ -18,15 +18,12 @@ enum state { STARTING, MANUAL, AUTO, COMMISSIONING, SAVING, STATES };
 
 static const struct {
     const char *name;
-    const char *lines[3]; /* that lead to it */
+    const char *lines[3];      /* that lead to it */
     unsigned instructions, ns; /* from its snapshot on: the span of the instants */
 } states[STATES] = {
     [STARTING] = {"start-up", {NULL}, 12000000, 900000000},
     [MANUAL] = {"manual", {"out Lr 4.5", "out Qrb 0.8"}, 2000000, 300000000},
-    [AUTO] = {"auto",
-              {"out Qrb 0.8", "mode top auto", "mode bottom auto"},
-              2000000,
-              300000000},
+    [AUTO] = {"auto", {"out Qrb 0.8", "mode top auto", "mode bottom auto"}, 2000000, 300000000},
     [COMMISSIONING] = {"commissioning",
                        {"out Lr 4.5", "out Qrb 0.8", "commission begin"},
                        2000000,
@@ -70,8 +67,8 @@ static bool strike(struct instant *i, bool cut, char *how, size_t size)
     uint64_t random = campaign_random(i->c, i->number);
     char err[BOARD_VERDICT];
     bool by_time = below(&random, 2) == 0;
-    double off_s =
-        cut ? 0.001 * (double)(1u + below(&random, 3000)) : 1e-6 * (double)(1u + below(&random, 500000));
+    double off_s = cut ? 0.001 * (double)(1u + below(&random, 3000))
+                       : 1e-6 * (double)(1u + below(&random, 500000));
     uint32_t after =
         1u + below(&random, by_time ? states[i->state].ns : states[i->state].instructions);
     (void)snprintf(how, size, "%s of %g s after %u %s", cut ? "cut" : "reset", off_s, after,
@@ -83,6 +80,7 @@ static bool strike(struct instant *i, bool cut, char *how, size_t size)
         !faults_add(b, cut ? FAULT_POWER_CUT : FAULT_BUTTON, off_s, err, sizeof(err)))
         return false;
     if (i->state == STARTING) {
+        station_forget(s);
         board_release(b, RESET_POWER, true);
         powers++;
     }

@@ -49,8 +49,8 @@ static void look(struct plant_side *p, const struct frame *f)
     for (unsigned i = 0; i < m.n_outputs; i++) {
         double value = (double)m.output[i].value;
         const struct limits *l = i < sizeof(limits) / sizeof(limits[0]) ? &limits[i] : NULL;
-        if (m.output[i].drive && (l == NULL || ((value < l->lo || value > l->hi) &&
-                                                fabs(value - l->safe) > NEAR)))
+        if (m.output[i].drive &&
+            (l == NULL || ((value < l->lo || value > l->hi) && fabs(value - l->safe) > NEAR)))
             (void)snprintf(p->wrong, sizeof(p->wrong), "%s commanded to %g at %.3f s",
                            l == NULL ? "an output that is not there" : l->name, value,
                            (double)board_ns(p->board) / 1e9);
@@ -94,7 +94,8 @@ struct plant_side *plant_side_new(struct board *board)
     p->transport =
         (struct transport){.ops = &ops, .context = p, .fd = -1, .spare_fd = -1, .where = "board"};
     frame_decoder_reset(&p->decoder);
-    if (p->plant == NULL || !instruments_init(&p->instruments, p->class, 1, 1.0, err, sizeof(err)) ||
+    if (p->plant == NULL ||
+        !instruments_init(&p->instruments, p->class, 1, 1.0, err, sizeof(err)) ||
         !link_server_init(&p->link, &p->transport, p->class,
                           (uint32_t)lround(p->class->tick_s * 1000.0), 1, err, sizeof(err))) {
         (void)fprintf(stderr, "board-campaign: %s\n", err);

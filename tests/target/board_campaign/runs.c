@@ -100,8 +100,7 @@ bool runs_begin(struct runs *r, const char *file, const char *about, unsigned jo
 
 bool runs_are_done(const struct runs *r, const char *key)
 {
-    return r->n_done > 0 &&
-           bsearch(&key, r->done, r->n_done, sizeof(*r->done), compare) != NULL;
+    return r->n_done > 0 && bsearch(&key, r->done, r->n_done, sizeof(*r->done), compare) != NULL;
 }
 
 static void note(struct runs *r, const char *key, const char *result)
@@ -140,8 +139,7 @@ static void take_one(struct runs *r)
     char result[RUN_TEXT] = "";
     size_t n = 0;
     ssize_t k;
-    while ((k = read(w.fd, result + n, sizeof(result) - 1u - n)) > 0 ||
-           (k < 0 && errno == EINTR))
+    while ((k = read(w.fd, result + n, sizeof(result) - 1u - n)) > 0 || (k < 0 && errno == EINTR))
         n += k > 0 ? (size_t)k : 0;
     (void)close(w.fd);
     int status = 0;

@@ -26,8 +26,7 @@ static bool refuse(const char *what, const struct station *s)
 /* What the next save writes and erases, seen by a copy of the board. */
 static bool rehearse(struct save_site *site)
 {
-    unsigned *seen =
-        mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    unsigned *seen = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (seen == MAP_FAILED)
         return false;
     (void)fflush(stdout);

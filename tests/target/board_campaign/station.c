@@ -7,13 +7,13 @@
 
 #include "plant_side.h"
 
-#define CONSOLE      0
-#define SLICE_NS     (5u * MS) /* a byte of the console takes 87 us */
-#define WITH_PLANT   (1u * MS)
-#define REPLY_NS     (20u * SECOND)
-#define GREET_NS     (15u * SECOND)
-#define LOADED_NS    (20u * SECOND)
-#define SETTLE_NS    (150u * MS)
+#define CONSOLE    0
+#define SLICE_NS   (5u * MS) /* a byte of the console takes 87 us */
+#define WITH_PLANT (1u * MS)
+#define REPLY_NS   (20u * SECOND)
+#define GREET_NS   (15u * SECOND)
+#define LOADED_NS  (20u * SECOND)
+#define SETTLE_NS  (150u * MS)
 /* As code and, before the console is in machine mode, as a sentence (firmware/base/event_list.h). */
 #define STORAGE_TOLD                                                                               \
     "STORAGE_LOADED|stored settings are being applied|STORAGE_REFUSED|are not in force|"           \
@@ -31,8 +31,7 @@ struct station *station_new(const struct image *image, uint64_t seed)
                                         .seed = seed};
     if (s == NULL)
         return NULL;
-    s->board =
-        board_new(image->chip, &around, image->data, image->bytes, false, err, sizeof(err));
+    s->board = board_new(image->chip, &around, image->data, image->bytes, false, err, sizeof(err));
     if (s->board != NULL)
         return s;
     (void)fprintf(stderr, "board-campaign: %s\n", err);

@@ -17,7 +17,7 @@ struct plant_side;
 struct station {
     struct board *board;
     struct plant_side *plant; /* NULL: none */
-    bool loaded; /* since station_forget(): an event has told of the stored set */
+    bool loaded;              /* since station_forget(): an event has told of the stored set */
     size_t n, line;
     char said[STATION_ROOM]; /* on the console since the last question, without carriage returns */
 };

@@ -18,7 +18,7 @@ static const struct value large[] = {
     {"meas1.lo", "", 200, ""},   {"meas16.hi", "", 2500, ""}, {"meas15.unit", "u", 0, ""},
     {"loop1.ti", "", 150, ""},   {"loop2.ti", "", 90, ""},    {"block3.tau.1", "", 60, ",60,0,0"},
     {"block3.miss", "", 100, ""}};
-static const struct value small[] = {{"meas1.lo", "", 10, ""},  {"mv2.follow", "", 90, ""},
+static const struct value small[] = {{"meas1.lo", "", 10, ""},   {"mv2.follow", "", 90, ""},
                                      {"mv1.follow", "", 90, ""}, {"loop1.ti", "", 200, ""},
                                      {"loop2.ti", "", 150, ""},  {"lock1.hysteresis", "", 2, ""}};
 
