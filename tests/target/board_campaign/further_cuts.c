@@ -196,6 +196,8 @@ static void three_cuts(void *context, char *result)
 bool further_cuts(const struct campaign *c)
 {
     struct save_site site;
+    if (!runs_are_left(c->runs, c->from, c->from + c->count, 1))
+        return true;
     if (!save_site_begin(&site, c))
         return false;
     /* Even numbers append, odd ones erase. */

@@ -189,6 +189,9 @@ static bool lasts(enum state state)
 /* All runs of one state, from its snapshot. */
 static bool of_state(const struct campaign *c, enum state state)
 {
+    unsigned first = c->from + (STATES + (unsigned)state - c->from % STATES) % STATES;
+    if (!runs_are_left(c->runs, first, c->from + c->count, STATES))
+        return true;
     struct instant i = {.c = c, .s = station_new(c->image, c->seed), .state = state};
     if (i.s == NULL || (i.s->plant = plant_side_new(i.s->board)) == NULL || !enter(i.s, c, state))
         return false;

@@ -103,6 +103,17 @@ bool runs_are_done(const struct runs *r, const char *key)
     return r->n_done > 0 && bsearch(&key, r->done, r->n_done, sizeof(*r->done), compare) != NULL;
 }
 
+bool runs_are_left(const struct runs *r, unsigned from, unsigned end, unsigned step)
+{
+    for (unsigned n = from; n < end; n += step) {
+        char key[64];
+        (void)snprintf(key, sizeof(key), "%u", n);
+        if (!runs_are_done(r, key))
+            return true;
+    }
+    return false;
+}
+
 static void note(struct runs *r, const char *key, const char *result)
 {
     FILE *f = r->file == NULL ? NULL : fopen(r->file, "a");

@@ -39,6 +39,9 @@ bool runs_begin(struct runs *r, const char *file, const char *about, unsigned jo
 
 bool runs_are_done(const struct runs *r, const char *key);
 
+/* Whether any of the numbers from, from + step, ... below end has no result. */
+bool runs_are_left(const struct runs *r, unsigned from, unsigned end, unsigned step);
+
 /* Runs work() in a process of its own, once one of the jobs is free: it writes its result, one line whose first word is its kind. A kind
  * in capitals is a find. */
 void runs_add(struct runs *r, const char *key, void (*work)(void *context, char *result),
