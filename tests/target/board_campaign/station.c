@@ -52,15 +52,19 @@ static bool has_one_of(const char *text, const char *words)
     return false;
 }
 
+/* A line that has begun stays. */
 static void clear(struct station *s)
 {
-    s->n = s->line = 0;
-    s->said[0] = '\0';
+    s->n -= s->line;
+    (void)memmove(s->said, s->said + s->line, s->n);
+    s->line = 0;
+    s->said[s->n] = '\0';
 }
 
 void station_forget(struct station *s)
 {
-    clear(s);
+    s->n = s->line = 0;
+    s->said[0] = '\0';
     s->loaded = false;
 }
 
