@@ -401,9 +401,9 @@ bool faults_take_flash_cut(struct board *b)
     struct stored_flash *s = stored_flash(b);
     if (!s->cut)
         return false;
+    cut_power(b->faults, b->faults->off_ns);
     s->cut = false;
     s->cut_word = s->cut_erase = 0;
-    cut_power(b->faults, b->faults->off_ns);
     return true;
 }
 

@@ -1,8 +1,5 @@
 #!/usr/bin/python3
-"""The flashed files on the virtual board, which has the whole chip: they start as on one, keep what was saved, and repeat byte for byte.
-
-    test_virtual_board.py [all]
-"""
+"""The flashed files on the virtual board, which has the whole chip: they start as on one, keep what was saved, and repeat byte for byte."""
 
 import re
 import subprocess
@@ -16,14 +13,12 @@ from virtual_board import ROOT, Ended, VirtualBoard  # noqa: E402
 
 from reflux import launch, runner, scenario  # noqa: E402
 
-ALL = "all" in sys.argv[1:]
 SMALL, LARGE = "stm32f100", "stm32f405"
 CRYSTALS_MHZ = {SMALL: (4, 8, 12, 16, 24), LARGE: (8, 12, 16, 25)}
 CHIP_MHZ = {SMALL: 24, LARGE: 168}
 # The internal oscillator of the STM32F100 is off by -2.4 % to +2.5 % over temperature (DS5944), that of the STM32F405 by -8 % to +4.5 % (DS8626).
 OSCILLATOR_PPM = {SMALL: (-20000, 20000), LARGE: (-20000, 20000)}
 RESETS = ("software", "watchdog")
-CUTS_BY_DEFAULT = 6
 
 
 def version(image: str, *options: str) -> str:
@@ -153,37 +148,6 @@ class StorageTest(unittest.TestCase):
                 self.reboot(board)
                 self.assertIn("meas1.lo = 71 ", self.stored(board))
 
-    def words(self, lows: tuple[int, ...]) -> int:
-        """Words that these saves write, one after the other."""
-        with VirtualBoard(SMALL, "--statistics") as board:
-            board.boot()
-            for low in lows:
-                self.save(board, low)
-            return count(board.close(), "flash words")
-
-    def test_a_supply_that_goes_in_a_save_loses_no_set(self) -> None:
-        """The STM32F100; the supply goes within a half-word of the second save. In place of the new set the old one may be there."""
-        begin, end = self.words((70,)), self.words((70, 71))
-        cuts = range(begin + 1, end + 1) if ALL else sorted({begin + 1 + k * (end - begin - 1) // (CUTS_BY_DEFAULT - 1)
-                                                             for k in range(CUTS_BY_DEFAULT)})
-        self.assertGreater(len(cuts), CUTS_BY_DEFAULT - 1)
-        found = []
-        for cut in cuts:
-            with self.subTest(cut=cut), VirtualBoard(SMALL, "--cut-word", str(cut), "--seed", str(cut)) as board:
-                board.boot()
-                self.save(board, 70)
-                for line in ("begin", "set meas1.lo 71", "apply"):
-                    board.do(line)
-                board.step(console=b"save\r")
-                self.assertIn("started by: power-on", board.boot())
-                found.append(self.stored(board).split(" = ")[1].split()[0])
-                self.assertIn(found[-1], ("70", "71"))
-                self.save(board, 72)  # and it goes on
-                self.reboot(board)
-                self.assertIn("meas1.lo = 72 ", self.stored(board))
-        print(f"supply cut within {len(cuts)} of {end - begin} half-words: the old set {found.count('70')} times, the new one {found.count('71')}")
-        self.assertIn("70", found)
-
 
 if __name__ == "__main__":
-    unittest.main(argv=[word for word in sys.argv if word != "all"])
+    unittest.main()

@@ -347,21 +347,78 @@ static void test_an_erase_takes_one_page(void)
     TEST_ASSERT_EQUAL_HEX32(0x4444, stored_flash_read(b, 0x800, 2));
 }
 
-static void test_a_reset_within_an_erase_leaves_weak_bits(void)
+/* Readings of a half-word among 64 that differ from the first one. */
+static unsigned changes(uint32_t at)
+{
+    uint32_t first = stored_flash_read(b, at, 2);
+    unsigned n = 0;
+    for (unsigned i = 0; i < 64; i++)
+        n += stored_flash_read(b, at, 2) != first;
+    return n;
+}
+
+static void test_an_erase_that_a_reset_ends_leaves_a_page_in_between(void)
 {
     unlock();
-    for (uint32_t at = 0; at < 32; at += 2)
+    program(0x3FE, 0);
+    program(0x800, 0);
+    for (uint32_t at = 0x400; at < 0x800; at += 2)
         program(at, 0);
     put_ok(FLASH_CR, FLASH_CR_PER);
-    put_ok(FLASH_AR, STORED);
+    put_ok(FLASH_AR, STORED + PLACE);
     put_ok(FLASH_CR, FLASH_CR_PER | FLASH_CR_STRT);
     pass(20000000);
-    restart(RESET_WATCHDOG);
-    uint32_t differ = 0;
-    for (uint32_t at = 0; at < 32; at += 2)
-        for (unsigned i = 0; i < 20; i++)
-            differ |= stored_flash_read(b, at, 2) ^ stored_flash_read(b, at, 2);
-    TEST_ASSERT_NOT_EQUAL(0, differ);
+    restart(RESET_PIN);
+    unsigned ones = 0, unstable = 0;
+    for (uint32_t at = 0x400; at < 0x800; at += 2) {
+        ones += (unsigned)__builtin_popcount(stored_flash_read(b, at, 2));
+        unstable += changes(at) != 0;
+    }
+    TEST_ASSERT_UINT_WITHIN(0x400, 0x1000, ones); /* half of 8192 bits */
+    TEST_ASSERT_GREATER_THAN_UINT(100, unstable);
+    TEST_ASSERT_EQUAL_HEX32(0, stored_flash_read(b, 0x3FE, 2));
+    TEST_ASSERT_EQUAL_HEX32(0, stored_flash_read(b, 0x800, 2));
+    b->verdict[0] = '\0';
+}
+
+static void test_a_half_word_that_a_reset_ends_reads_differently_each_time(void)
+{
+    unlock();
+    put_ok(FLASH_CR, FLASH_CR_PG);
+    b->chip->store(b, PLACE, 2, 0);
+    pass(20000);
+    restart(RESET_PIN);
+    b->verdict[0] = '\0';
+    TEST_ASSERT_GREATER_THAN_UINT(32, changes(PLACE));
+    unlock();
+    program(PLACE, 0); /* all of its charge now */
+    TEST_ASSERT_EQUAL(0, changes(PLACE));
+    TEST_ASSERT_EQUAL_HEX32(0, stored_flash_read(b, PLACE, 2));
+}
+
+/* Over many cuts: half-words that have their bits, that have none, and that are in between. */
+static void test_a_cut_comes_anywhere_within_a_half_word(void)
+{
+    unsigned none = 0, all = 0, between = 0;
+    unlock();
+    for (uint32_t at = 0; at < 0x400; at += 2) {
+        struct stored_flash *f = stored_flash(b);
+        f->cut_word = f->words + 1u;
+        program(at, 0x00FF);
+        TEST_ASSERT_TRUE(f->cut);
+        f->cut = false;
+        uint32_t read = stored_flash_read(b, at, 2);
+        TEST_ASSERT_EQUAL_HEX32(0x00FF, read & 0x00FF); /* bits that stay */
+        if (changes(at) != 0)
+            between++;
+        else if (read == 0xFFFF)
+            none++;
+        else if (read == 0x00FF)
+            all++;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(0, none);
+    TEST_ASSERT_GREATER_THAN_UINT(0, all);
+    TEST_ASSERT_GREATER_THAN_UINT(200, between);
 }
 
 static void test_what_the_flash_refuses(void)
@@ -408,7 +465,9 @@ int main(void)
     RUN_TEST(test_a_half_word_takes_its_time_and_the_core_stands_still);
     RUN_TEST(test_a_half_word_that_is_not_erased_takes_only_zero);
     RUN_TEST(test_an_erase_takes_one_page);
-    RUN_TEST(test_a_reset_within_an_erase_leaves_weak_bits);
+    RUN_TEST(test_an_erase_that_a_reset_ends_leaves_a_page_in_between);
+    RUN_TEST(test_a_half_word_that_a_reset_ends_reads_differently_each_time);
+    RUN_TEST(test_a_cut_comes_anywhere_within_a_half_word);
     RUN_TEST(test_what_the_flash_refuses);
     board_free(b);
     return UNITY_END();

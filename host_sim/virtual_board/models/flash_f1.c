@@ -93,6 +93,8 @@ static void interrupted(struct part *p)
     struct flash *f = p->state;
     uint64_t spent = board_ns(p->board) - f->began_ns;
     f->done.at_ns = BOARD_NEVER;
+    if (stored_flash(p->board)->cut) /* what the cut has left is there */
+        return;
     if (f->erasing)
         stored_flash_erase_partly(p->board, f->erased, PAGE_BYTES,
                                   (uint32_t)(1000u * spent / PAGE_NS));
@@ -124,6 +126,7 @@ static void check_conditions(struct board *b)
 void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
 {
     struct part *p = bus_part(b, "FLASH");
+    struct flash *f = p->state;
     uint32_t cr = part_get(p, CR);
     if ((part_get(p, SR) & SR_BSY) != 0) {
         board_verdict(b, "store into the flash while it is busy");
@@ -138,7 +141,7 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     } else {
         check_conditions(b);
         stored_flash_program(b, at, bytes, word);
-        ((struct flash *)p->state)->stored = at;
+        f->stored = at;
         busy(p, HALF_NS);
     }
 }
@@ -158,7 +161,7 @@ static void start_erase(struct part *p, uint32_t written)
         check_conditions(b);
         f->erasing = true;
         f->erased = at & ~(PAGE_BYTES - 1u);
-        busy(p, PAGE_NS);
+        busy(p, PAGE_NS / 1000u * stored_flash_erase_share(b));
     }
 }
 

@@ -94,6 +94,8 @@ static void interrupted(struct part *p)
     struct flash *f = p->state;
     uint64_t spent = board_ns(p->board) - f->began_ns;
     f->done.at_ns = BOARD_NEVER;
+    if (stored_flash(p->board)->cut) /* what the cut has left is there */
+        return;
     if (f->erasing)
         stored_flash_erase_partly(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
                                   SECTOR_BYTES, (uint32_t)(1000u * spent / SECTOR_NS));

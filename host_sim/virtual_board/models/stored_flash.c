@@ -1,5 +1,6 @@
-/* The part of the flash that the firmware writes: an array whose bits only fall until they are erased, and which keeps what it held when the
- * supply goes. A word or an erase that is cut leaves bits that read differently each time (unverified).
+/* The part of the flash that the firmware writes: an array whose bits only fall until they are erased, and which keeps what it held
+ * when the supply goes. A word or an erase that is cut leaves bits that read differently each time, until they are programmed or
+ * erased again (unverified).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -7,6 +8,8 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+#define ERASE_SPREAD 100u /* per mille of its time: a guess */
 
 struct stored_flash *stored_flash(struct board *b)
 {
@@ -39,11 +42,29 @@ static void reset(struct part *p, enum board_reset kind)
 
 uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes)
 {
-    const struct stored_flash *f = stored_flash(b);
+    struct stored_flash *f = stored_flash(b);
     uint32_t word = 0, unstable = 0;
+    f->reads++;
     (void)memcpy(&word, f->bytes + at, bytes);
     (void)memcpy(&unstable, f->unstable + at, bytes);
     return unstable == 0 ? word : word ^ (board_random(b) & unstable);
+}
+
+/* Bits that an operation moves when the supply goes at this part of it: those that have moved, and of these the weak ones. Cells differ
+ * in the time they take, by `spread` either way. */
+static uint8_t moved(struct board *b, uint32_t per_mille, uint32_t spread, uint8_t *weak)
+{
+    uint8_t bits = 0;
+    *weak = 0;
+    for (unsigned bit = 0; bit < 8; bit++) {
+        uint32_t place = board_random(b) % 1000u, mask = 1u << bit;
+        if (place > per_mille + spread)
+            continue;
+        bits = (uint8_t)(bits | mask);
+        if (place + spread > per_mille)
+            *weak = (uint8_t)(*weak | mask);
+    }
+    return bits;
 }
 
 void stored_flash_program(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
@@ -51,12 +72,17 @@ void stored_flash_program(struct board *b, uint32_t at, unsigned bytes, uint32_t
     struct stored_flash *f = stored_flash(b);
     f->words++;
     bool cut = f->words == f->cut_word;
+    uint32_t per_mille = cut ? board_random(b) % 1001u : 1000u,
+             spread = cut ? board_random(b) % 400u : 0;
     for (unsigned i = 0; i < bytes; i++) {
-        uint8_t falls = (uint8_t)(f->bytes[at + i] & ~(word >> 8 * i));
-        uint8_t weak = cut ? (uint8_t)(falls & board_random(b))
-                           : 0; /* bits that did not get all of their charge */
+        uint8_t low = (uint8_t) ~(word >> 8 * i), weak = 0;
+        uint8_t falls = (uint8_t)(f->bytes[at + i] & low);
+        if (cut)
+            falls &= moved(b, per_mille, spread, &weak);
+        else
+            f->unstable[at + i] = (uint8_t)(f->unstable[at + i] & ~low);
         f->bytes[at + i] = (uint8_t)(f->bytes[at + i] & ~falls);
-        f->unstable[at + i] = (uint8_t)((f->unstable[at + i] & ~falls) | weak);
+        f->unstable[at + i] = (uint8_t)(f->unstable[at + i] | (falls & weak));
     }
     if (cut) {
         f->cut = true;
@@ -83,14 +109,10 @@ void stored_flash_erase_partly(struct board *b, uint32_t at, uint32_t bytes, uin
     struct stored_flash *f = stored_flash(b);
     /* The charge leaves all cells together: early on few bits have turned, near the end few have not, and those between are weak. */
     for (uint32_t i = 0; i < bytes; i++) {
-        for (unsigned bit = 0; bit < 8; bit++) {
-            uint32_t place = board_random(b) % 1000u, mask = 1u << bit;
-            if ((f->bytes[at + i] & mask) != 0 || place > per_mille + 100u)
-                continue;
-            f->bytes[at + i] = (uint8_t)(f->bytes[at + i] | mask);
-            if (place + 100u > per_mille)
-                f->unstable[at + i] = (uint8_t)(f->unstable[at + i] | mask);
-        }
+        uint8_t weak, rises = moved(b, per_mille, ERASE_SPREAD, &weak);
+        rises = (uint8_t)(rises & ~f->bytes[at + i]);
+        f->bytes[at + i] = (uint8_t)(f->bytes[at + i] | rises);
+        f->unstable[at + i] = (uint8_t)(f->unstable[at + i] | (rises & weak));
     }
 }
 

@@ -20,6 +20,7 @@ LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")
 SANITIZED = ("asan", "asan-fixed")
 AGAIN = "again"  # label of a test that tests/run_once.txt names, in the fixed-point tree
 HANG_S = 1800.0  # Stops a test that hangs; far longer than any test takes on a busy machine.
+LONG_S = 86400.0  # The same, of campaigns that the full tier runs whole.
 COPIED = ("TIMEOUT", "WORKING_DIRECTORY", "RUN_SERIAL", "PROCESSORS", "RESOURCE_LOCK", "SKIP_RETURN_CODE")
 LISTS = ("ENVIRONMENT", "FIXTURES_SETUP", "FIXTURES_CLEANUP", "FIXTURES_REQUIRED")
 HOST = ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libreflux")
@@ -98,7 +99,8 @@ def tree_tests(preset: str, labels: set[str]) -> list[Test]:
 
 def script(name: str, path: Path, label: str, wanted: Needs, *arguments: str) -> Test:
     """A Python test as a program of its own."""
-    return Test(name, [sys.executable, str(path), *arguments], [label], wanted, {"TIMEOUT": HANG_S})
+    return Test(name, [sys.executable, str(path), *arguments], [label], wanted,
+                {"TIMEOUT": LONG_S if path.stem == "test_board_campaign" else HANG_S})
 
 
 def script_tests(label: str) -> list[Test]:
@@ -119,6 +121,8 @@ def script_tests(label: str) -> list[Test]:
             wanted |= needs("host", "reference_tables", "plant_tables")
         if path.stem in ("test_virtual_board", "test_board_faults", "test_watchdog"):
             wanted |= needs("host", "reflux-board")
+        if path.stem == "test_board_campaign":
+            wanted |= needs("host", "board-campaign")
         if path.stem == "test_self_checks":
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
         if path.stem == "test_run_once":
