@@ -114,6 +114,7 @@ static void on_page_request(struct link_server *s, const struct frame *f)
         s->count.unexpected++;
         return;
     }
+    s->pages_asked = true;
     struct frame answer;
     pack_page(&s->page[m.index], &answer);
     send_frame(s, &answer);
@@ -129,6 +130,8 @@ static void on_ready(struct link_server *s, const struct frame *f)
     if (s->state == LINK_GREETING) {
         s->state = LINK_SAMPLING;
         s->greetings++;
+        s->introductions += s->pages_asked ? 1u : 0u;
+        s->pages_asked = false;
     }
 }
 

@@ -21,7 +21,9 @@ struct link_server {
     struct link_hello hello; /* what the plant says of itself */
     struct link_page page[2 * LINK_CHANNELS_MAX];
 
-    uint32_t greetings; /* rises with each READY */
+    uint32_t greetings;     /* rises with each READY */
+    uint32_t introductions; /* rises with each READY of a controller that did not know the plant */
+    bool pages_asked;       /* since the last READY */
     bool controller_known;
     uint32_t controller_session;
     char controller_name[LINK_PLANT_NAME_SIZE];
