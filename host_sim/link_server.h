@@ -4,6 +4,7 @@
 #ifndef REFLUX_HOST_SIM_LINK_SERVER_H
 #define REFLUX_HOST_SIM_LINK_SERVER_H
 
+#include "bench/output_log.h"
 #include "bench/transport.h"
 #include "link/messages.h"
 #include "plants/plant.h"
@@ -14,6 +15,7 @@ enum link_state { LINK_GREETING, LINK_SAMPLING };
 
 struct link_server {
     struct transport *transport;
+    struct output_log *outputs; /* NULL: none */
     enum link_state state;
     uint64_t last_sent, last_heard, last_hello; /* own clock, ms */
     uint16_t sequence;
