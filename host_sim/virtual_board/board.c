@@ -115,6 +115,12 @@ void board_free(struct board *b)
     free(b);
 }
 
+const char *board_reset_name(enum board_reset kind)
+{
+    static const char *const names[] = {"power", "brown-out", "pin", "software", "watchdog"};
+    return names[kind];
+}
+
 /* What runs on from before a reset ends with it. */
 static void end_events(struct board *b)
 {
@@ -129,6 +135,7 @@ static void end_events(struct board *b)
 static void reset(struct board *b, enum board_reset kind)
 {
     b->resets[kind]++;
+    board_note(b, "reset %s", board_reset_name(kind));
     b->hang_main = b->hang_tick = false;
     end_events(b);
     board_set_core_hz(b, board_internal_hz(b));
@@ -138,6 +145,7 @@ static void reset(struct board *b, enum board_reset kind)
 
 void board_hold(struct board *b, enum board_reset kind)
 {
+    board_note(b, "held %s", board_reset_name(kind));
     b->held = true;
     for (unsigned line = 0; line < BOARD_LINES; line++)
         b->lines[line].to_head = b->lines[line].to_tail;
@@ -207,6 +215,19 @@ void board_verdict(struct board *b, const char *format, ...)
                        processor_pc_is_exact(b) ? "" : "or after ", processor_pc(b),
                        (double)board_ns(b) / 1e9);
     processor_break(b);
+}
+
+void board_note(struct board *b, const char *format, ...)
+{
+    if (b->diary == NULL)
+        return;
+    va_list list;
+    va_start(list, format);
+    (void)fprintf(b->diary, "%.9f ", (double)board_ns(b) / 1e9);
+    (void)vfprintf(b->diary, format, list);
+    (void)fputc('\n', b->diary);
+    (void)fflush(b->diary);
+    va_end(list);
 }
 
 uint64_t random_state(uint64_t seed)
