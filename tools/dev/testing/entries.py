@@ -113,8 +113,8 @@ def script_tests(label: str) -> list[Test]:
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables")
-        if path.stem == "test_virtual_board":
-            wanted |= needs("host", "reflux-board")
+        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips"):
+            wanted |= needs("host", "reflux-board") | needs("stm32f405")
         if path.stem == "test_self_checks":
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
         if path.stem == "test_run_once":
