@@ -71,9 +71,9 @@ void board_run_events(struct board *b)
 {
     uint64_t now = board_ns(b);
     while (b->next_ns <= now) {
-        struct board_event *first = NULL;
-        for (size_t i = 0; i < b->n_events; i++)
-            if (first == NULL || b->events[i]->at_ns < first->at_ns)
+        struct board_event *first = b->events[0];
+        for (size_t i = 1; i < b->n_events; i++)
+            if (b->events[i]->at_ns < first->at_ns)
                 first = b->events[i];
         first->at_ns = BOARD_NEVER;
         find_next(b);
