@@ -15,7 +15,7 @@ from reflux import build
 MASKED, THERE, TOLD, STOPPED, SILENT = CLASSES = ("masked", "still there", "told", "stopped", "silent")
 MEANING = {
     MASKED: "log, console and memory are those of the run without it",
-    THERE: "log and console are those of the run without it; the bit is still wrong in memory that nothing has read with an effect",
+    THERE: "log and console are those of the run without it, memory is not: nothing has read the bit with an effect, or a start has repaired the set",
     TOLD: "an event, a restart with its reason, or a refusal says so, or the board is silent from then on and the plant has gone safe",
     STOPPED: "the processor did what no chip takes, and the virtual board ended the run",
     SILENT: "log or console differ, and nothing says so",

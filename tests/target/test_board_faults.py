@@ -77,13 +77,15 @@ def page(done: dict[Job, Cell | Flip], matrix: Matrix) -> str:
            "`tests/target/test_board_faults.py --matrix FILE` prints this page: the STM32F405 image (float) with the pilot column, one fault in each of",
            "five states. The head of the script says what must hold.", "",
            f"Commit {commit}: {len(names)} faults and {len(matrix.kinds)} kinds of flipped bits, {len(done)} runs, {wrong} of them against that.", "",
-           "A cell has the reason of the restart as told, and the time from the moment that the board was gone until the plant's outputs were safe.", "",
+           "A cell has the reason of the restart as told, and the time from the moment that the board was gone until the plant's outputs were safe. Last is",
+           "the time that the pages promise.", "",
            "| fault | " + " | ".join(STATES) + " | stated |", "|---|" + "---|" * (len(STATES) + 1)]
     for name in names:
         row = [cells[name, state, 0] for state in STATES]
         stated = f"{matrix.faults[name].safe_s:.2f} s" if any(cell.safe_s is not None for cell in row) else "-"
         out.append(f"| {name} | " + " | ".join(("" if cell.passed else "**no**: ") + cell.words for cell in row) + f" | {stated} |")
-    out += ["", "Flipped bits, one in each run, places and instants by seed; each run is compared with one without the flip:", "",
+    out += ["", "Flipped bits, one in each run, places and instants by seed; each run is compared with one without the flip. These runs read little of the",
+            "RAM, and nothing of the CCM, which holds the workspace of a start-up.", "",
             "| what is hit | runs | " + " | ".join(CLASSES) + " |", "|---|---:|" + "---:|" * len(CLASSES)]
     for kind in matrix.kinds:
         of_kind = [flip.outcome for flip in flips if flip.kind == kind]
