@@ -39,8 +39,8 @@ size_t hal_uart_room(enum hal_uart port);
 /* Queues all n bytes or, where they do not fit, none; returns whether they were taken. */
 bool hal_uart_write(enum hal_uart port, const void *data, size_t n);
 
-/* Moves queued bytes to the line as far as it takes them now. Returns the bytes that wait for the line: none
- * while the other side has sent XOFF. */
+/* Moves queued bytes to the line as far as it takes them now. Returns the bytes that wait for the line, of which none
+ * do while the other side has sent XOFF, and 1 more while the port still sends: a reset would cut that byte off. */
 size_t hal_uart_pump(enum hal_uart port);
 
 /* Interrupts send what is queued: nobody has to pump for it, and the main loop may sleep meanwhile. */

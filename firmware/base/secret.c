@@ -5,9 +5,10 @@
 /* Returns the text after the words; NULL where `at` does not begin with them, in small or capital letters. */
 static const char *after(const char *at, const char *words)
 {
-    size_t n = strlen(words);
-    if (!SECRET_CAPITALS)
+    if (!SECRET_CAPITALS) {
+        size_t n = strlen(words);
         return strncmp(at, words, n) == 0 ? at + n : NULL;
+    }
     while (*words) /* the bit of a blank makes a capital letter a small one */
         if (!*at || (*at++ | ' ') != *words++)
             return NULL;

@@ -21,7 +21,7 @@ void commission_back_to_old(struct commission *c, struct supervisor *s,
 
 bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor *s)
 {
-    const char *subject;
+    const char *subject = NULL;
     enum commission_reason reason = commission_interruption(c, s);
     if (reason == REASON_CONFIG) {
         commission_end(c, s, REASON_CONFIG, NULL, REAL_C(0.0)); /* that one stays */

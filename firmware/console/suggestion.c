@@ -21,7 +21,7 @@ static void weigh_word(struct search *s, const char *known)
     if (edits >= s->edits || strcmp(s->typed, known) == 0)
         return;
     s->edits = edits;
-    strcpy(s->best, known);
+    memcpy(s->best, known, strlen(known) + 1u);
 }
 
 /* Returns the number in the name of a group, 2 of "loop2.gain"; 0 without one. */

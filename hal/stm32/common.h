@@ -22,6 +22,7 @@
 #define USART_SR_NE      BIT(2)
 #define USART_SR_ORE     BIT(3)
 #define USART_SR_RXNE    BIT(5)
+#define USART_SR_TC      BIT(6)
 #define USART_SR_TXE     BIT(7)
 #define USART_CR1_RE     BIT(2)
 #define USART_CR1_TE     BIT(3)

@@ -185,7 +185,7 @@ size_t hal_uart_pump(enum hal_uart port)
     uint32_t before = mask_raise(PRIORITY_UART); /* callable from both contexts */
     transmit(u);
     mask_restore(before);
-    return flow_ready(&u->flow, &u->tx);
+    return flow_ready(&u->flow, &u->tx) + ((USART_SR(u->base) & USART_SR_TC) == 0 ? 1u : 0u);
 }
 
 bool hal_uart_sends_alone(void)

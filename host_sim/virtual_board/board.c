@@ -40,6 +40,8 @@ void board_set_core_hz(struct board *b, uint64_t hz)
     b->anchor_ns = now;
     b->anchor_cycles = b->cycles;
     b->core_hz = hz;
+    b->clock_changed = true;
+    processor_break(b);
 }
 
 /* ---- events ---- */
@@ -71,7 +73,7 @@ void board_run_events(struct board *b)
 {
     uint64_t now = board_ns(b);
     while (b->next_ns <= now) {
-        struct board_event *first = b->events[0];
+        struct board_event *first = b->events[0]; /* there is one, for next_ns is its time */
         for (size_t i = 1; i < b->n_events; i++)
             if (b->events[i]->at_ns < first->at_ns)
                 first = b->events[i];
@@ -182,24 +184,30 @@ void board_pause(struct board *b)
     processor_break(b);
 }
 
-void board_run(struct board *b, uint64_t until_ns)
+/* Until the time or the cycle, whichever is first. How many cycles a time is may change on the way. */
+static void run(struct board *b, uint64_t until_ns, uint64_t cycle)
 {
     b->paused = false;
-    while (b->verdict[0] == '\0' && !b->paused && board_ns(b) < until_ns) {
+    while (b->verdict[0] == '\0' && !b->paused) {
+        uint64_t until = board_cycles_at(b, until_ns);
+        until = cycle < until ? cycle : until;
+        if (b->cycles >= until)
+            return;
         if (b->reset_asked)
             reset(b, b->reset_kind);
-        processor_run(b, board_cycles_at(b, until_ns));
+        b->clock_changed = false;
+        processor_run(b, until);
     }
+}
+
+void board_run(struct board *b, uint64_t until_ns)
+{
+    run(b, until_ns, BOARD_NEVER);
 }
 
 void board_run_to_cycle(struct board *b, uint64_t cycle)
 {
-    b->paused = false;
-    while (b->verdict[0] == '\0' && !b->paused && b->cycles < cycle) {
-        if (b->reset_asked)
-            reset(b, b->reset_kind);
-        processor_run(b, cycle);
-    }
+    run(b, BOARD_NEVER, cycle);
 }
 
 void board_verdict(struct board *b, const char *format, ...)

@@ -102,7 +102,8 @@ struct board {
     bool reset_asked;
     enum board_reset reset_kind;
     uint32_t resets[RESET_WATCHDOG + 1];
-    bool paused;           /* the run loop returns at the next block */
+    bool paused;           /* the run ends at the next block */
+    bool clock_changed;    /* it goes on from there, with its end counted anew */
     bool from_board_moved; /* a byte has left since the caller looked */
     uint64_t random;
     char verdict[BOARD_VERDICT]; /* empty: all is well */

@@ -16,6 +16,11 @@ void bus_start(struct board *b)
         p->board = b;
         p->row = row;
         p->words = calloc(row->class->n_regs + 1, sizeof(uint32_t));
+        p->index = calloc(row->size / 4u, sizeof(*p->index));
+        for (size_t at = 0; at < row->size / 4u; at++)
+            p->index[at] = (uint8_t)row->class->n_regs;
+        for (size_t k = 0; k < row->class->n_regs; k++)
+            p->index[row->class->regs[k].offset / 4u] = (uint8_t)k;
         p->state = row->class->state_bytes ? calloc(1, row->class->state_bytes) : NULL;
         b->parts[b->n_parts++] = p;
     }
@@ -30,6 +35,7 @@ void bus_stop(struct board *b)
         if (b->parts[i]->row->class->stop != NULL)
             b->parts[i]->row->class->stop(b->parts[i]);
         free(b->parts[i]->words);
+        free(b->parts[i]->index);
         free(b->parts[i]->state);
         free(b->parts[i]);
     }
@@ -76,22 +82,14 @@ struct part *pins_part(struct board *b, char port)
     return bus_part(b, names[port - 'A']);
 }
 
-static size_t index_of(const struct part_class *class, uint32_t offset)
-{
-    size_t i = 0;
-    while (i < class->n_regs && class->regs[i].offset != offset)
-        i++;
-    return i;
-}
-
 uint32_t part_get(const struct part *p, uint32_t offset)
 {
-    return p->words[index_of(p->row->class, offset)];
+    return p->words[p->index[offset / 4u]];
 }
 
 void part_set(struct part *p, uint32_t offset, uint32_t word)
 {
-    p->words[index_of(p->row->class, offset)] = word;
+    p->words[p->index[offset / 4u]] = word;
 }
 
 static bool clocked(const struct part *p)
@@ -113,7 +111,7 @@ static struct part *find(struct board *b, uint32_t address, unsigned bytes, cons
             continue;
         const struct chip_part *row = p->row;
         b->last = p;
-        *reg = index_of(row->class, (address - row->base) & ~3u);
+        *reg = p->index[(address - row->base) / 4u];
         if (*reg == row->class->n_regs) {
             board_verdict(b, "%s of 0x%08x: %s has no register there, or it is not modelled", what,
                           address, row->name);

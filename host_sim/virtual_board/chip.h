@@ -84,7 +84,8 @@ struct chip {
 struct part {
     struct board *board;
     const struct chip_part *row;
-    uint32_t *words; /* in the order of the class's registers */
+    uint32_t *words; /* in the order of the class's registers, and one for what is none of them */
+    uint8_t *index;  /* of the word at each offset, in words */
     void *state;
 };
 
@@ -124,7 +125,9 @@ void processor_attend(
 void processor_break(struct board *b);
 void processor_protection_changed(struct board *b);
 
-/* For faults: flips a bit of R0 to R15, S0 to S31; forgets how code was counted and translated. */
+/* For faults: sets R0 to R15, S0 to S31, or flips a bit of one; forgets how code was counted and translated. */
+#define REGISTER_PC 15u
+void processor_set_register(struct board *b, uint32_t number, uint32_t value);
 void processor_flip_register(struct board *b, uint32_t number, uint32_t bit);
 void processor_forget_code(struct board *b);
 uint32_t processor_image_bytes(const struct board *b);

@@ -249,6 +249,12 @@ static void carry_out(struct faults *f, enum fault_kind kind, double value)
     case FAULT_FLIP_REGISTER:
         flip_registers(f, number);
         break;
+    case FAULT_SET_R0:
+        processor_set_register(b, 0, number);
+        break;
+    case FAULT_JUMP:
+        processor_set_register(b, REGISTER_PC, number);
+        break;
     case FAULT_NOISE_CONSOLE:
         b->lines[0].corrupt_per_million = number;
         break;

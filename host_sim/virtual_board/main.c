@@ -244,8 +244,10 @@ int main(int argc, char **argv)
         return refuse("cannot read the image", file);
 
     char err[512] = "";
-    (void)signal(SIGTERM, on_signal);
-    (void)signal(SIGINT, on_signal);
+    if (console != NULL) { /* by control it ends with the socket, or at once */
+        (void)signal(SIGTERM, on_signal);
+        (void)signal(SIGINT, on_signal);
+    }
     struct board *b = board_new(chip, &around, image, size, exact, err, sizeof(err));
     int status = 1;
     if (b != NULL) {

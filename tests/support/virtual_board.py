@@ -1,7 +1,12 @@
-"""A virtual board that a test drives: the flashed file, its console, and time that goes on only as the test says (virtual_board/control.h)."""
+"""A virtual board that a test drives: the flashed file, its console, and time that goes on only as the test says (virtual_board/control.h).
+
+A reflux-sim at `link` has the plant's end. It asks for a step at a time, which it gets when the test waits for the board. So no test
+depends on how fast the machine is.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import re
 import socket
 import struct
@@ -18,23 +23,45 @@ sys.dont_write_bytecode = True
 from reflux import build  # noqa: E402
 
 STEP_S = 0.05
-PATIENCE_S = 60.0  # on this machine, until the program listens
+ERASED_S = 4.0  # a start on an empty flash has erased it by then
+FRAME_MOST = 16384
+FLOW = b"\x11\x13"  # XON and XOFF, which the virtual line obeys
+PATIENCE_S = 600.0  # stops what hangs, on however busy a machine
 
 
 class Ended(Exception):
     """The board has ended: by a verdict, or because it was misused."""
 
 
-class VirtualBoard:
-    """image: preset of a build tree. options: further ones of reflux-board."""
+def whole(line: socket.socket, n: int) -> bytes:
+    """So many bytes from the line."""
+    block = b""
+    while len(block) < n:
+        more = line.recv(n - len(block))
+        if not more:
+            raise ConnectionError("the other end has gone")
+        block += more
+    return block
 
-    def __init__(self, image: str, *options: str) -> None:
+
+class VirtualBoard:
+    """image: a file, or preset of a build tree. options: further ones of reflux-board."""
+
+    def __init__(self, image: str | Path, *options: str) -> None:
         self.folder = tempfile.TemporaryDirectory(prefix="reflux-")
         path = Path(self.folder.name) / "control"
-        self.process = subprocess.Popen([str(build.find_program("host", "reflux-board")), "--image", str(build.find_image(image)),
-                                         "--control", str(path), *options], stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([str(build.find_program("host", "reflux-board")), "--image",
+                                         str(build.find_image(image) if isinstance(image, str) else image), "--control", str(path), *options],
+                                        stderr=subprocess.PIPE, text=True)
         self.now_s = 0.0
         self.text = ""
+        self.typed, self.linked, self.faults = b"", b"", b""
+        self.plant: socket.socket | None = None
+        self.link = f"board:{self.folder.name}/plant"
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(f"{self.folder.name}/plant")
+        self.listener.listen()
+        self.listener.settimeout(PATIENCE_S)
         self.control = socket.socket(socket.AF_UNIX)
         end = time.monotonic() + PATIENCE_S
         while self.control.connect_ex(str(path)) != 0:
@@ -50,31 +77,79 @@ class VirtualBoard:
 
     def close(self) -> str:
         """Ends the board; returns what it said on stderr."""
-        self.control.close()
+        for line in (self.control, self.listener, self.plant):
+            if line is not None:
+                line.close()
         if self.process.stderr is None or self.process.stderr.closed:
             return ""
         said = self.process.communicate(timeout=PATIENCE_S)[1].strip()
         self.folder.cleanup()
         return said
 
+    def meet_plant(self) -> None:
+        """The plant that has been started at `link` is there from now on."""
+        self.plant = self.listener.accept()[0]
+
     def step(self, seconds: float = STEP_S, console: bytes = b"") -> None:
-        """Runs the board, until the time at most, or until what left has left."""
-        self.control.sendall(struct.pack("<QHHH", round(seconds * 1e9), len(console), 0, 0) + console)
+        """Runs the board, until the time at most, or until what left has left. A plant says for how long."""
+        ns, link, faults = self._plant_wants() or (round(seconds * 1e9), b"", b"")
+        self.typed += console
+        console, self.typed = self.typed[:FRAME_MOST], self.typed[FRAME_MOST:]
+        link, self.linked = self.linked + link, b""
+        faults, self.faults = self.faults + faults, b""
+        self.control.sendall(struct.pack("<QHHH", ns, len(console), len(link), len(faults)) + console + link + faults)
         ns, n_console, n_link, state = struct.unpack("<QHHB", self._whole(13))
         self.now_s = ns / 1e9
-        self.text += self._whole(n_console).decode("latin-1").replace("\r", "")
-        self._whole(n_link)
+        self.text += self._whole(n_console).translate(None, FLOW).decode("latin-1").replace("\r", "")
+        link = self._whole(n_link)
+        if self.plant is not None:
+            with contextlib.suppress(ConnectionError):  # it has gone meanwhile
+                self.plant.sendall(struct.pack("<QHHB", ns, 0, len(link), state) + link)
         if state != 0:
             raise Ended(self.close())
 
+    def _plant_wants(self) -> tuple[int, bytes, bytes] | None:
+        """The plant's step: time, bytes, faults. None: no plant is there, or it has gone."""
+        if self.plant is None:
+            return None
+        try:
+            ns, _, n_link, n_faults = struct.unpack("<QHHH", whole(self.plant, 14))
+            return ns, whole(self.plant, n_link), whole(self.plant, n_faults)
+        except ConnectionError:
+            self.plant.close()
+            self.plant = None
+            return None
+
     def _whole(self, n: int) -> bytes:
-        block = b""
-        while len(block) < n:
-            more = self.control.recv(n - len(block))
-            if not more:
-                raise Ended(self.close())
-            block += more
-        return block
+        try:
+            return whole(self.control, n)
+        except ConnectionError:
+            raise Ended(self.close()) from None
+
+    def erase(self) -> None:
+        """Runs a new board until its flash has been erased: meanwhile bytes from the console are lost, and samples wait."""
+        while self.now_s < ERASED_S:
+            self.step()
+
+    def write(self, data: bytes) -> None:
+        """Bytes for the console: they leave with the next step."""
+        self.typed += data
+
+    def write_link(self, data: bytes) -> None:
+        """Bytes for the plant link, likewise."""
+        self.linked += data
+
+    def read(self, seconds: float) -> bytes:
+        """What the console says next, within that time of the board; nothing: it was silent."""
+        end = self.now_s + seconds
+        while not self.text and self.now_s < end:
+            self.step()
+        said, self.text = self.text, ""
+        return said.encode("latin-1")
+
+    def fault(self, name: str, value: float) -> None:
+        """A fault of the hardware (virtual_board/fault_table.h) that comes with the next step."""
+        self.faults += f"{name} {value:.17g}\n".encode()
 
     def until(self, pattern: str, seconds: float = 20.0) -> str:
         """Runs until the console has said something that matches; returns what was said up to there, and forgets it."""

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Automatic start-up on the image that is flashed, in the emulator, over the bytes of both its lines: the same model as the
-host's firmware finds, and what a plant of 16 x 16 costs. Instructions are counted by the processor's own timer, one
-instruction being one count (-icount shift=0)."""
+"""Automatic start-up on the image that is flashed, in the emulator and on the virtual board, over the bytes of both its lines: the same
+model as the host's firmware finds, and what a plant of 16 x 16 costs in the emulator. Instructions are counted by the processor's own
+timer, one instruction being one count (-icount shift=0)."""
 
 import contextlib
 import re
@@ -102,7 +102,7 @@ class StartUpOnTheBoard(unittest.TestCase):
         self.assertGreaterEqual(len(apart), 6 * count)
         return f"{count} elements, {len(apart)} numbers, at most {max(apart)} units of the last place apart"
 
-    def whole_start_up(self, kinds: tuple[str, str]) -> None:
+    def whole_start_up(self, on_host: str, *kinds: str) -> None:
         of = plant("wood-berry")
         # By the clock: a line that waits for an event is sent a sample sooner or later.
         waiting = whole(of)
@@ -110,19 +110,20 @@ class StartUpOnTheBoard(unittest.TestCase):
         script += [(60000.0, "commission accept"), (120000.0, "commission")]
         results = (*RESULTS, "commission trial")
         script += [(120000.0, command) for command in results] + [(120000.0, "~end")]
-        runs = [said(kind, of, script, "--noise", "1", "--seed", "3") for kind in kinds]
-        model = self.same_as_on_the_host(*runs, ("commission", *results))
-        told = [events(lines, "TEST|PROPOSAL|TRIAL") for lines in runs]
-        self.assertEqual(*told)
-        self.assertTrue(any("TRIAL_KEPT" in event for event in told[0]))
-        print(f"commission wood-berry on {kinds[1]}, from test to trial: {model}; {len(told[0])} events at the same samples")
+        host, *runs = (said(kind, of, script, "--noise", "1", "--seed", "3") for kind in (on_host, *kinds))
+        told = events(host, "TEST|PROPOSAL|TRIAL")
+        self.assertTrue(any("TRIAL_KEPT" in event for event in told))
+        for kind, lines in zip(kinds, runs, strict=True):
+            model = self.same_as_on_the_host(host, lines, ("commission", *results))
+            self.assertEqual(events(lines, "TEST|PROPOSAL|TRIAL"), told)
+            print(f"commission wood-berry on {kind}, from test to trial: {model}; {len(told)} events at the same samples")
 
     def test_the_model_of_a_whole_start_up_is_the_hosts_to_the_last_bit(self):
-        self.whole_start_up(("host", "stm32f405"))
+        self.whole_start_up("host", "stm32f405", *(["board-stm32f405"] if sample.EVERY else []))
 
     @unittest.skipUnless(sample.EVERY, "the fixed-point image of this board: with the argument `all`")
     def test_so_it_is_in_fixed_point(self):
-        self.whole_start_up(("host-fixed", "stm32f405-fixed"))
+        self.whole_start_up("host-fixed", "stm32f405-fixed", "board-stm32f405-fixed")
 
     def print_work(self, name: str, emulator: list[str]) -> None:
         longest, thousands = stats(emulator, "work", "max"), stats(emulator, "work", "thousands")

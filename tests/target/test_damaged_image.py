@@ -4,9 +4,7 @@
     test_damaged_image.py [IMAGE]      IMAGE: build/stm32f405/reflux-stm32f405.bin by default
 """
 
-import contextlib
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -15,25 +13,18 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
-from reflux import launch  # noqa: E402
 
 IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
 TEXT = b"firmware, board, limits"  # of the help: a bit of it does nobody any harm
 
 
 class DamagedImageTest(unittest.TestCase):
+    KIND = "stm32f405"
+
     def answers(self, image: Path, *commands: str) -> list[str]:
-        """Answers of the console on an emulated board with that image."""
-        with tempfile.TemporaryDirectory(prefix="reflux-") as name:
-            command = launch.emulator_command(image, Path(name) / "console", Path(name) / "link")
-            emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.DEVNULL)
-            try:
-                with contextlib.closing(board.Console(f"socket:{Path(name) / 'console'}")) as console:
-                    return ["\n".join(console.do(command)) for command in commands]
-            finally:
-                emulator.kill()
-                emulator.wait()
+        """Answers of the console of a board with that image."""
+        with board.start(self.KIND, image=image) as firmware, board.console(firmware) as console:
+            return ["\n".join(console.do(command)) for command in commands]
 
     def test_the_image_as_built_is_whole_and_says_its_checksum(self) -> None:
         data = IMAGE.read_bytes()
@@ -54,6 +45,10 @@ class DamagedImageTest(unittest.TestCase):
         self.assertIn("image DAMAGED", version)
         self.assertIn("firmware is not the one that was built", status)
         self.assertIn("alarm IMAGE_DAMAGED", events)
+
+
+class OnTheVirtualBoard(DamagedImageTest):
+    KIND = "board-stm32f405"
 
 
 if __name__ == "__main__":

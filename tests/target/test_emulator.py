@@ -1,9 +1,8 @@
 #!/usr/bin/python3
-"""The image in the emulator, talked to over its own serial ports."""
+"""The image in the emulator and on the virtual board, talked to over its own serial ports."""
 
 import random
 import struct
-import subprocess
 import sys
 import time
 import unittest
@@ -18,26 +17,21 @@ def float32(text: str) -> float:
 
 
 class EmulatorTest(unittest.TestCase):
+    KIND, SAYS = "stm32f405", "in an emulator"
+
     def setUp(self) -> None:
-        self.firmware = self.enterContext(board.start("stm32f405"))
+        self.firmware = self.enterContext(board.start(self.KIND))
         self.console = self.enterContext(board.console(self.firmware))
 
-    def plant(self) -> subprocess.Popen[bytes]:
-        plant = subprocess.Popen(board.simulator(self.firmware, "--plant", "pilot", "--speed", "300", "--duration",
-                                                 "1e6"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(plant.wait)
-        self.addCleanup(plant.kill)
-        return plant
-
-    def test_the_board_knows_that_it_runs_in_an_emulator_and_how_fast(self) -> None:
-        self.plant()
+    def test_the_board_knows_what_it_runs_on_and_how_fast(self) -> None:
+        board.plant(self, self.firmware)
         version = "\n".join(self.console.do("version"))
         self.assertIn("on stm32f405", version)
-        self.assertIn("in an emulator", version)
+        self.assertIn(self.SAYS, version)
         self.assertIn("168000000", version)
 
     def test_numbers_typed_on_the_console_are_read_as_the_nearest_float(self) -> None:
-        self.plant()
+        board.plant(self, self.firmware)
         seed = random.randrange(1 << 30)
         print(f"seed {seed}")
         generator = random.Random(seed)
@@ -51,7 +45,7 @@ class EmulatorTest(unittest.TestCase):
         self.console.do("abandon")
 
     def test_two_hundred_pasted_lines_arrive_whole(self) -> None:
-        self.plant()
+        board.plant(self, self.firmware)
         self.console.write("".join(f"get loop{1 + k % 8}.gain\n" for k in range(200)))
         replies = 0
         while replies < 200:
@@ -70,8 +64,13 @@ class EmulatorTest(unittest.TestCase):
         self.assertEqual(reply, expected)
         self.assertEqual(self.console.line(), "ok")
 
+    def test_noise_on_the_plant_link_leaves_the_console_alive(self) -> None:
+        board.write_link(self.firmware, bytes(range(1, 200)) + b"\0")  # an unfinished frame and a delimiter
+        self.console.do("version")
+        self.assertIn("plant link down", self.console.do("status")[0])
+
     def test_a_silent_plant_and_a_reboot_end_in_the_safe_state(self) -> None:
-        plant = self.plant()
+        plant = board.plant(self, self.firmware)
         self.console.event("LINK_UP")
         board.configure(self.console)
         self.console.samples()
@@ -90,6 +89,10 @@ class EmulatorTest(unittest.TestCase):
             said = " ".join(self.console.ask("version"))
         self.assertIn("started by: requested", said)
         self.assertTrue(self.console.do("status")[0].startswith("state safe"))
+
+
+class OnTheVirtualBoard(EmulatorTest):
+    KIND, SAYS = "board-stm32f405", "STM32F405, Cortex-M4F, chip"
 
 
 if __name__ == "__main__":

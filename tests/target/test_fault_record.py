@@ -1,13 +1,12 @@
 #!/usr/bin/python3
-"""Record of a fault: the debugger's port of the emulator sends the processor into nowhere, and after the
-restart the console tells where that was.
+"""Record of a fault: the debugger's port of the emulator, or a fault of the virtual board, sends the processor into nowhere, and after
+the restart the console tells where that was.
 
     test_fault_record.py [IMAGE]      IMAGE: build/stm32f405/reflux-stm32f405.bin by default
 """
 
 import contextlib
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -15,7 +14,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
-from reflux import launch  # noqa: E402
 
 IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
 FLASH = 0x08000000
@@ -60,23 +58,25 @@ class Debugger:
 
 
 class FaultRecordTest(unittest.TestCase):
+    KIND = "stm32f405"
+
     def setUp(self) -> None:
-        folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
-        self.debugger_path = str(folder / "debugger")
-        command = launch.emulator_command(IMAGE, folder / "console", folder / "link")
-        command += ["-chardev", f"socket,id=gdb,path={self.debugger_path},server=on,wait=off", "-gdb", "chardev:gdb"]
-        self.emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                         stderr=subprocess.DEVNULL)
-        self.addCleanup(self.emulator.wait)
-        self.addCleanup(self.emulator.kill)
-        self.console = self.enterContext(contextlib.closing(board.Console(f"socket:{folder / 'console'}")))
+        self.firmware = self.enterContext(board.start(self.KIND, *self.options(), image=IMAGE))
+        self.console = self.enterContext(board.console(self.firmware))
+
+    def options(self) -> list[str]:
+        self.debugger_path = str(Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-"))) / "debugger")
+        return ["-chardev", f"socket,id=gdb,path={self.debugger_path},server=on,wait=off", "-gdb", "chardev:gdb"]
+
+    def jump(self, address: int, r0: int | None) -> None:
+        with contextlib.closing(Debugger(self.debugger_path)) as debugger:
+            debugger.jump(address, r0)
 
     def version(self) -> str:
         return "\n".join(self.console.do("version"))
 
     def crash(self, address: int = NOWHERE, r0: int | None = None) -> None:
-        with contextlib.closing(Debugger(self.debugger_path)) as debugger:
-            debugger.jump(address, r0)
+        self.jump(address, r0)
         self.console.until(lambda line: "STARTED" in line and "fault" in line)
         self.console.machine_mode()
 
@@ -128,6 +128,18 @@ class FaultRecordTest(unittest.TestCase):
         self.console.until(lambda line: "STARTED" in line and "requested" in line)
         self.console.machine_mode()
         self.assertNotIn("early_resets", self.version())
+
+
+class OnTheVirtualBoard(FaultRecordTest):
+    KIND = "board-stm32f405"
+
+    def options(self) -> list[str]:
+        return []
+
+    def jump(self, address: int, r0: int | None) -> None:
+        if r0 is not None:
+            self.firmware.fault("set_r0", r0)
+        self.firmware.fault("jump", address)
 
 
 if __name__ == "__main__":

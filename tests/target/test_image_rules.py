@@ -196,6 +196,18 @@ not_in_the_tick = [%s]
         self.finds("ccm: stack_bottom lies in the core-coupled memory at 0x10000", LEASED,
                    script=CCM_SCRIPT.replace("stack_top = .; } > ram", "stack_top = .; } > ccm"))
 
+    def test_code_that_runs_while_the_flash_is_erased_reaches_nothing_in_it(self) -> None:
+        script = SCRIPT.replace(".data : {", ".data : { *(.ram_code)")
+        there = '__attribute__((section(".ram_code"), noinline)) static void waits(void) '
+        for code in (f"{there}{{ while (seen) number = 1; }}",  # what it reaches lies in the SRAM
+                     f"{there}{{ while (seen) ; }}"):
+            found = self.report(code + CALM.replace("number = number", "waits(); number = number"), script=script).findings
+            self.assertEqual([f for f in found if f.startswith("ram code")], [])
+        elsewhere = "const int table[] = {1, 2, 5}; __attribute__((noinline)) static void helps(void) { seen = 3; }"
+        for name, code in (("waits", f"{there}{{ seen = table[seen]; }}"), ("__helps_veneer", f"{there}{{ helps(); seen = 2; }}")):
+            self.finds(f"ram code: {name} runs while the flash is erased and reaches 0x80000",
+                       elsewhere + code + CALM.replace("number = number", "waits(); number = number"), script=script)
+
     def link_as_on_the_board(self, code: str) -> "subprocess.CompletedProcess[str]":
         (self.folder / "trial.c").write_text(HEAD + code, encoding="utf-8")
         return subprocess.run(["arm-none-eabi-gcc", *FLAGS, "trial.c", f"-L{HAL / 'stm32'}", f"-T{HAL / 'stm32f405' / 'stm32f405.ld'}",

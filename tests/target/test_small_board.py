@@ -1,7 +1,6 @@
 #!/usr/bin/python3
-"""The image for 8 KiB of RAM in the emulator: what it lacks it says, and asked for it, refuses with a reason."""
+"""The image for 8 KiB of RAM in the emulator and on the virtual board: what it lacks it says, and asked for it, refuses with a reason."""
 
-import subprocess
 import sys
 import time
 import unittest
@@ -12,18 +11,14 @@ import board  # noqa: E402
 
 
 class SmallBoardTest(unittest.TestCase):
+    KIND, SAYS = "stm32f100", "in an emulator"
+
     def setUp(self) -> None:
-        self.firmware = self.enterContext(board.start("stm32f100"))
+        self.firmware = self.enterContext(board.start(self.KIND))
         self.console = self.enterContext(board.console(self.firmware))
 
-    def plant(self, name: str = "pilot") -> None:
-        plant = subprocess.Popen(board.simulator(self.firmware, "--plant", name, "--speed", "300", "--duration",
-                                                 "1e6"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(plant.wait)
-        self.addCleanup(plant.kill)
-
     def control_pilot(self) -> None:
-        self.plant()
+        board.plant(self, self.firmware)
         self.console.event("LINK_UP")
         board.configure(self.console)
         end = time.monotonic() + board.PATIENCE_S
@@ -33,7 +28,7 @@ class SmallBoardTest(unittest.TestCase):
     def test_version_says_what_is_short(self) -> None:
         version = "\n".join(self.console.do("version"))
         self.assertIn("on stm32f100, numbers Q7.24", version)
-        self.assertIn("in an emulator", version)
+        self.assertIn(self.SAYS, version)
         for limit in ("channels 4", "loops 2", "feedforwards 1", "interlocks 2", "alarms 1",
                       "arena bytes 1280 steps 0", "left out of this build: sequences automatic-start-up",
                       "recalls no lines"):
@@ -67,7 +62,7 @@ class SmallBoardTest(unittest.TestCase):
         self.assertEqual(self.console.do("get meas1.lo"), ["meas1.lo = 79 EU"])
 
     def test_a_plant_with_too_many_channels_is_refused_by_name(self) -> None:
-        self.plant("shell-fractionator")
+        board.plant(self, self.firmware, "shell-fractionator")
         self.console.event("PLANT_REFUSED")
         self.assertIn("plant link down", self.console.do("status")[0])
 
@@ -83,6 +78,10 @@ class SmallBoardTest(unittest.TestCase):
             self.assertIn(word, stats)
         print(stats[stats.index("stack_bytes"):])
         self.assertGreater(int(stats.split("stack_unused ")[1].split()[0]), 64)
+
+
+class OnTheVirtualBoard(SmallBoardTest):
+    KIND, SAYS = "board-stm32f100", "STM32F100, Cortex-M3, chip"
 
 
 if __name__ == "__main__":

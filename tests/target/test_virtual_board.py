@@ -139,8 +139,7 @@ class StorageTest(unittest.TestCase):
         raise AssertionError("the stored set was not read")
 
     def reboot(self, board: VirtualBoard) -> None:
-        board.text = ""
-        board.step(console=b"reboot\r")
+        board.do("reboot")  # its `ok` leaves whole
         self.assertIn("started by: requested", board.boot())
 
     def test_a_saved_set_comes_back_after_a_reboot(self) -> None:

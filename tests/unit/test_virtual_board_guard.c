@@ -1,4 +1,5 @@
-/* The protection unit of the virtual STM32F405: a read through a null pointer is a fault once its region is on (PM0214 4.2, DDI 0403 B1.5.14). */
+/* The protection unit of the virtual STM32F405: a read through a null pointer is a fault once its region is on (PM0214 4.2, DDI 0403 B1.5.14).
+ * Code is never fetched from devices (PM0214 2.2.1, unverified). */
 #include <string.h>
 
 #include "chip.h"
@@ -53,10 +54,20 @@ static void test_with_it_the_read_is_a_fault_that_names_the_address(void)
     TEST_ASSERT_EQUAL_HEX32(0x08000050u, processor_pc(b));
 }
 
+static void test_nothing_is_fetched_from_where_devices_are(void)
+{
+    board_run(b, 100000);
+    processor_set_register(b, REGISTER_PC, 0xA0000000u);
+    board_run(b, 200000);
+    TEST_ASSERT_EQUAL_HEX32(1u, bus_read(b, SCB_CFSR, 4)); /* IACCVIOL */
+    TEST_ASSERT_EQUAL_HEX32(0x08000050u, processor_pc(b));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_without_it_the_flash_is_read_there);
     RUN_TEST(test_with_it_the_read_is_a_fault_that_names_the_address);
+    RUN_TEST(test_nothing_is_fetched_from_where_devices_are);
     return UNITY_END();
 }

@@ -50,6 +50,7 @@ class Image:
         self._read_symbols()
         self._read_texts()
         self.instructions: dict[int, Instruction] = {}
+        self.literals: dict[int, int] = {}  # words among the code
         self._disassemble()
         self.sorted_addresses = sorted(self.instructions)
         self.position = {address: k for k, address in enumerate(self.sorted_addresses)}
@@ -93,7 +94,9 @@ class Image:
     def _disassemble(self) -> None:
         for line in tool("objdump", "-d", "--no-show-raw-insn", str(self.path)).splitlines():
             match = INSTRUCTION.match(line)
-            if match and not match[2].startswith("."):
+            if match and match[2] == ".word":
+                self.literals[int(match[1], 16)] = int((match[3] or "").strip(), 16)
+            elif match and not match[2].startswith("."):
                 address = int(match[1], 16)
                 self.instructions[address] = Instruction(address, match[2], (match[3] or "").strip())
 

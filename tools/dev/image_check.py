@@ -124,7 +124,7 @@ def check(folder: Path, budget_file: Path = BUDGET, calls_file: Path = CALLS) ->
         report.findings += contexts.check(report.image, graph, memory_map.placed(elf.with_suffix(".map"))[0], rules)
     report.layers = memory_map.read(elf.with_suffix(".map"))
     report.memories = memory_map.memories(elf.with_suffix(".map"))
-    report.findings += core_coupled(report)
+    report.findings += core_coupled(report) + waits_in_ram(report)
     report.arena = report.image.member_bytes("arena") or 0
     report.findings += over_budget(report, budget, f"[{table}.layers] of {shown(budget_file)}")
     return report
@@ -144,6 +144,26 @@ def core_coupled(report: Report) -> list[str]:
     return [f"ccm: {name} lies in the core-coupled memory at {address:#x}, where only {WORKSPACE} may lie: neither DMA nor instruction "
             "fetches reach it" for name, address in sorted(report.image.symbols.items())
             if address & ~1 in there and name != WORKSPACE and name[0] not in "$."]  # names of sections and of kinds of bytes
+
+
+def waits_in_ram(report: Report) -> list[str]:
+    """Code lies in the SRAM because it runs while the flash is erased and answers no read: it reaches nothing in the flash."""
+    image, flash, ram = report.image, report.memories.get("flash", range(0)), report.memories.get("ram", range(0))
+    out = []
+    for f in image.functions.values():
+        if f.start not in ram:
+            continue
+        reached = {image.literals[at] for at in range(f.start, f.end, 2) if at in image.literals}
+        for address in image.body(f):
+            i = image.instructions[address]
+            target = re.match(r"(?:\w+, )?([0-9a-f]{6,8})\b", i.operands)
+            if i.name[0] in "bc" and target:
+                reached.add(int(target[1], 16))
+            elif i.name == "movt" and (half := re.match(r"\w+, #(\d+)", i.operands)):
+                reached.add(int(half[1]) << 16)
+        out += [f"ram code: {f.name} runs while the flash is erased and reaches {there:#x}, which lies in the flash"
+                for there in sorted(reached) if there in flash]
+    return out
 
 
 def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_use.Indirect) -> stack_use.Graph | None:

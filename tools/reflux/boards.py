@@ -12,6 +12,16 @@ class Image:
     preset: str
     twin: str  # preset of the host whose log is the same, bit for bit
     test: str  # that shows it: target.smoke-TEST
+    too_large: tuple[str, ...] = ()  # scenarios that find no memory in it
+
+    @property
+    def emulated(self) -> tuple[str, str]:
+        return self.twin, self.preset
+
+    @property
+    def kinds(self) -> tuple[str, str, str]:
+        """All firmwares with that log."""
+        return *self.emulated, f"board-{self.preset}"
 
 
 @dataclass(frozen=True)
@@ -22,7 +32,7 @@ class Board:
 
 
 BOARDS = {
-    "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed"),
+    "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed", ("methanol-ahead",)),
                                          Image("stm32f405-assert", "host", "assert")),
                        ("stm32f405-base",)),
     "stm32f100": Board("stm32vldiscovery", (Image("stm32f100", "host-fixed", "small"),)),

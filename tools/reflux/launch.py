@@ -89,8 +89,8 @@ def check_ports(kind: str, console_port: str | None, link_port: str | None) -> N
 
 @contextlib.contextmanager
 def start(kind: str, console_port: str | None = None, link_port: str | None = None,
-          extra: tuple[str, ...] = ()) -> Iterator[Firmware]:
-    """extra: more options for the emulator."""
+          extra: tuple[str, ...] = (), image: Path | None = None) -> Iterator[Firmware]:
+    """extra: more options for the emulator. image: a file for it in place of the one that was built."""
     if kind == "serial":
         firmware = _serial(console_port, link_port)
         with contextlib.ExitStack() as stack:
@@ -108,7 +108,7 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
         if kind in VIRTUAL:
             firmware = _virtual_board(kind, place, extra)
         else:
-            firmware = _host(kind, place) if kind.startswith("host") else _emulator(kind, place, extra)
+            firmware = _host(kind, place) if kind.startswith("host") else _emulator(kind, place, image, extra)
         try:
             yield firmware
         finally:
@@ -175,8 +175,8 @@ def emulator_command(image: Path, console: Path, link: Path, extra: tuple[str, .
             "-serial", "chardev:con", "-serial", "chardev:lnk", *extra]
 
 
-def _emulator(kind: str, place: Path, extra: tuple[str, ...]) -> Firmware:
-    image = build.find_image(kind)
+def _emulator(kind: str, place: Path, image: Path | None, extra: tuple[str, ...]) -> Firmware:
+    image = image or build.find_image(kind)
     console, link = place / "console", place / "link"
     firmware = spawn(kind, emulator_command(image, console, link, extra), place, image)
     firmware.console, firmware.link = f"socket:{console}", f"socket:{link}"

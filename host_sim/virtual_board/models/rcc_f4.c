@@ -63,10 +63,15 @@ struct rcc {
     uint32_t reset_flags; /* live through every reset but power's */
 };
 
+static bool pll_on_crystal(const struct part *p)
+{
+    return (part_get(p, PLLCFGR) & PLL_HSE) != 0;
+}
+
 static uint64_t pll_hz(const struct part *p)
 {
     uint32_t c = part_get(p, PLLCFGR);
-    uint64_t in = (c & PLL_HSE) != 0 ? p->board->around.crystal_hz : board_internal_hz(p->board);
+    uint64_t in = pll_on_crystal(p) ? p->board->around.crystal_hz : board_internal_hz(p->board);
     uint64_t m = c & 63u, n = c >> 6 & 511u, half = (c >> 16 & 3u) + 1u;
     return m < 2 ? 0 : in / m * n / (2u * half) + in % m * n / m / (2u * half);
 }
@@ -81,6 +86,12 @@ static uint64_t system_hz(const struct part *p)
     default:
         return pll_hz(p);
     }
+}
+
+static bool runs_from_crystal(const struct part *p)
+{
+    uint32_t source = part_get(p, CFGR) >> 2 & 3u;
+    return source == 1 || (source == 2 && pll_on_crystal(p));
 }
 
 /* RM0090 7.2.3 and 3.5.1: what the PLL takes and gives, and what the flash and the buses take. */
@@ -144,8 +155,8 @@ static void pll_locked(void *context)
 {
     struct part *p = context;
     uint32_t c = part_get(p, PLLCFGR);
-    uint64_t in = (c & PLL_HSE) != 0 ? (crystal_ready(p->board) ? p->board->around.crystal_hz : 0)
-                                     : board_internal_hz(p->board);
+    uint64_t in = pll_on_crystal(p) ? (crystal_ready(p->board) ? p->board->around.crystal_hz : 0)
+                                    : board_internal_hz(p->board);
     uint64_t fed = (c & 63u) == 0 ? 0 : in / (c & 63u), made = fed * (c >> 6 & 511u);
     if ((part_get(p, CR) & CR_PLLON) == 0 || in == 0)
         return;
@@ -182,13 +193,14 @@ static void crystal_changes(struct board *b)
     if (!was_running)
         return;
     if ((cr & CR_CSSON) == 0) {
-        b->stalled_until_ns = BOARD_NEVER - 1u; /* until the watchdog */
+        if (runs_from_crystal(p))
+            b->stalled_until_ns = BOARD_NEVER - 1u; /* until the watchdog */
         return;
     }
-    uint32_t off =
-        CR_HSEON | CR_HSERDY | ((part_get(p, PLLCFGR) & PLL_HSE) != 0 ? CR_PLLON | CR_PLLRDY : 0);
+    if (runs_from_crystal(p))
+        part_set(p, CFGR, part_get(p, CFGR) & ~15u);
+    uint32_t off = CR_HSEON | (pll_on_crystal(p) ? CR_PLLON | CR_PLLRDY : 0);
     part_set(p, CR, part_get(p, CR) & ~off);
-    part_set(p, CFGR, part_get(p, CFGR) & ~15u);
     part_set(p, CIR, part_get(p, CIR) | CIR_CSSF);
     clocks_changed(p);
     interrupt_nmi(b);
@@ -242,9 +254,8 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     struct rcc *r = p->state;
     uint64_t now = board_ns(b);
     uint32_t source = part_get(p, CFGR) >> 2 & 3u, word = part_get(p, CR);
-    bool pll_on_crystal = (part_get(p, PLLCFGR) & PLL_HSE) != 0;
     if ((written & CR_HSEON) == 0 && (before & CR_HSEON) != 0) {
-        if (source == 1 || (source == 2 && pll_on_crystal))
+        if (runs_from_crystal(p))
             word |= CR_HSEON; /* RM0090 7.3.1: cannot be switched off while it is used */
         else
             word &= ~CR_HSERDY;

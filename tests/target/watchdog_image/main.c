@@ -1,5 +1,5 @@
-/* An image for an emulated board whose watchdog bites (Arm MPS2, AN386): the firmware's own decision when to feed
- * (service/heartbeat.h) around a main loop and a tick that go wrong, one way in each life.
+/* An image for a board whose watchdog bites: the firmware's own decision when to feed (service/heartbeat.h) around a main loop and a tick
+ * that go wrong, one way in each life.
  *
  *     life 1   healthy for a while, then the main loop hangs
  *     life 2   the tick hangs
@@ -9,25 +9,17 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "device.h"
 #include "hal/watchdog.h"
 #include "service/heartbeat.h"
 
 #define REG32(address) (*(volatile uint32_t *)(address))
 
-/* CMSDK devices of the board (DAI0386) and the core's own timer. */
-#define CLOCK_HZ    25000000u
-#define UART0_DATA  REG32(0x40004000u)
-#define UART0_STATE REG32(0x40004004u)
-#define UART0_CTRL  REG32(0x40004008u)
-#define UART0_BAUD  REG32(0x40004010u)
-#define WDOG_LOAD   REG32(0x40008000u)
-#define WDOG_CTRL   REG32(0x40008008u)
-#define WDOG_CLEAR  REG32(0x4000800Cu)
-#define WDOG_LOCK   REG32(0x40008C00u)
-#define SYST_CSR    REG32(0xE000E010u)
-#define SYST_RVR    REG32(0xE000E014u)
-#define SCB_ICSR    REG32(0xE000ED04u)
-#define SCB_SHPR3   REG32(0xE000ED20u)
+/* The core's own. */
+#define SYST_CSR  REG32(0xE000E010u)
+#define SYST_RVR  REG32(0xE000E014u)
+#define SCB_ICSR  REG32(0xE000ED04u)
+#define SCB_SHPR3 REG32(0xE000ED20u)
 
 #define TIMEOUT_MS  400u
 #define PERIOD_MS   50u
@@ -61,27 +53,10 @@ __attribute__((section(".vectors"), used)) static const union vector vectors[16]
     [14] = {.handler = interrupt_pendsv}, [15] = {.handler = interrupt_systick},
 };
 
-bool hal_watchdog_start(uint32_t timeout_ms)
-{
-    WDOG_LOCK = 0x1ACCE551u;
-    WDOG_LOAD =
-        CLOCK_HZ / 1000u * timeout_ms / 2u; /* it warns half-way, and resets the second time */
-    WDOG_CTRL = 3u;
-    return WDOG_CTRL == 3u;
-}
-
-void hal_watchdog_feed(void)
-{
-    WDOG_CLEAR = 1u;
-}
-
 static void say(const char *text)
 {
-    for (; *text; text++) {
-        while (UART0_STATE & 1u) {
-        }
-        UART0_DATA = (uint8_t)*text;
-    }
+    for (; *text; text++)
+        device_send(*text);
 }
 
 static void say_number(uint32_t x)
@@ -137,7 +112,7 @@ int main(void)
     say_number(kept.life);
     say(hal_watchdog_start(TIMEOUT_MS) ? " begins, watchdog runs\n" : " begins, no watchdog\n");
     SCB_SHPR3 = 0x00FF0000u; /* PendSV below SysTick */
-    SYST_RVR = CLOCK_HZ / 1000u - 1u;
+    SYST_RVR = device_hz / 1000u - 1u;
     SYST_CSR = 7u;
     while (now_ms < 10u * TIMEOUT_MS) {
         turns = turns + 1u;
@@ -153,8 +128,7 @@ void reset_entry(void)
 {
     for (uint32_t *p = bss_start; p < bss_end; p++)
         *p = 0;
-    UART0_BAUD = 16u;
-    UART0_CTRL = 1u;
+    device_start();
     main();
     for (;;) {
     }

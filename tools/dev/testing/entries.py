@@ -13,7 +13,7 @@ from pathlib import Path
 
 from reflux import boards, build, launch
 from reflux.errors import RunFailed
-from reflux.paths import CAMPAIGNS, ROOT
+from reflux.paths import CAMPAIGNS, ROOT, SCENARIOS, every
 from dev.testing import ctest_files
 
 LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")
@@ -26,6 +26,9 @@ HOST = ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libre
 LIBRARIES = ("libreflux", "libreflux_board", "libreflux_lab")
 CAMPAIGN_SHARE = 0.05
 WITH_BLOCKS = ("stm32f405", "stm32f405-fixed")
+EVERYWHERE = ("smoke", "demo")  # scenarios that fit every image; the STM32F100 holds no other
+# Unsupervised, because the tick in which a proposal is adopted depends on the speed of the main loop.
+UNSUPERVISED = {f"self-tuning-{name}": ("begin", "set block1.supervise off", "apply") for name in ("one", "pair", "wood-berry")}
 KALMAN = ("begin", "set block3.method ekf", "set block3.noise 0.2", "set block3.feed_z 0.02")
 
 Needs = frozenset[tuple[str, str]]
@@ -109,12 +112,15 @@ def script_tests(label: str) -> list[Test]:
         if path.stem == "test_commands":  # page_tests()
             continue
         text = path.read_text(encoding="utf-8")
-        named = [kind for kind in ("host-fixed", *boards.BUILT_BY_DEFAULT) if re.search(rf'"{re.escape(kind)}"', text)]
+        known = ("host-fixed", *boards.BUILT_BY_DEFAULT, *(f"board-{kind}" for kind in boards.BUILT_BY_DEFAULT))
+        named = [kind for kind in known if re.search(rf'"{re.escape(kind)}"', text)]
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables")
-        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips"):
-            wanted |= needs("host", "reflux-board") | needs("stm32f405")
+        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_watchdog"):
+            wanted |= needs("host", "reflux-board")
+        if path.stem in ("test_board_faults", "test_board_flips"):
+            wanted |= needs("stm32f405")
         if path.stem == "test_self_checks":
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
         if path.stem == "test_run_once":
@@ -143,49 +149,44 @@ def reach_test() -> Test:
 
 def loop_tests() -> list[Test]:
     """The same scenario inside one process and over a socket gives one log; and whole-firmware tests."""
-    return [same_log("loop.smoke-memory-and-host", "memory", "host", "loop"), *script_tests("loop")]
+    return [same_log("loop.smoke-memory-and-host", "smoke", "memory", "host"), *script_tests("loop")]
 
 
 def target_tests() -> list[Test]:
-    """Tests of the images in the emulator."""
+    """Tests of the images in the emulator and on the virtual board."""
     return [*target_logs(), *script_tests("target")]
 
 
 def target_logs() -> list[Test]:
-    """The same scenario on the host and on the image in the emulator gives one log."""
+    """The same scenario on the host and on the image gives one log: in the emulator, and on the virtual board, which has the whole chip."""
     whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
-    return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
-            # The same files on the virtual board, which has the whole chip.
-            *(same_log(f"target.board-smoke-{image.test}", image.twin, f"board-{image.preset}", "target") for image in boards.RUNS),
-            *(same_log(f"target.board-demo-{image.test}", image.twin, f"board-{image.preset}", "target", "demo") for image in boards.RUNS
-              if image.test != "assert"),
-            # Unsupervised, because the tick in which a proposal is adopted depends on the speed of the main loop.
-            *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
-                       ("begin", "set block1.supervise off", "apply"))
+    others = [path.stem for path in every(SCENARIOS, "*.toml") if path.stem not in EVERYWHERE]
+    return [*(same_log(f"target.{scenario}-{image.test}", scenario, *image.kinds) for scenario in EVERYWHERE for image in boards.RUNS
+              if (scenario, image.test) != ("demo", "assert")),
+            *(same_log(f"target.scenario-{scenario}-{image.test}", scenario, *image.kinds, lines=UNSUPERVISED.get(scenario, ()))
+              for scenario in others for image in whole if scenario not in image.too_large),
+            # Parts of scenarios, in the emulator alone.
+            *(same_log(f"target.self-tuning-{image.test}", "self-tuning-pair", *image.emulated, lines=UNSUPERVISED["self-tuning-pair"])
               for image in whole),
-            *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
-              for image in whole),
-            *(same_log(f"target.state-{image.test}", image.twin, image.preset, "target", "pilot-state", until=10800)
-              for image in whole),
-            *(same_log(f"target.ahead-{image.test}", image.twin, image.preset, "target", "pilot-ahead", until=3600) for image in whole),
+            *(same_log(f"target.decoupled-{image.test}", "kotyk-decoupled", *image.emulated) for image in whole),
+            *(same_log(f"target.state-{image.test}", "pilot-state", *image.emulated, until=10800) for image in whole),
+            *(same_log(f"target.ahead-{image.test}", "pilot-ahead", *image.emulated, until=3600) for image in whole),
             # Until it proposes.
-            *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
-              for image in whole),
-            same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
+            *(same_log(f"target.experiment-{image.test}", "kotyk-experiment", *image.emulated, until=135600) for image in whole),
+            same_log("target.estimate-float", "methanol-estimate", "host", "stm32f405"),
             # Until the feed has changed: three components, and two with a linear model.
-            *(same_log(f"target.kalman-{covariance}-{image.test}", image.twin, image.preset, "target", "splitter-estimate",
-                       (*KALMAN, f"set block3.covariance {covariance}", "apply"), until=5400)
+            *(same_log(f"target.kalman-{covariance}-{image.test}", "splitter-estimate", *image.emulated, until=5400,
+                       lines=(*KALMAN, f"set block3.covariance {covariance}", "apply"))
               for covariance in ("full", "band") for image in whole),
-            same_log("target.kalman-linear-float", "host", "stm32f405", "target", "pilot-kalman",
-                     ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200)]
+            same_log("target.kalman-linear-float", "pilot-kalman", "host", "stm32f405", until=7200,
+                     lines=("begin", "set block2.method kalman", "set block2.covariance band", "apply"))]
 
 
-def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke", lines: tuple[str, ...] = (),
-             until: int | None = None) -> Test:
-    """One scenario on two firmwares, whose logs must be the same to the last bit."""
+def same_log(name: str, scenario: str, *firmwares: str, lines: tuple[str, ...] = (), until: int | None = None) -> Test:
+    """One scenario on several firmwares, whose logs must be the same to the last bit."""
     ends = [] if until is None else ["--until", str(until)]
-    return script(name, ROOT / "tests" / "loop" / "same_log.py", label, needs_of_firmware(left, right), *ends,
-                  f"host_sim/scenarios/{scenario}.toml", left, right, *lines)
+    return script(name, ROOT / "tests" / "loop" / "same_log.py", name.split(".")[0], needs_of_firmware(*firmwares), *ends,
+                  *(f"--line={line}" for line in lines), scenario, *firmwares)
 
 
 def style_tests() -> list[Test]:

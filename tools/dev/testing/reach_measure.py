@@ -54,7 +54,7 @@ def measure(jobs: int) -> dict[str, set[str]]:
 
 def on_host(test: Test) -> Test:
     """A scenario on an image, run on the host instead: it reaches the same sources, but for those of the port."""
-    return replace(test, command=["host" if word in (*boards.PRESETS, "host-fixed") else word for word in test.command])
+    return replace(test, command=["host" if word.removeprefix("board-") in (*boards.PRESETS, "host-fixed") else word for word in test.command])
 
 
 def sources_of_objects(tree: Path) -> dict[str, str]:
