@@ -72,8 +72,13 @@ static void send_hello(struct link_server *s)
     s->last_hello = s->last_sent;
 }
 
-static void greet_again(struct link_server *s)
+/* The plant goes safe if samples were under way. */
+static void greet_again(struct link_server *s, const char *why)
 {
+    if (s->state == LINK_SAMPLING && s->outputs != NULL) {
+        output_log_safe(s->outputs, transport_now_ms(s->transport), why,
+                        &s->page[s->hello.n_measurements], s->hello.n_outputs);
+    }
     s->state = LINK_GREETING;
     s->held = s->waiting;
     send_hello(s);
@@ -103,7 +108,7 @@ static void on_hello(struct link_server *s, const struct frame *f)
     s->controller_known = true;
     s->controller_session = m.session;
     (void)memcpy(s->controller_name, m.name, sizeof(m.name));
-    greet_again(s);
+    greet_again(s, "hello");
 }
 
 static void on_page_request(struct link_server *s, const struct frame *f)
@@ -114,6 +119,7 @@ static void on_page_request(struct link_server *s, const struct frame *f)
         s->count.unexpected++;
         return;
     }
+    s->pages_asked = true;
     struct frame answer;
     pack_page(&s->page[m.index], &answer);
     send_frame(s, &answer);
@@ -129,6 +135,8 @@ static void on_ready(struct link_server *s, const struct frame *f)
     if (s->state == LINK_GREETING) {
         s->state = LINK_SAMPLING;
         s->greetings++;
+        s->introductions += s->pages_asked ? 1u : 0u;
+        s->pages_asked = false;
     }
 }
 
@@ -145,6 +153,9 @@ static void on_command(struct link_server *s, const struct frame *f)
     s->waiting = false;
     s->held = false;
     s->answered = true;
+    if (s->outputs != NULL) {
+        output_log_command(s->outputs, transport_now_ms(s->transport), &m);
+    }
 }
 
 static void on_frame(struct link_server *s, const struct frame *f)
@@ -183,7 +194,7 @@ static void do_what_is_due(struct link_server *s)
     uint64_t now = transport_now_ms(s->transport);
     if (s->state == LINK_SAMPLING && now - s->last_heard >= LINK_SILENCE_MS) {
         s->silences++;
-        greet_again(s);
+        greet_again(s, "silence");
     } else if (s->state == LINK_GREETING && now - s->last_hello >= LINK_HELLO_MS) {
         send_hello(s);
     } else if (s->state == LINK_SAMPLING && s->waiting && !s->held &&

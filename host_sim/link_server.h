@@ -4,6 +4,7 @@
 #ifndef REFLUX_HOST_SIM_LINK_SERVER_H
 #define REFLUX_HOST_SIM_LINK_SERVER_H
 
+#include "bench/output_log.h"
 #include "bench/transport.h"
 #include "link/messages.h"
 #include "plants/plant.h"
@@ -14,6 +15,7 @@ enum link_state { LINK_GREETING, LINK_SAMPLING };
 
 struct link_server {
     struct transport *transport;
+    struct output_log *outputs; /* NULL: none */
     enum link_state state;
     uint64_t last_sent, last_heard, last_hello; /* own clock, ms */
     uint16_t sequence;
@@ -21,7 +23,9 @@ struct link_server {
     struct link_hello hello; /* what the plant says of itself */
     struct link_page page[2 * LINK_CHANNELS_MAX];
 
-    uint32_t greetings; /* rises with each READY */
+    uint32_t greetings;     /* rises with each READY */
+    uint32_t introductions; /* rises with each READY of a controller that did not know the plant */
+    bool pages_asked;       /* since the last READY */
     bool controller_known;
     uint32_t controller_session;
     char controller_name[LINK_PLANT_NAME_SIZE];

@@ -102,6 +102,18 @@ static bool never(const struct lockstep *k)
     return false;
 }
 
+/* Of a virtual board its own, else that on the wall. */
+static double pace_clock_s(const struct lockstep *k)
+{
+    struct transport *t = k->link->transport;
+    return transport_keeps_time(t) ? (double)transport_now_ms(t) / 1000.0 : sim_clock_s();
+}
+
+static void begin_pace(struct lockstep *k)
+{
+    k->pace_began = k->speed > 0.0 ? pace_clock_s(k) - (double)k->time_ms / 1000.0 / k->speed : 0.0;
+}
+
 /* Waits through a greeting under way and takes note of who is there. True in *restarted when the controller is
  * another one than before, or the same after a restart. */
 static enum outcome meet(struct lockstep *k, bool *restarted)
@@ -116,10 +128,16 @@ static enum outcome meet(struct lockstep *k, bool *restarted)
     if (r != GOT_IT) {
         return r;
     }
-    *restarted = met_before && k->link->controller_session != k->session_seen;
-    k->restarts += *restarted ? 1u : 0u;
+    /* One that starts again after a silence may hear the plant's HELLO before it has sent its own: it asks for pages, then. */
+    *restarted = met_before && (k->link->controller_session != k->session_seen ||
+                                k->link->introductions != k->introductions_seen);
+    if (*restarted) {
+        k->restarts++;
+        begin_pace(k); /* plant time stood still, and is not hurried after */
+    }
     k->greetings_seen = k->link->greetings;
     k->session_seen = k->link->controller_session;
+    k->introductions_seen = k->link->introductions;
     k->met = true;
     instruments_safe(k->instruments);
     return GOT_IT;
@@ -220,7 +238,7 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
         if (r == STOPPED || (r = recover(k, &restarted)) != GOT_IT) {
             return r;
         }
-        if (restarted && is_reboot(x->text)) {
+        if (restarted && (x->may_be_cut || is_reboot(x->text))) {
             return GOT_IT; /* its ok was lost with the transmit ring */
         }
         if (restarted) {
@@ -329,18 +347,22 @@ static enum outcome exchange(struct lockstep *k, const struct link_sample *sampl
     }
 }
 
-static bool pace_reached(const struct lockstep *k)
+static double pace_left(const struct lockstep *k)
 {
-    double due = k->wall_began + (double)k->time_ms / 1000.0 / k->speed;
-    return sim_clock_s() >= due;
+    return k->pace_began + (double)k->time_ms / 1000.0 / k->speed - pace_clock_s(k);
 }
 
-/* With --speed X: until the wall clock has come to this plant time. */
+static bool pace_reached(const struct lockstep *k)
+{
+    return pace_left(k) <= 0.0;
+}
+
+/* With --speed X: until the clock has come to this plant time. */
 static enum outcome pace(struct lockstep *k)
 {
     while (k->speed > 0.0 && !pace_reached(k)) {
-        double left = k->wall_began + (double)k->time_ms / 1000.0 / k->speed - sim_clock_s();
-        enum outcome r = wait_for(k, pace_reached, (uint64_t)fmax(ceil(left * 1000.0), 1.0));
+        enum outcome r =
+            wait_for(k, pace_reached, (uint64_t)fmax(ceil(pace_left(k) * 1000.0), 1.0));
         bool restarted;
         if (r == REGREETED) {
             r = recover(k, &restarted);
@@ -405,6 +427,7 @@ static enum outcome greet(struct lockstep *k)
         }
     } while (r == REGREETED);
     k->wall_began = sim_clock_s();
+    begin_pace(k);
     return r;
 }
 

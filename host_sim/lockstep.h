@@ -37,7 +37,7 @@ struct lockstep {
     struct progress *progress;
     uint32_t tick_ms;
     double duration_s; /* negative: without end */
-    double speed;      /* plant seconds per second of the wall; 0 = as fast as it goes */
+    double speed; /* plant seconds per second of the wall or a virtual board; 0 = without limit */
     uint64_t timeout_ms;
     const volatile sig_atomic_t *interrupted;
 
@@ -46,11 +46,12 @@ struct lockstep {
     uint64_t time_ms;
     uint64_t samples; /* answered */
     uint32_t greetings_seen;
-    uint32_t session_seen;
+    uint32_t session_seen, introductions_seen;
     bool met; /* a controller was greeted */
     uint32_t restarts;
     bool ended; /* by the script */
     double wall_began;
+    double pace_began; /* by the clock of the pace, at plant time 0 */
     double wall_s;
     char error[400]; /* of RUN_FAILED */
 };

@@ -27,8 +27,9 @@ static long memory_write(struct transport *t, const void *data, size_t n)
     return (long)memory_port_give(line_of(t), data, n);
 }
 
-static void memory_turn(struct transport *t)
+static void memory_turn(struct transport *t, uint64_t timeout_ms)
 {
+    (void)timeout_ms;
     (void)t;
     clock_ms += moved ? 0 : IDLE_STEP_MS;
     moved = false;

@@ -287,9 +287,11 @@ static bool history_line(struct client *c, unsigned n, struct text *line)
     if (sequence >= log->count)
         return false;
     struct event e;
-    if (!event_log_get(log, sequence, &e))
-        return true; /* a reset came while it was written */
     text_str(line, "  ");
+    if (!event_log_get(log, sequence, &e)) {
+        text_str(line, "damaged"); /* or a reset came while it was written */
+        return true;
+    }
     if (e.boot != log->boot) {
         text_str(line, "boot ");
         text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e.boot));

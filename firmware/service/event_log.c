@@ -53,6 +53,14 @@ static void unpack_subject(const uint32_t word[3], char *subject)
     }
 }
 
+/* Returns whether one that is not whole follows the last whole one: round and start go on, as those of old or random records do not. */
+static bool newest_is_damaged(const struct event_log *log)
+{
+    const struct event_record *r = &log->record[log->count % EVENT_HISTORY];
+    return log->count && r->round == (uint16_t)(log->count / EVENT_HISTORY) &&
+           r->boot == log->record[(log->count - 1u) % EVENT_HISTORY].boot;
+}
+
 void event_log_init(struct event_log *log, struct event_record *record, uint32_t boot)
 {
     *log = (struct event_log){.record = record, .count = 0, .boot = (uint16_t)boot};
@@ -61,6 +69,8 @@ void event_log_init(struct event_log *log, struct event_record *record, uint32_t
         if (event_is_whole(&record[i]) && sequence >= log->count)
             log->count = sequence + 1u;
     }
+    if (EVENT_LOG_JOINS && newest_is_damaged(log))
+        log->count++;
 }
 
 void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event)

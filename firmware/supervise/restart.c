@@ -27,7 +27,9 @@ void restart_init(struct restart *r, void *memory, bool warm)
     r->record = memory;
     if (!memory)
         return;
-    bool whole = r->record->magic == MAGIC && r->record->crc == checksum(r->record);
+    bool known = r->record->magic == MAGIC, sound = r->record->crc == checksum(r->record);
+    bool whole = known && sound;
+    r->damaged = warm && known != sound;
     r->pending = warm && whole &&
                  (r->record->acting || restart_in_sequence(&r->record->sequence) ||
                   restart_with_offsets(&r->record->sequence));
@@ -37,7 +39,7 @@ void restart_init(struct restart *r, void *memory, bool warm)
 
 static void refuse_restart(struct restart *r, struct supervisor *s, const char *reason)
 {
-    r->pending = false;
+    r->pending = r->damaged = false;
     r->attempts = 0;
     event_put(s->events, s->time_ms, EVENT_RESTART_REFUSED, reason, 0.0f, 0);
 }
@@ -90,6 +92,8 @@ void restart_try(struct restart *r, struct supervisor *s)
 {
     const struct restart_record *record = r->record;
     r->ticks += r->ticks < RESTART_LASTED;
+    if (r->damaged)
+        refuse_restart(r, s, "record");
     if (!r->pending || r->ticks < 2) /* the first command is the safe one */
         return;
     if (r->ticks == 2)

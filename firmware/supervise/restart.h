@@ -40,6 +40,7 @@ struct restart_record {
 struct restart {
     struct restart_record *record; /* NULL: the board has no such memory */
     bool pending;                  /* a record waits to be restored */
+    bool damaged;                  /* there was one, and it is not whole */
     bool was_testing;              /* as the record says, when the board was reset */
     uint8_t attempts;
     uint32_t ticks; /* ticks since the start, up to RESTART_LASTED */

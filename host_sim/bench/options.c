@@ -50,10 +50,12 @@ void options_print_help(void)
         "  --transcript FILE      everything said on the console, with direction and plant time\n"
         "  --telemetry FILE       telemetry header and rows\n"
         "  --log FILE             the run as the simulator saw it, CSV\n"
+        "  --outputs FILE         what the outputs are told, by the clock of the port, CSV\n"
         "  --duration S           plant time of the last sample (default: without end)\n"
         "  --tick S               interval of samples in plant time (default: the plant's)\n"
-        "  --speed max|X          as fast as it goes, or X times the clock on the wall (default "
-        "max)\n"
+        "  --speed max|X          as fast as it goes, or X times the clock on the wall, of a "
+        "virtual board\n"
+        "                         its own clock (default max)\n"
         "  --event T:NAME=VALUE   at plant time T; repeatable. NAME: a disturbance, "
         "CHANNEL.option, noise\n"
         "                         disturbances: swing (amplitude of a sine) period (s, 1200)\n",
@@ -148,7 +150,8 @@ static bool take_value(struct sim_options *o, const char *name, const char *text
         const char **value;
     } texts[] = {{"--port", &o->port},           {"--console", &o->console},
                  {"--script", &o->script},       {"--transcript", &o->transcript},
-                 {"--telemetry", &o->telemetry}, {"--log", &o->log}};
+                 {"--telemetry", &o->telemetry}, {"--log", &o->log},
+                 {"--outputs", &o->outputs}};
     if (strcmp(name, "--plant") == 0) {
         return take_plant(o, text, err, err_size);
     }

@@ -53,7 +53,9 @@ bool run_parts_read(struct run_parts *p, char *err, size_t err_size)
     return (o->log == NULL ||
             sim_log_open(&p->log, o->log, &p->instruments, comment, err, err_size)) &&
            open_file("--transcript", o->transcript, &p->transcript, err, err_size) &&
-           open_file("--telemetry", o->telemetry, &p->telemetry, err, err_size);
+           open_file("--telemetry", o->telemetry, &p->telemetry, err, err_size) &&
+           (o->outputs == NULL ||
+            output_log_open(&p->outputs, o->outputs, o->class, err, err_size));
 }
 
 /* Differs from one start to the next. A board that keeps the time is new with each run: there the same bytes go out again, for what
@@ -116,8 +118,12 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
                                .speed = o->speed,
                                .timeout_ms = patience,
                                .interrupted = interrupted};
-    return link_server_init(&p->link, &p->port, o->class, o->tick_ms, session_number(&p->port), err,
-                            err_size);
+    if (!link_server_init(&p->link, &p->port, o->class, o->tick_ms, session_number(&p->port), err,
+                          err_size)) {
+        return false;
+    }
+    p->link.outputs = &p->outputs;
+    return true;
 }
 
 static bool close_file(FILE *file)
@@ -137,6 +143,7 @@ bool run_parts_close(struct run_parts *p)
     bool written = sim_log_close(&p->log);
     written = close_file(p->transcript) && written;
     written = close_file(p->telemetry) && written;
+    written = output_log_close(&p->outputs) && written;
     p->transcript = p->telemetry = NULL;
     if (p->plant != NULL) {
         p->options.class->destroy(p->plant);

@@ -24,6 +24,7 @@ struct run_parts {
     struct link_server link;
     struct console console;
     FILE *transcript, *telemetry;
+    struct output_log outputs;
     struct lockstep run;
 };
 

@@ -59,7 +59,7 @@ bool script_add(struct script *s, const char *line, unsigned at, char *err, size
     const char *text = line + time_n + gap;
     n -= time_n + gap;
     if (text[0] == '?') {
-        x.may_fail = true;
+        x.may_fail = x.may_be_cut = true;
         size_t skip = 1 + strspn(text + 1, " \t");
         skip = skip < n ? skip : n;
         text += skip;

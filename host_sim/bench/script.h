@@ -1,7 +1,7 @@
 /* Timed console lines of a run, one a line of the file:
  *
  *     <time_s> <console line>      sent before the first sample at or after that plant time
- *     <time_s> ?<console line>     the same; an `err` reply is allowed
+ *     <time_s> ?<console line>     the same; an `err` reply is allowed, or a restart before the reply
  *     <time_s> ~until CODE[|CODE...] [LIMIT_S]
  *                                  what follows waits until the firmware has announced an event of one of these codes
  *                                  since the line before was sent; the run fails when that takes longer than LIMIT_S
@@ -26,7 +26,8 @@ struct script_line {
     double limit_s;   /* SCRIPT_UNTIL; negative: none */
     double waiting_s; /* since when it waits; negative: not yet */
     bool may_fail;
-    unsigned line; /* of the file, for messages */
+    bool may_be_cut; /* the controller may restart before it replies */
+    unsigned line;   /* of the file, for messages */
     char text[SCRIPT_LINE_SIZE];
 };
 

@@ -329,7 +329,7 @@ bool transport_write(struct transport *t, const void *data, size_t n)
         if (now >= until) {
             (void)transport_lost(t, "the other side takes no more bytes");
         } else if (t->fd < 0) {
-            t->ops->turn(t);
+            t->ops->turn(t, 1);
         } else {
             struct pollfd writable = {.fd = t->fd, .events = POLLOUT};
             (void)poll(&writable, 1, (int)(until - now));
@@ -348,7 +348,7 @@ void transport_wait(struct transport *const *list, size_t n, uint64_t timeout_ms
         wanted[i] = (struct pollfd){.fd = list[i]->fd, .events = POLLIN};
     }
     if (n > 0 && list[0]->fd < 0) {
-        list[0]->ops->turn(list[0]);
+        list[0]->ops->turn(list[0], timeout_ms);
         for (size_t i = 0; i < n; i++) {
             list[i]->ready = true;
         }

@@ -26,8 +26,8 @@ struct transport_ops {
     /* Bytes moved now, 0 = none now, negative = gone (reason written). */
     long (*read)(struct transport *t, void *buffer, size_t size);
     long (*write)(struct transport *t, const void *data, size_t n);
-    /* Instead of a descriptor to wait on: lets the other side, in this process, run for a moment. */
-    void (*turn)(struct transport *t);
+    /* Instead of a descriptor to wait on: lets the other side run until it has something to say, for so long at most or for a moment. */
+    void (*turn)(struct transport *t, uint64_t timeout_ms);
     /* Milliseconds; NULL = this machine's monotonic clock. */
     uint64_t (*now_ms)(struct transport *t);
     void (*close)(struct transport *t);

@@ -11,9 +11,10 @@
 #include "virtual_board/control_frame.h"
 
 /* The protocol: host_sim/virtual_board/control.h */
-#define STEP_NS  UINT64_C(1000000) /* how far time goes on when nobody has anything to say */
-#define AGAIN_US 10000u
-#define FAULTS   4096u
+#define NS_PER_MS UINT64_C(1000000)
+#define STEP_MS   1000u /* at most, when nobody has anything to say */
+#define AGAIN_US  10000u
+#define FAULTS    4096u
 
 enum { LINE_CONSOLE, LINE_LINK, LINES };
 
@@ -55,10 +56,10 @@ static long board_write(struct transport *t, const void *data, size_t n)
 }
 
 /* One step: what was written goes there, what came back waits to be read. What was not read yet stays in front. */
-static bool step(void)
+static bool step(uint64_t ms)
 {
     uint8_t head[REQUEST_BYTES];
-    frame_put(head, STEP_NS, 8);
+    frame_put(head, ms * NS_PER_MS, 8);
     frame_put(head + 8, board.to[LINE_CONSOLE].n, 2);
     frame_put(head + 10, board.to[LINE_LINK].n, 2);
     frame_put(head + 12, board.n_faults, 2);
@@ -88,13 +89,14 @@ static bool step(void)
     return head[12] == 0;
 }
 
-static void board_turn(struct transport *t)
+static void board_turn(struct transport *t, uint64_t timeout_ms)
 {
     (void)t;
     for (unsigned line = 0; line < LINES; line++)
         if (board.open[line] && board.from[line].n != board.from[line].taken)
             return; /* first what there is */
-    board.gone = board.gone || !step();
+    uint64_t ms = timeout_ms < 1u ? 1u : timeout_ms < STEP_MS ? timeout_ms : STEP_MS;
+    board.gone = board.gone || !step(ms);
 }
 
 static bool board_fault(struct transport *t, const char *name, double value)

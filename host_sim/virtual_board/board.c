@@ -117,6 +117,12 @@ void board_free(struct board *b)
     free(b);
 }
 
+const char *board_reset_name(enum board_reset kind)
+{
+    static const char *const names[] = {"power", "brown-out", "pin", "software", "watchdog"};
+    return names[kind];
+}
+
 /* What runs on from before a reset ends with it. */
 static void end_events(struct board *b)
 {
@@ -131,6 +137,7 @@ static void end_events(struct board *b)
 static void reset(struct board *b, enum board_reset kind)
 {
     b->resets[kind]++;
+    board_note(b, "reset %s", board_reset_name(kind));
     b->hang_main = b->hang_tick = false;
     bus_reset(b, kind); /* while it is still known what the flash was about */
     end_events(b);
@@ -141,6 +148,7 @@ static void reset(struct board *b, enum board_reset kind)
 
 void board_hold(struct board *b, enum board_reset kind)
 {
+    board_note(b, "held %s", board_reset_name(kind));
     b->held = true;
     for (unsigned line = 0; line < BOARD_LINES; line++)
         b->lines[line].to_head = b->lines[line].to_tail;
@@ -216,6 +224,19 @@ void board_verdict(struct board *b, const char *format, ...)
                        processor_pc_is_exact(b) ? "" : "or after ", processor_pc(b),
                        (double)board_ns(b) / 1e9);
     processor_break(b);
+}
+
+void board_note(struct board *b, const char *format, ...)
+{
+    if (b->diary == NULL)
+        return;
+    va_list list;
+    va_start(list, format);
+    (void)fprintf(b->diary, "%.9f ", (double)board_ns(b) / 1e9);
+    (void)vfprintf(b->diary, format, list);
+    (void)fputc('\n', b->diary);
+    (void)fflush(b->diary);
+    va_end(list);
 }
 
 uint64_t random_state(uint64_t seed)

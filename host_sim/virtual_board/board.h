@@ -15,6 +15,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #define BOARD_NEVER      UINT64_MAX
 #define BOARD_LINES      2 /* serial lines: 0 console, 1 plant link */
@@ -96,6 +97,7 @@ struct board {
     struct replay *replay; /* NULL: what comes is not kept */
     bool found; /* of a second board: it has come to the access whose address is wanted */
     uint32_t found_pc;
+    FILE *diary;      /* of faults and resets as they come; NULL: none is kept */
     uint32_t flipped; /* where the last bit turned over: address, or number of the register */
     bool reset_asked;
     enum board_reset reset_kind;
@@ -127,6 +129,8 @@ void board_ask_reset(struct board *b, enum board_reset kind);
 void board_hold(struct board *b, enum board_reset kind);
 void board_release(struct board *b, enum board_reset kind, bool forgets);
 
+const char *board_reset_name(enum board_reset kind);
+
 uint64_t board_ns(const struct board *b);
 uint64_t
 board_internal_hz(const struct board *b); /* of the chip's own oscillator, with its error */
@@ -140,6 +144,8 @@ void board_run_events(struct board *b);
 
 /* The first one counts. */
 void board_verdict(struct board *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* A line of the diary: the time, and this. */
+void board_note(struct board *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* A generator of random words (xorshift64*): its state after a seed, and the next word. */
 uint64_t random_state(uint64_t seed);
 uint32_t random_word(uint64_t *state);

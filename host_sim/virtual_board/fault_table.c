@@ -51,6 +51,10 @@ const struct fault_row fault_table[FAULT_KINDS] = {
                         "of flash_cut_word and flash_cut_erase (1)"},
     [FAULT_PLACE] = {"place", "", 0, 4294967295.0, true,
                      "seed of the places of the next flips (that of the board)"},
+    [FAULT_FLIP_FROM] = {"flip_from", "", 0, 4294967295.0, true,
+                         "address from which on the next flips of a memory come (its first)"},
+    [FAULT_FLIP_BYTES] = {"flip_bytes", "", 0, 4294967295.0, true,
+                          "how many bytes from there they may hit (0: all that follow)"},
 };
 
 enum fault_kind fault_find(const char *name)

@@ -36,6 +36,8 @@ enum fault_kind {
     FAULT_RAMP_TIME,
     FAULT_OFF_TIME,
     FAULT_PLACE,
+    FAULT_FLIP_FROM,
+    FAULT_FLIP_BYTES,
     FAULT_KINDS
 };
 

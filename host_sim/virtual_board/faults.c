@@ -30,10 +30,12 @@ struct faults {
         uint64_t at_ns, at_instruction; /* one of them; the other BOARD_NEVER */
         enum fault_kind kind;
         double value;
+        uint64_t ramp_ns; /* as set when it was asked for */
     } waiting[WAITING];
     size_t n;
-    uint64_t after_ns, after_instructions, off_ns, ramp_ns;
+    uint64_t after_ns, after_instructions, off_ns, next_ramp_ns, ramp_ns;
     uint64_t random;
+    uint32_t flip_from, flip_bytes;
 
     struct board_event power, button, ramp, replug[BOARD_LINES];
     bool supply_holds, forgets;
@@ -122,6 +124,22 @@ static uint32_t pick(struct faults *f, uint32_t below)
     return random_word(&f->random) % below;
 }
 
+/* The part of a memory that flip_from and flip_bytes leave; 0 bytes with a verdict: none. */
+static uint32_t narrow(struct faults *f, uint32_t *base, uint32_t size)
+{
+    uint64_t from = f->flip_from > *base ? f->flip_from : *base, end = (uint64_t)*base + size;
+    uint64_t wanted = f->flip_bytes != 0 ? (uint64_t)f->flip_from + f->flip_bytes : end;
+    if (wanted < end)
+        end = wanted;
+    if (from >= end) {
+        board_verdict(f->board, "flip_from 0x%08x, flip_bytes %u: nothing of that memory is there",
+                      f->flip_from, f->flip_bytes);
+        return 0;
+    }
+    *base = (uint32_t)from;
+    return (uint32_t)(end - from);
+}
+
 static void flip_memory(struct faults *f, enum memory_kind kind, uint32_t bits)
 {
     const struct chip *chip = f->board->chip;
@@ -129,11 +147,14 @@ static void flip_memory(struct faults *f, enum memory_kind kind, uint32_t bits)
         const struct chip_memory *m = &chip->memory[i];
         if (m->kind != kind)
             continue;
-        uint32_t size = kind == MEMORY_FLASH ? processor_image_bytes(f->board) : m->size;
-        for (uint32_t k = 0; k < bits; k++) {
-            uint32_t at = pick(f, size);
-            f->board->flipped = m->base + at;
-            *processor_memory(f->board, m->base + at, 1) ^= (uint8_t)(1u << pick(f, 8));
+        uint32_t base = m->base,
+                 size = narrow(f, &base,
+                               kind == MEMORY_FLASH ? processor_image_bytes(f->board) : m->size);
+        for (uint32_t k = 0; k < bits && size > 0; k++) {
+            uint32_t at = base + pick(f, size), bit = pick(f, 8);
+            f->board->flipped = at;
+            *processor_memory(f->board, at, 1) ^= (uint8_t)(1u << bit);
+            board_note(f->board, "flip 0x%08x bit %u", at, bit);
         }
         if (kind == MEMORY_FLASH)
             processor_forget_code(f->board);
@@ -141,21 +162,29 @@ static void flip_memory(struct faults *f, enum memory_kind kind, uint32_t bits)
     }
 }
 
+static uint32_t count_used(const uint8_t *bytes, uint32_t size)
+{
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < size; i++)
+        used += bytes[i] != 0xFFu;
+    return used;
+}
+
 static void flip_stored(struct faults *f, uint32_t bits)
 {
     struct stored_flash *s = stored_flash(f->board);
-    uint32_t size = f->board->chip->stored_size, used = 0;
-    for (uint32_t i = 0; i < size; i++)
-        used += s->bytes[i] != 0xFFu;
+    uint32_t base = f->board->chip->stored_base;
+    uint32_t size = narrow(f, &base, f->board->chip->stored_size);
+    uint8_t *bytes = s->bytes + (base - f->board->chip->stored_base);
+    uint32_t used = count_used(bytes, size);
     for (uint32_t k = 0; k < bits && used > 0; k++) {
-        uint32_t which = pick(f, used), at = 0;
-        while (s->bytes[at] == 0xFFu || which-- > 0)
+        uint32_t which = pick(f, used), at = 0, bit = pick(f, 8);
+        while (bytes[at] == 0xFFu || which-- > 0)
             at++;
-        f->board->flipped = f->board->chip->stored_base + at;
-        s->bytes[at] ^= (uint8_t)(1u << pick(f, 8));
-        used = 0;
-        for (uint32_t i = 0; i < size; i++)
-            used += s->bytes[i] != 0xFFu;
+        f->board->flipped = base + at;
+        bytes[at] ^= (uint8_t)(1u << bit);
+        board_note(f->board, "flip 0x%08x bit %u", base + at, bit);
+        used = count_used(bytes, size);
     }
 }
 
@@ -163,8 +192,11 @@ static void flip_registers(struct faults *f, uint32_t bits)
 {
     uint32_t registers = f->board->chip->fpu ? 48u : 16u;
     for (uint32_t k = 0; k < bits; k++) {
-        f->board->flipped = pick(f, registers);
-        processor_flip_register(f->board, f->board->flipped, pick(f, 32));
+        uint32_t number = pick(f, registers), bit = pick(f, 32);
+        f->board->flipped = number;
+        processor_flip_register(f->board, number, bit);
+        board_note(f->board, "flip %c%u bit %u", number < 16u ? 'R' : 'S',
+                   number < 16u ? number : number - 16u, bit);
     }
 }
 
@@ -175,6 +207,7 @@ static void carry_out(struct faults *f, enum fault_kind kind, double value)
     struct board *b = f->board;
     uint32_t number = (uint32_t)value;
     uint64_t ns = (uint64_t)llround(value * S);
+    board_note(b, "fault %s %g", fault_table[kind].name, value);
     switch (kind) {
     case FAULT_POWER_CUT:
         cut_power(f, ns);
@@ -261,13 +294,19 @@ static bool set_up(struct faults *f, enum fault_kind kind, double value)
         f->after_instructions = (uint64_t)value;
         return true;
     case FAULT_RAMP_TIME:
-        f->ramp_ns = (uint64_t)llround(value * S);
+        f->next_ramp_ns = (uint64_t)llround(value * S);
         return true;
     case FAULT_OFF_TIME:
         f->off_ns = (uint64_t)llround(value * S);
         return true;
     case FAULT_PLACE:
         f->random = random_state((uint64_t)value);
+        return true;
+    case FAULT_FLIP_FROM:
+        f->flip_from = (uint32_t)value;
+        return true;
+    case FAULT_FLIP_BYTES:
+        f->flip_bytes = (uint32_t)value;
         return true;
     default:
         return false;
@@ -312,7 +351,8 @@ bool faults_add(struct board *b, enum fault_kind kind, double value, char *err, 
     *w = (struct waiting){.at_ns = board_ns(b) + f->after_ns,
                           .at_instruction = BOARD_NEVER,
                           .kind = kind,
-                          .value = value};
+                          .value = value,
+                          .ramp_ns = f->next_ramp_ns};
     if (f->after_instructions != 0) {
         w->at_instruction = b->instructions + f->after_instructions;
         w->at_ns = BOARD_NEVER;
@@ -379,6 +419,8 @@ static void run(struct board *b, uint64_t now, uint64_t instruction)
         }
         (void)memmove(&f->waiting[i], &f->waiting[i + 1], (f->n - i - 1u) * sizeof(w));
         f->n--;
+        if (w.kind == FAULT_SUPPLY_RAMP)
+            f->ramp_ns = w.ramp_ns;
         carry_out(f, w.kind, w.value);
     }
 }
@@ -413,7 +455,7 @@ struct faults *faults_new(struct board *b)
     if (f == NULL)
         abort();
     f->board = b;
-    f->off_ns = f->ramp_ns = (uint64_t)S;
+    f->off_ns = f->next_ramp_ns = (uint64_t)S;
     f->random = random_state(b->around.seed);
     struct {
         struct board_event *event;

@@ -41,6 +41,8 @@ static const char usage[] =
     "  --exact           instruction by instruction: faults and verdicts are the same, and come "
     "sooner\n"
     "  --statistics      at the end: time, instructions, resets and flash words, to stderr\n"
+    "  --diary FILE      faults and resets as they come, with the board's time\n"
+    "  --memory FILE     at the end: what all RAM and then the flash for settings hold\n"
     "  --help\n";
 
 static volatile int stop;
@@ -80,6 +82,20 @@ static bool write_file(const char *path, const uint8_t *bytes, size_t size)
     return f != NULL && fwrite(bytes, 1, size, f) == size && fclose(f) == 0;
 }
 
+static bool write_memory(const char *path, struct board *b)
+{
+    FILE *f = fopen(path, "wb");
+    bool whole = f != NULL;
+    for (size_t i = 0; whole && i < b->chip->n_memory; i++) {
+        const struct chip_memory *m = &b->chip->memory[i];
+        if (m->kind != MEMORY_FLASH)
+            whole = fwrite(processor_memory(b, m->base, m->size), 1, m->size, f) == m->size;
+    }
+    uint32_t stored = b->chip->stored_size;
+    whole = whole && fwrite(stored_flash(b)->bytes, 1, stored, f) == stored;
+    return f != NULL && fclose(f) == 0 && whole;
+}
+
 static void print_statistics(struct board *b)
 {
     struct timespec used;
@@ -90,9 +106,8 @@ static void print_statistics(struct board *b)
                   "(%.1f M/s); resets:",
                   (double)board_ns(b) / 1e9, (unsigned long long)b->instructions, seconds,
                   (double)b->instructions / seconds / 1e6);
-    static const char *const names[] = {"power", "brown-out", "pin", "software", "watchdog"};
     for (unsigned i = 0; i <= RESET_WATCHDOG; i++)
-        (void)fprintf(stderr, " %s %u", names[i], b->resets[i]);
+        (void)fprintf(stderr, " %s %u", board_reset_name((enum board_reset)i), b->resets[i]);
     (void)fprintf(stderr, "; flash words %llu, erases %llu\n",
                   (unsigned long long)stored_flash(b)->words,
                   (unsigned long long)stored_flash(b)->erase_count);
@@ -117,13 +132,15 @@ int main(int argc, char **argv)
                                           {"write-protect", 1, NULL, 'q'},
                                           {"exact", 0, NULL, 'e'},
                                           {"statistics", 0, NULL, 't'},
+                                          {"diary", 1, NULL, 'y'},
+                                          {"memory", 1, NULL, 'm'},
                                           {"help", 0, NULL, 'h'},
                                           {0}};
     static uint8_t image[1u << 20];
     struct surroundings around = {
         .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2830, .baud = 115200, .seed = 1};
     const char *file = NULL, *name = NULL, *control = NULL, *console = NULL, *link = NULL,
-               *nvm = NULL;
+               *nvm = NULL, *diary = NULL, *memory = NULL;
     bool exact = false, statistics = false;
     long long n = 0;
     uint64_t cut_word = 0;
@@ -190,6 +207,12 @@ int main(int argc, char **argv)
         case 't':
             statistics = true;
             break;
+        case 'y':
+            diary = optarg;
+            break;
+        case 'm':
+            memory = optarg;
+            break;
         case 'h':
             (void)fputs(usage, stdout);
             return 0;
@@ -231,14 +254,22 @@ int main(int argc, char **argv)
         if (nvm != NULL)
             (void)read_file(nvm, stored_flash(b)->bytes, chip->stored_size);
         stored_flash(b)->cut_word = cut_word;
+        if (diary != NULL && (b->diary = fopen(diary, "w")) == NULL) {
+            board_free(b);
+            return refuse("cannot write", diary);
+        }
         replay_begin(b);
         board_power_on(b);
         status = control != NULL ? control_serve(b, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));
         if (nvm != NULL && !write_file(nvm, stored_flash(b)->bytes, chip->stored_size))
             status = refuse("cannot write", nvm);
+        if (memory != NULL && !write_memory(memory, b))
+            status = refuse("cannot write", memory);
         if (statistics)
             print_statistics(b);
+        if (b->diary != NULL && fclose(b->diary) != 0)
+            status = refuse("cannot write", diary);
         board_free(b);
     }
     if (err[0] != '\0')

@@ -258,11 +258,26 @@ static void a_record_with_any_bit_wrong_is_not_resumed(void)
         memcpy(record, &copy, sizeof copy);
         record[bit / 8] ^= (uint8_t)(1u << (bit % 8));
         restart_init(&r, record, true);
-        refused += !r.pending;
+        refused += !r.pending && r.damaged;
     }
     TEST_ASSERT_EQUAL(8 * sizeof copy, refused);
     printf("restart record: %u of %u single-bit errors refused\n", refused,
            (unsigned)(8 * sizeof copy));
+}
+
+static void a_damaged_record_is_told_once(void)
+{
+    acting("hold");
+    uint8_t *record = hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record));
+    record[sizeof(struct restart_record) / 2] ^= 1u;
+    reset(HAL_RESET_PIN);
+    samples(1);
+    TEST_ASSERT_TRUE(said("RESTART_REFUSED record"));
+    board_forget();
+    configured_as_before("hold");
+    samples(3);
+    TEST_ASSERT_TRUE(board.command.safe);
+    TEST_ASSERT_FALSE(said("RESTART_REFUSED"));
 }
 
 static void a_board_that_resets_again_and_again_stays_safe_in_the_end(void)
@@ -374,6 +389,7 @@ int main(void)
     RUN_TEST(an_operator_who_acts_first_is_not_overruled);
     RUN_TEST(after_power_on_nothing_is_resumed_whatever_the_memory_holds);
     RUN_TEST(a_record_with_any_bit_wrong_is_not_resumed);
+    RUN_TEST(a_damaged_record_is_told_once);
     RUN_TEST(a_board_that_resets_again_and_again_stays_safe_in_the_end);
     RUN_TEST(a_loop_whose_measurement_is_bad_stays_in_manual);
     RUN_TEST(the_reason_of_the_start_is_told);

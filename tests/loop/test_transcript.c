@@ -221,7 +221,7 @@ static void stored_settings_are_told_over_resets(void)
     is_as_kept();
 }
 
-static void an_event_cut_by_a_reset_is_left_out_and_no_other(void)
+static void an_event_cut_by_a_reset_is_listed_as_damaged_and_no_other(void)
 {
     part("an event cut by a reset");
     running();
@@ -424,7 +424,7 @@ int main(int argc, char **argv)
     RUN_TEST(what_is_asked_in_vain_is_refused_in_words);
     RUN_TEST(a_key_locks_what_an_operator_may_not_do);
     RUN_TEST(stored_settings_are_told_over_resets);
-    RUN_TEST(an_event_cut_by_a_reset_is_left_out_and_no_other);
+    RUN_TEST(an_event_cut_by_a_reset_is_listed_as_damaged_and_no_other);
     RUN_TEST(what_is_left_of_a_fault_is_told);
     RUN_TEST(a_damaged_image_and_worn_settings_are_told);
     RUN_TEST(rows_of_a_sequence_are_listed_as_they_are_done);

@@ -1,4 +1,5 @@
-/* Prints the simulator's tables of plant files for tools/reference: objects and their keys, quantities of a column, units. A line has
+/* Prints the simulator's tables for tools/reference: objects of plant files and their keys, quantities of a column, units, faults of a
+ * virtual board. A line has
  * fields with tabs between them; the first field says what the line is.
  *
  *     plant_tables
@@ -9,6 +10,7 @@
 #include "columns/column_reader.h"
 #include "columns/column_units.h"
 #include "plants/file_keys.h"
+#include "virtual_board/fault_table.h"
 
 static void print_limits(const struct file_key *key)
 {
@@ -97,6 +99,11 @@ int main(void)
         printf("\t");
         print_measures(unit->measure, 1);
         printf("\t%.9g\t%g\n", unit->in, unit->offset);
+    }
+    for (size_t k = 0; k < FAULT_KINDS; k++) {
+        const struct fault_row *row = &fault_table[k];
+        printf("fault\t%s\t%s\t%.10g .. %.10g\t%s\t%s\n", row->name, row->unit, row->lo, row->hi,
+               row->whole ? "whole number" : "number", row->about);
     }
     return 0;
 }

@@ -69,7 +69,8 @@ static void on_hello(struct test_controller *c, const struct frame *f)
     if (unpack_hello(f, &m) != ERR_OK || m.role != LINK_ROLE_PLANT) {
         return;
     }
-    if (c->state == TEST_READY && m.session == c->plant_session) {
+    bool pages_kept = c->next_page != 0 && c->next_page == c->n_measurements + c->n_outputs;
+    if (m.session == c->plant_session && pages_kept && c->state != TEST_GREETING) {
         send_ready(c);
     } else if (c->state != TEST_GREETING || m.session != c->plant_session) {
         c->state = TEST_GREETING;

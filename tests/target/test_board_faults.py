@@ -1,212 +1,154 @@
 #!/usr/bin/python3
 """Faults of the hardware in states of the firmware, on the virtual board with the pilot column.
 
-    test_board_faults.py                     a sample
-    test_board_faults.py --matrix FILE.md    all of them, printed as a page; --only REGEX some of them
+    test_board_faults.py [all]               a cell for each kind of fault; all: every cell but those of flipped bits (test_board_flips.py)
+    test_board_faults.py --matrix FILE.md    every cell and the flipped bits, printed as a page; --only REGEX: of faults with such names
+        --cells FILE.jsonl                   keeps each cell as it comes, and takes those that are there already
+        --for S, --jobs N                    ends after so many seconds, N cells at a time
 
-A cell passes where the board has started again for the right reason (or did not restart where it must not), told so by its event, kept
-its stored set, and never commanded an output outside its limits other than its safe value.
+A cell passes where the board has started again for the right reason (or not at all where it must not) and has told it, has kept its stored set,
+where the plant was never told an output outside its limits other than the safe value, and where its outputs were safe within the stated time
+(tests/support/board_faults.py). Of flipped bits (board_flips.py) none may be silent in the image, in the stored set and in retained memory.
 """
 
 import argparse
-import csv
+import json
 import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import board  # noqa: E402
-from reflux import build, launch  # noqa: E402
+from board_faults import STATES, Cell, Fault, Flash, faults, run  # noqa: E402
+from board_flips import CLASSES, KINDS, MEANING, SEEDS, Flip, Flips, broken  # noqa: E402
+from sample import EVERY  # noqa: E402
 
-FAULT_S, ASK_S, END_S = 300, 900, 960
-LIMITS = {"Lr": (1.0, 9.0, 4.5), "Qrb": (0.4, 1.25, 0.0)}
-GAIN, CHANGED = "12", "13"
-LATER_NS = {"start": 40_000_000, "save": 1_000_000}  # the line that begins the state comes after the event
-STATES = {
-    "start": [f"{FAULT_S} ?reboot"],
-    "manual": [],
-    "auto": ["60 mode top auto", "60 mode bottom auto"],
-    "commission": ["60 commission begin"],
-    "save": [f"{FAULT_S - 60} set loop1.gain {CHANGED}", f"{FAULT_S} ?save"],
-}
-ANY = ("power-on", "watchdog", "reset-pin", "fault", "crystal", "requested")
+Job = tuple[str, str, int]  # name, state, seed; 0: no flip
 
 
-@dataclass(frozen=True)
-class Fault:
-    """settings: NAME=VALUE in order; causes: of the restart, "" for none."""
-
-    name: str
-    settings: tuple[str, ...]
-    causes: tuple[str, ...]
-    flips: bool = False
+def jobs(only: str = "") -> list[Job]:
+    """Every cell."""
+    out = [(fault.name, state, 0) for fault in faults() for state in STATES if re.search(only, fault.name)]
+    return out + [(kind.name, state, seed) for kind in KINDS for state in STATES for seed in range(1, SEEDS + 1) if re.search(only, kind.name)]
 
 
-def faults() -> list[Fault]:
-    """The list of faults."""
-    out = [Fault(f"power cut {s:g} s", (f"power_cut={s:g}",), ("power-on",)) for s in (0.001, 0.1, 2, 8)]
-    out += [Fault(f"power cut, {n} instructions on", (f"after_instructions={n}", "power_cut=0.5"), ("power-on",))
-            for n in (1, 777, 54321, 1234567)]
-    out += [Fault(f"supply to {v:g} V and back", (f"supply={v:g}", "after_ns=500000000", "supply=3.3"), ("power-on",))
-            for v in (2.6, 1.8, 0.5)]
-    out += [Fault("supply to 2.85 V and back", ("supply=2.85", "after_ns=500000000", "supply=3.3"), ("",))]
-    out += [Fault(f"supply ramp to {v:g} V in {t:g} s and back",
-                  (f"ramp_time={t:g}", f"supply_ramp={v:g}", "after_ns=3000000000", "supply=3.3"),
-                  ("power-on",)) for v, t in ((2.5, 0.05), (2.0, 0.25), (0.0, 2))]
-    out += [Fault("crystal stops", ("crystal=0",), ("crystal",)),
-            Fault("crystal stops and comes back", ("crystal=0", "after_ns=100000000", "crystal=8000000"), ("crystal",)),
-            Fault("crystal 1 % low", ("crystal=7920000",), ("",)),
-            Fault("crystal 2 % high", ("crystal=8160000",), ("",))]
-    out += [Fault(f"watchdog's clock {hz} Hz", (f"slow_clock={hz}",), ("",)) for hz in (17000, 47000)]
-    out += [Fault(f"button {s:g} s", (f"button={s:g}",), ("reset-pin",)) for s in (0.00001, 0.3, 4)]
-    out += [Fault(f"button, {n} instructions on", (f"after_instructions={n}", "button=0.01"), ("reset-pin",))
-            for n in (99, 98765)]
-    out += [Fault("main loop hangs", ("hang_main=1",), ("watchdog",)), Fault("tick hangs", ("hang_tick=1",), ("watchdog",)),
-            Fault("main loop hangs 0.2 s", ("hang_main=1", "after_ns=200000000", "hang_main=0"), ("",)),
-            Fault("tick hangs 0.1 s", ("hang_tick=1", "after_ns=100000000", "hang_tick=0"), ("",))]
-    out += [Fault(f"noise on the plant link, {n} bytes in a million", (f"noise_link={n}", "after_ns=5000000000", "noise_link=0"), ("",))
-            for n in (100, 2000, 20000)]
-    out += [Fault("plant link unplugged 3 s", ("unplug_link=3",), ("",)),
-            Fault("console unplugged 1 s", ("unplug_console=1",), ("",))]
-    for what in ("ram", "ccm", "flash", "stored", "register"):
-        out += [Fault(f"{bits} bits of {what}, place {place}", (f"place={place}", f"flip_{what}={bits}"), ANY + ("",), True)
-                for place, bits in ((1, 1), (2, 1), (3, 8))]
-    out += [Fault(f"supply goes in word {n} of the next save", (f"flash_cut_word={n}", "off_time=0.5"), ("power-on", ""))
-            for n in (1, 17, 40)]
-    out += [Fault(f"supply goes at {p} per mille of the next erase", ("off_time=0.5", f"flash_cut_erase={p}"), ("power-on", ""))
-            for p in (10, 500, 990)]
+def sample() -> list[Job]:
+    """One of each kind, the states in turn."""
+    first: dict[str, Fault] = {}
+    for fault in faults():
+        first.setdefault(fault.kind, fault)
+    states = list(STATES)
+    return [(fault.name, states[n % len(states)], 0) for n, fault in enumerate(first.values())]
+
+
+class Matrix:
+    """Runs cells."""
+
+    def __init__(self, folder: Path) -> None:
+        flash = Flash(folder)
+        self.flash, self.flips = flash, Flips(flash)
+        self.faults = {fault.name: fault for fault in faults()}
+        self.kinds = {kind.name: kind for kind in KINDS}
+
+    def run(self, job: Job) -> Cell | Flip:
+        name, state, seed = job
+        return run(self.faults[name], state, self.flash) if seed == 0 else self.flips.run(self.kinds[name], state, seed)
+
+    def wrong(self, cell: Cell | Flip) -> str:
+        """What breaks the oracle; empty: nothing."""
+        if isinstance(cell, Cell):
+            return "" if cell.passed else cell.words
+        return broken(cell)
+
+
+def page(done: dict[Job, Cell | Flip], matrix: Matrix) -> str:
+    """The cells as a page."""
+    cells = {job: cell for job, cell in done.items() if isinstance(cell, Cell)}
+    flips = [cell for cell in done.values() if isinstance(cell, Flip)]
+    names = [name for name in matrix.faults if all((name, state, 0) in cells for state in STATES)]
+    wrong = sum(matrix.wrong(cell) != "" for cell in done.values())
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
+    out = ["# Faults of the hardware on the virtual board", "",
+           "`tests/target/test_board_faults.py --matrix FILE` prints this page: the STM32F405 image (float) with the pilot column, one fault in each of",
+           "five states. The head of the script says what must hold.", "",
+           f"Commit {commit}: {len(names)} faults and {len(matrix.kinds)} kinds of flipped bits, {len(done)} runs, {wrong} of them against that.", "",
+           "A cell has the reason of the restart as told, and the time from the moment that the board was gone until the plant's outputs were safe. Last is",
+           "the time that the pages promise.", "",
+           "| fault | " + " | ".join(STATES) + " | stated |", "|---|" + "---|" * (len(STATES) + 1)]
+    for name in names:
+        row = [cells[name, state, 0] for state in STATES]
+        stated = f"{matrix.faults[name].safe_s:.2f} s" if any(cell.safe_s is not None for cell in row) else "-"
+        out.append(f"| {name} | " + " | ".join(("" if cell.passed else "**no**: ") + cell.words for cell in row) + f" | {stated} |")
+    out += ["", "Flipped bits, one in each run, places and instants by seed; each run is compared with one without the flip. These runs read little of the",
+            "RAM, and nothing of the CCM, which holds the workspace of a start-up.", "",
+            "| what is hit | runs | " + " | ".join(CLASSES) + " |", "|---|---:|" + "---:|" * len(CLASSES)]
+    for kind in matrix.kinds:
+        of_kind = [flip.outcome for flip in flips if flip.kind == kind]
+        out.append(f"| {kind} | {len(of_kind)} | " + " | ".join(str(of_kind.count(outcome)) for outcome in CLASSES) + " |")
+    return "\n".join([*out, "", *(f"- *{outcome}*: {MEANING[outcome]}." for outcome in CLASSES), ""])
+
+
+def load(path: Path | None) -> dict[Job, Cell | Flip]:
+    out: dict[Job, Cell | Flip] = {}
+    for line in path.read_text().splitlines() if path is not None and path.exists() else ():
+        row = json.loads(line)
+        out[tuple(row["job"])] = (Flip if row["job"][2] else Cell)(**row["cell"])
     return out
 
 
-@dataclass
-class Cell:
-    """What came of one fault in one state."""
+def main() -> int:
+    p = argparse.ArgumentParser()
+    p.add_argument("--matrix", type=Path, required=True)
+    p.add_argument("--only", default="")
+    p.add_argument("--cells", type=Path)
+    p.add_argument("--for", type=float, default=float("inf"), dest="seconds")
+    p.add_argument("--jobs", type=int, default=1)
+    given = p.parse_args()
+    end, done = time.monotonic() + given.seconds, load(given.cells)
+    todo = [job for job in jobs(given.only) if job not in done]
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder, ThreadPoolExecutor(given.jobs) as pool:
+        matrix = Matrix(Path(folder))
 
-    passed: bool
-    kind: str
-    words: str
+        def one(job: Job) -> tuple[Job, Cell | Flip | None]:
+            return job, matrix.run(job) if time.monotonic() < end else None
 
-
-def run(fault: Fault, state: str, board_seed: int = 1) -> Cell:
-    """One cell: the set is saved first, then the state is entered, then the fault comes."""
-    conf = board.ROOT / "host_sim" / "scenarios" / "pilot.conf"
-    lines = [f"0 {line}" for line in conf.read_text().splitlines() if line and not line.startswith("#")]
-    lines += ["10 mode top manual", "10 mode bottom manual", "20 save", "30 out Lr 4.5", "30 out Qrb 0.8", *STATES[state],
-              f"{ASK_S} ?version", f"{ASK_S} ?get loop1.gain", f"{ASK_S} ?events"]
-    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        place = Path(folder)
-        (place / "script").write_text("\n".join(lines) + "\n")
-        settings = fault.settings
-        if state in LATER_NS and not settings[0].startswith("after"):
-            settings = (f"after_ns={LATER_NS[state]}", *settings)
-        events = [word for setting in settings for word in ("--event", f"{FAULT_S}:board.{setting}")]
-        with launch.start("board", extra=("--seed", str(board_seed), "--nvm", str(place / "nvm"))) as firmware:
-            sim = subprocess.run(
-                [str(build.find_program("host", "reflux-sim")), "--plant", "pilot", "--port", firmware.link, "--console",
-                 firmware.console, "--script", str(place / "script"), "--transcript", str(place / "transcript"), "--log",
-                 str(place / "log"), "--duration", str(END_S), *events],
-                capture_output=True, text=True, timeout=120, check=False)
-            if firmware.process:
-                try:
-                    firmware.process.wait(timeout=2)
-                except subprocess.TimeoutExpired:
-                    pass
-            verdict = firmware.died() or ""
-        transcript = (place / "transcript").read_text(errors="replace")
-        if sim.returncode and not verdict.count("status 3"):
-            transcript += stored_set(place)
-        log = (place / "log").read_text(errors="replace").splitlines()
-    return judge(fault, state, transcript, log, sim.stderr.strip().splitlines()[-1:] if sim.returncode else [], verdict)
-
-
-def stored_set(place: Path) -> str:
-    """What a second start says of the set, where the run ended with the reply that did not come."""
-    (place / "script").write_text("0 get loop1.gain\n")
-    with launch.start("board", extra=("--nvm", str(place / "nvm"))) as firmware:
-        subprocess.run([str(build.find_program("host", "reflux-sim")), "--plant", "pilot", "--port", firmware.link, "--console",
-                        firmware.console, "--script", str(place / "script"), "--transcript", str(place / "after"), "--duration", "0"],
-                       capture_output=True, timeout=60, check=False)
-    return (place / "after").read_text(errors="replace")
-
-
-def judge(fault: Fault, state: str, transcript: str, log: list[str], failed: list[str], verdict: str) -> Cell:
-    """Compares what was said and done with the oracle."""
-    causes = [cause for cause in re.findall(r"started in the safe state: ([\w-]+) \(STARTED\)", transcript)][1:]
-    if failed and causes:
-        causes.pop()  # the second start, which only looks at the set
-    if state == "start" and "requested" in causes:
-        causes.remove("requested")
-    gains = re.findall(r"loop1\.gain ([0-9.]+)", transcript)
-    answered = f"{ASK_S}.000 < started by" in transcript
-    wrong = []
-    rows = list(csv.DictReader(line for line in log if not line.startswith("#")))
-    for row in rows:
-        for name, (lo, hi, safe) in LIMITS.items():
-            value = next(float(cell) for key, cell in row.items() if key.startswith(f"{name}.cmd"))
-            if row[f"{name}.drive"] == "1" and not lo <= value <= hi and abs(value - safe) > 1e-6:
-                wrong.append(f"{name} at {value:g}")
-    told = next((cause for cause in causes), "")
-    if state == "save" and any("restarted before" in words for words in failed):
-        told = told or fault.causes[0]  # the run ends with the reply that did not come, before the console tells why
-    if told not in fault.causes:
-        wrong.append(f"started by {told or 'nothing'}")
-    if "status 3" in verdict:
-        wrong.append(f"verdict: {verdict.split(': ', 2)[-1]}")
-    if gains and float(gains[-1]) not in (float(GAIN), float(CHANGED) if state == "save" else float(GAIN)):
-        wrong.append(f"gain {gains[-1]}")
-    if not gains and "status 3" not in verdict:
-        wrong.append("the set is lost")
-    if not answered and state != "save":
-        wrong.append("no answer: " + " ".join(failed)[-100:])
-    kind = "told" if causes or failed or verdict.count("status 3") else "masked or silent"
-    return Cell(not wrong, kind, "; ".join(dict.fromkeys(wrong)) or (f"started by {told}" if told else "ran on"))
-
-
-def matrix(path: Path, only: str) -> int:
-    """Runs the cells and prints them as a page."""
-    rows, failed, n = [], [], 0
-    flips: dict[str, int] = {}
-    for fault in faults():
-        if not re.search(only, fault.name):
-            continue
-        cells = [run(fault, state) for state in STATES]
-        n += len(cells)
-        rows.append(f"| {fault.name} | " + " | ".join(("" if c.passed else "**no**: ") + c.words for c in cells) + " |")
-        failed += [f"{fault.name}, {state}: {c.words}" for state, c in zip(STATES, cells) if not c.passed]
-        if fault.flips:
-            for cell in cells:
-                flips[cell.kind] = flips.get(cell.kind, 0) + 1
-        print(rows[-1], flush=True)
-        path.write_text("\n".join([
-            "# Faults of the hardware on the virtual board", "",
-            "`tests/target/test_board_faults.py --matrix FILE` writes this page: the STM32F405 image (float) with the pilot column, one fault at",
-            "300 s of plant time in each of five states. A cell says what the board did; **no** marks one that breaks the oracle at the head of the",
-            "script.", "", f"{n} cells, {len(failed)} of them against the oracle. Flipped bits: "
-            + (", ".join(f"{kind} {count}" for kind, count in sorted(flips.items())) or "none run") + ".", "",
-            "| fault | " + " | ".join(STATES) + " |", "|---|" + "---|" * len(STATES), *rows, ""]))
-    return 1 if failed else 0
+        for job, cell in pool.map(one, todo):
+            if cell is None:
+                continue
+            done[job] = cell
+            print(*job, cell, flush=True)
+            if given.cells is not None:
+                with given.cells.open("a") as out:
+                    out.write(json.dumps({"job": job, "cell": asdict(cell)}) + "\n")
+        given.matrix.write_text(page(done, matrix))
+        wrong = {job: words for job, cell in done.items() if (words := matrix.wrong(cell))}
+    for job, words in wrong.items():
+        print("against the oracle:", *job, words)
+    print(f"{sum(job in done for job in jobs(given.only))} of {len(jobs(given.only))} cells")
+    return 1 if wrong else 0
 
 
 class BoardFaultsTest(unittest.TestCase):
-    def test_sample(self) -> None:
+    def test_cells(self) -> None:
+        wanted = [(name, state) for name, state, seed in jobs() if seed == 0] if EVERY else [job[:2] for job in sample()]
         by_name = {fault.name: fault for fault in faults()}
-        for name, state in (("power cut 0.1 s", "manual"), ("supply to 2.6 V and back", "auto"), ("crystal stops", "auto"),
-                            ("main loop hangs", "manual"), ("tick hangs", "auto"), ("button 0.3 s", "manual"),
-                            ("plant link unplugged 3 s", "auto")):
-            with self.subTest(fault=name, state=state):
-                cell = run(by_name[name], state)
-                self.assertTrue(cell.passed, cell.words)
+        with tempfile.TemporaryDirectory(prefix="reflux-") as folder, ThreadPoolExecutor(2) as pool:
+            flash = Flash(Path(folder))
+            for (name, state), cell in zip(wanted, pool.map(lambda job: run(by_name[job[0]], job[1], flash), wanted)):
+                with self.subTest(name=name, state=state):
+                    self.assertTrue(cell.passed, cell.words)
+
+    def test_the_list_has_forty_faults_and_five_states(self) -> None:
+        self.assertGreaterEqual(len({fault.name for fault in faults()}), 40)
+        self.assertEqual(len(STATES), 5)
 
 
 if __name__ == "__main__":
     if "--matrix" in sys.argv:
-        parser = argparse.ArgumentParser()
-        parser.add_argument("--matrix", type=Path)
-        parser.add_argument("--only", default="")
-        given = parser.parse_args()
-        sys.exit(matrix(given.matrix, given.only))
+        sys.exit(main())
     unittest.main()

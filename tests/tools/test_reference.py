@@ -112,11 +112,20 @@ class PlantKeys(FolderTest):
 
 class ScenarioKeys(unittest.TestCase):
     def test_the_page_has_every_key_that_the_reader_takes(self) -> None:
-        text = scenario_page.scenario_files()
+        text = made()["scenario-files.md"]
         for name, keys in scenario_keys.TABLES.items():
             section = text.split("\n## Table " + name if name else "\n## Keys of the file")[1].split("\n## ")[0]
             for key in keys:
                 self.assertRegex(section, rf"(?m)^\| `(\[\[)?{key}(\]\])?` \|")
+
+    def test_the_page_has_every_fault_that_the_simulator_takes(self) -> None:
+        tree = build.find_program("host", cmd_reference.PROGRAMS[0]).parent
+        said = subprocess.run([str(tree / "reflux-sim"), "--plant", "pilot", "--port", "newpty", "--event", "0:board.none=1"],
+                              capture_output=True, text=True, check=False).stderr
+        known = said.strip().split("it has ")[1].split(", ")
+        rows = {name: (unit, limits) for name, _, unit, limits, _ in scenario_page.fault_rows(tables.rows_of(tables.said_by(tree / "plant_tables")))}
+        self.assertEqual([f"`board.{name}`" for name in known], list(rows))
+        self.assertEqual(rows["`board.supply`"], ("V", "0 .. 3.6"))
 
     def test_limits_defaults_and_choices_are_those_of_the_reader(self) -> None:
         top, loop = scenario_keys.TOP, scenario_keys.LOOP

@@ -196,6 +196,66 @@ static void test_flips_turn_as_many_bits(void)
     board_free(b);
 }
 
+static void test_flips_stay_in_the_part_that_is_named(void)
+{
+    static const uint16_t code[] = {0xE7FE};
+    static const char within[] = "flip_from 536871168\nflip_bytes 16\nflip_ram 5\n";
+    static const char outside[] = "flip_from 134217728\nflip_ram 1\n";
+    char err[200];
+    struct board *b = make(code, 1, false);
+    uint8_t *before = malloc(0x20000);
+    (void)memcpy(before, processor_memory(b, 0x20000000u, 0x20000), 0x20000);
+    TEST_ASSERT_TRUE(faults_add_text(b, within, sizeof(within) - 1u, err, sizeof(err)));
+    board_run(b, 1000000);
+    const uint8_t *after = processor_memory(b, 0x20000000u, 0x20000);
+    TEST_ASSERT_TRUE(memcmp(before + 0x100, after + 0x100, 16) != 0);
+    TEST_ASSERT_EQUAL_MEMORY(before, after, 0x100);
+    TEST_ASSERT_EQUAL_MEMORY(before + 0x110, after + 0x110, 0x20000 - 0x110);
+    TEST_ASSERT_TRUE(faults_add_text(b, outside, sizeof(outside) - 1u, err, sizeof(err)));
+    board_run(b, 2000000);
+    TEST_ASSERT_TRUE(strstr(b->verdict, "nothing of that memory") != NULL);
+    free(before);
+    board_free(b);
+}
+
+static void test_each_ramp_has_the_time_that_was_set_for_it(void)
+{
+    static const uint16_t code[] = {0xE7FE};
+    static const char down_and_up[] = "ramp_time 0.01\nsupply_ramp 2\nramp_time 1\n"
+                                      "after_ns 100000000\nsupply_ramp 3.3\n";
+    char err[200];
+    struct board *b = make(code, 1, false);
+    TEST_ASSERT_TRUE(faults_add_text(b, down_and_up, sizeof(down_and_up) - 1u, err, sizeof(err)));
+    board_run(b, 20000000);
+    TEST_ASSERT_EQUAL_UINT32(2000, b->around.supply_mv);
+    board_run(b, 600000000);
+    TEST_ASSERT_UINT32_WITHIN(5, 2650, b->around.supply_mv);
+    TEST_ASSERT_TRUE(b->held);
+    board_run(b, 1200000000);
+    TEST_ASSERT_EQUAL_UINT32(3300, b->around.supply_mv);
+    TEST_ASSERT_FALSE(b->held);
+    board_free(b);
+}
+
+static void test_the_diary_has_faults_and_resets_with_their_times(void)
+{
+    static const uint16_t code[] = {0xE7FE};
+    static const char press[] = "after_ns 5000000\nbutton 0.25\n";
+    char err[200], said[400] = "";
+    struct board *b = make(code, 1, false);
+    b->diary = tmpfile();
+    TEST_ASSERT_NOT_NULL(b->diary);
+    TEST_ASSERT_TRUE(faults_add_text(b, press, sizeof(press) - 1u, err, sizeof(err)));
+    board_run(b, 300000000);
+    rewind(b->diary);
+    TEST_ASSERT_GREATER_THAN_size_t(0, fread(said, 1, sizeof(said) - 1u, b->diary));
+    TEST_ASSERT_TRUE(strncmp(said, "0.005000000 fault button 0.25\n", 30) == 0);
+    TEST_ASSERT_TRUE(strstr(said, "0.005000000 held pin\n") != NULL);
+    TEST_ASSERT_TRUE(strstr(said, "0.255000000 reset pin\n") != NULL);
+    (void)fclose(b->diary);
+    board_free(b);
+}
+
 static void test_what_cannot_be_is_refused(void)
 {
     static const uint16_t code[] = {0xE7FE};
@@ -228,6 +288,9 @@ int main(void)
     RUN_TEST(test_power_cut_forgets_memory_and_keeps_flash);
     RUN_TEST(test_brown_out_keeps_memory);
     RUN_TEST(test_flips_turn_as_many_bits);
+    RUN_TEST(test_flips_stay_in_the_part_that_is_named);
+    RUN_TEST(test_each_ramp_has_the_time_that_was_set_for_it);
+    RUN_TEST(test_the_diary_has_faults_and_resets_with_their_times);
     RUN_TEST(test_what_cannot_be_is_refused);
     return UNITY_END();
 }

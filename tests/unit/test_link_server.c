@@ -177,6 +177,44 @@ static void a_restarted_controller_is_told_by_its_session(void)
     TEST_ASSERT_EQUAL_UINT32(78, server.controller_session);
 }
 
+/* After a silence the plant's HELLO may come before the controller's own, and no frame has its session then. */
+static void a_controller_that_restarts_in_a_silence_is_told_by_its_asking_for_pages(void)
+{
+    TEST_ASSERT_TRUE(run(50));
+    cut_off = true;
+    TEST_ASSERT_TRUE(run(LINK_SILENCE_MS + LINK_KEEP_ALIVE_MS));
+    cut_off = false;
+    TEST_ASSERT_TRUE(run(1000));
+    TEST_ASSERT_EQUAL_UINT32(1, server.introductions); /* the same controller, after a silence */
+    cut_off = true;
+    TEST_ASSERT_TRUE(run(LINK_SILENCE_MS + LINK_KEEP_ALIVE_MS));
+    test_controller_init(&controller, 77, now);
+    cut_off = false;
+    TEST_ASSERT_TRUE(run(1000));
+    TEST_ASSERT_EQUAL_INT(LINK_SAMPLING, server.state);
+    TEST_ASSERT_EQUAL_UINT32(2, server.introductions);
+}
+
+static void what_the_outputs_are_told_is_logged_with_its_time(void)
+{
+    char said[400] = "";
+    struct output_log log = {.file = tmpfile()};
+    TEST_ASSERT_NOT_NULL(log.file);
+    server.outputs = &log;
+    TEST_ASSERT_TRUE(run(50));
+    struct link_sample s = sample_of(3);
+    TEST_ASSERT_TRUE(link_server_sample(&server, &s));
+    TEST_ASSERT_TRUE(run(5));
+    cut_off = true;
+    TEST_ASSERT_TRUE(run(LINK_SILENCE_MS + LINK_KEEP_ALIVE_MS));
+    rewind(log.file);
+    TEST_ASSERT_GREATER_THAN_size_t(0, fread(said, 1, sizeof(said) - 1u, log.file));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(said, ",command,30"), said);
+    TEST_ASSERT_TRUE(strstr(said, ",silence,") != NULL);
+    TEST_ASSERT_TRUE(strstr(said, ",5\n") != NULL); /* safe */
+    TEST_ASSERT_TRUE(output_log_close(&log));
+}
+
 static void a_damaged_line_still_gets_through(void)
 {
     flip_every = 97;
@@ -249,6 +287,8 @@ int main(void)
     RUN_TEST(keep_alives_hold_the_link_while_nothing_is_sampled);
     RUN_TEST(silence_brings_the_greeting_back_and_the_sample_is_held_until_resent);
     RUN_TEST(a_restarted_controller_is_told_by_its_session);
+    RUN_TEST(a_controller_that_restarts_in_a_silence_is_told_by_its_asking_for_pages);
+    RUN_TEST(what_the_outputs_are_told_is_logged_with_its_time);
     RUN_TEST(a_damaged_line_still_gets_through);
     RUN_TEST(another_version_is_answered_and_ends_the_session_with_a_reason);
     RUN_TEST(frames_that_make_no_sense_change_nothing);

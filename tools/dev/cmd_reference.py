@@ -21,14 +21,14 @@ PROGRAMS = ("reference_tables", "plant_tables")
 def pages(folder: Path) -> dict[str, str]:
     """Text of each page by its name. folder: a build tree with the programs."""
     program = folder / PROGRAMS[0]
-    rows = rows_of(said_by(program))
+    rows, simulated = rows_of(said_by(program)), rows_of(said_by(folder / PROGRAMS[1]))
     return {
         "commands.md": firmware_pages.commands(rows),
         "parameters.md": firmware_pages.parameters(rows),
         "events.md": firmware_pages.events(rows, program),
         "errors.md": firmware_pages.errors(rows),
-        "plant-files.md": plant_files(rows_of(said_by(folder / PROGRAMS[1]))),
-        "scenario-files.md": scenario_files(),
+        "plant-files.md": plant_files(simulated),
+        "scenario-files.md": scenario_files(simulated),
         "virtual-board.md": virtual_board(),
     }
 

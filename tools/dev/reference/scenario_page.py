@@ -6,6 +6,7 @@ import json
 import math
 
 from dev.reference.markdown import code, contents, page, table
+from dev.reference.tables import Rows
 from reflux import scenario_keys
 from reflux.schema import REQUIRED, Key
 
@@ -43,7 +44,15 @@ def default(key: Key) -> str:
     return key.default_words or ("none" if key.default is None else code(json.dumps(key.default)))
 
 
-def scenario_files() -> str:
+FAULTS = "Faults of a board's hardware"
+
+
+def fault_rows(rows: Rows) -> list[tuple[str, ...]]:
+    """rows: of the program that prints the simulator's tables."""
+    return [(code(f"board.{name}"), about, unit or "-", limits, kind) for name, unit, limits, kind, about in rows["fault"]]
+
+
+def scenario_files(simulated: Rows) -> str:
     parts = []
     for name, title, about in SECTIONS:
         rows = [(code(f"[[{key.name}]]" if key.kind == "tables" else key.name), key.about, key.unit, allowed(key), default(key), key.kind)
@@ -53,4 +62,8 @@ def scenario_files() -> str:
         ["# Scenario files"],
         ["Look up here a key of a scenario: a TOML file that `tools/run` runs. [scenarios.md](../use/scenarios.md) says how to write one, and what its report",
          "measures. A key that is not here is refused with the keys that are known, and so are wrong types, NaN, and times outside the run."],
-        contents([(title, []) for _, title, _ in SECTIONS]), *parts)
+        contents([(title, []) for title in (*(title for _, title, _ in SECTIONS), FAULTS)]), *parts, [f"## {FAULTS}"],
+        ["Keys of `set` in an `[[event]]`, and of `--event` of `reflux-sim`, with `--firmware board`",
+         "([scenarios.md](../use/scenarios.md#faults-of-a-boards-hardware)). The last ones are settings of the faults that follow, with the value that holds",
+         "without them in brackets."],
+        table(("key", "what", "unit", "allowed", "type"), fault_rows(simulated)))
