@@ -89,12 +89,12 @@ void STARTUP(void)
 {
 #ifdef __ARM_FP
     SCB_CPACR |= SCB_CPACR_FPU; /* before the first floating-point instruction */
-    __asm volatile("dsb\n\tisb" ::: "memory");
 #endif
     /* The emulator starts a raw image at address 0, the chip's alias of the flash: use the real one. */
     SCB_VTOR = (uint32_t)(uintptr_t)vectors;
     SCB_SHCSR |= SCB_SHCSR_FAULTS;
     SCB_CCR |= SCB_CCR_DIV_0_TRP | SCB_CCR_STKALIGN;
+    __asm volatile("dsb\n\tisb" ::: "memory");
 
     paint_stack();
     memcpy(data_start, data_source, (size_t)((char *)data_end - (char *)data_start));

@@ -88,6 +88,7 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     enum err result = unlock();
     if (result == ERR_OK) {
         FLASH_CR = FLASH_CR_PG;
+        __asm volatile("dsb" ::: "memory"); /* flash and registers are not in order */
         for (uint32_t i = 0; i < n && result == ERR_OK; i += HALF) {
             if (supply_is_low()) {
                 result = ERR_STATE;

@@ -88,6 +88,7 @@ enum err hal_nvm_read(uint32_t address, void *data, uint32_t n)
     /* From the flash each time: a reading that went wrong would stay in the data cache. */
     uint32_t acr = FLASH_ACR;
     FLASH_ACR = acr & ~FLASH_ACR_DCEN;
+    __asm volatile("dsb" ::: "memory"); /* flash and registers are not in order */
     for (uint32_t i = 0; i < n; i++) {
         to[i] = from[i];
     }
@@ -111,6 +112,7 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     enum err result = unlock();
     if (result == ERR_OK) {
         FLASH_CR = FLASH_CR_PSIZE32 | FLASH_CR_PG;
+        __asm volatile("dsb" ::: "memory");
         for (uint32_t i = 0; i < n && result == ERR_OK; i += WORD) {
             if (supply_is_low()) {
                 result = ERR_STATE;
