@@ -43,6 +43,7 @@ static uint64_t on_read(uc_engine *uc, uint64_t offset, unsigned bytes, void *co
 {
     const struct window *w = context;
     (void)uc;
+    barrier_rules_access(w->board, w->base + (uint32_t)offset, w->stored, false, 0);
     return w->stored ? stored_flash_read(w->board, (uint32_t)offset, bytes)
                      : bus_read(w->board, w->base + (uint32_t)offset, bytes);
 }
@@ -51,6 +52,7 @@ static void on_write(uc_engine *uc, uint64_t offset, unsigned bytes, uint64_t va
 {
     const struct window *w = context;
     (void)uc;
+    barrier_rules_access(w->board, w->base + (uint32_t)offset, w->stored, true, (uint32_t)value);
     if (w->stored)
         w->board->chip->store(w->board, (uint32_t)offset, bytes, (uint32_t)value);
     else

@@ -75,6 +75,8 @@ struct chip {
     const struct chip_memory *memory;
     size_t n_memory;
     uint32_t stored_base, stored_size; /* flash that the firmware writes */
+    uint32_t flash_control;            /* address of FLASH_CR */
+    uint32_t flash_cache; /* of FLASH_ACR, whose bit 10 turns a cache of data on; 0: none */
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
     const struct clocks *clocks;
     uint8_t (*pin_function)(struct board *b, char port, unsigned pin); /* models/models.h */

@@ -52,6 +52,7 @@ const struct chip chip_stm32f100 = {
     .n_memory = sizeof(memory) / sizeof(memory[0]),
     .stored_base = 0x0801E000u,
     .stored_size = 0x2000u,
+    .flash_control = 0x40022010u,
     .store = flash_f1_store,
     .clocks = &clocks_f1,
     .pin_function = pin_function_f1,

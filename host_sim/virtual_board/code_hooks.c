@@ -80,6 +80,10 @@ static void on_instruction(uc_engine *uc, uint64_t address, uint32_t bytes, void
     struct processor *p = context;
     uint32_t at = (uint32_t)address - flash_of(p->board->chip)->base;
     p->pc = (uint32_t)address;
+    if (p->rules.on)
+        barrier_rules_instruction(p->board, p->pc,
+                                  at < p->image_bytes ? p->memory[0] + at
+                                                      : processor_memory(p->board, p->pc, 4));
     if (p->division_by_step && at < p->image_bytes && thumb_divides(p->memory[0] + at))
         on_division(uc, address, bytes, context);
 }

@@ -8,6 +8,7 @@
 
 #include <unicorn/unicorn.h>
 
+#include "barrier_rules.h"
 #include "interrupts.h"
 
 #define EXC_RETURNS 0xFFFFFF00u /* a jump to here or above returns from an exception */
@@ -24,6 +25,7 @@ struct window {
 struct processor {
     struct board *board;
     struct interrupts *interrupts;
+    struct barrier_rules rules;
     uc_engine *uc;
     uint8_t *memory[BOARD_LAST_FLASH];
     struct counted {

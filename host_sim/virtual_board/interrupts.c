@@ -37,6 +37,7 @@ void interrupts_reset(struct interrupts *i)
     (void)memset(i->region, 0, sizeof(i->region));
     i->depth = 0;
     i->tick_next = BOARD_NEVER;
+    i->tick_cleared = false;
 }
 
 /* 2.3.5: of those that are equal, the lowest number comes first */

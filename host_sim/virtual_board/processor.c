@@ -272,6 +272,7 @@ void processor_reset(struct board *b)
     interrupts_reset(p->interrupts);
     p->sleeping = p->locked_up = p->left = p->failed = false;
     p->protection_changed = true;
+    p->rules = (struct barrier_rules){.on = p->rules.on};
     for (size_t i = 0; i < sizeof(cleared) / sizeof(cleared[0]); i++)
         core_set(p, cleared[i], 0);
     core_set(p, UC_ARM_REG_XPSR, XPSR_THUMB);
@@ -318,7 +319,7 @@ bool processor_start(struct board *b, const uint8_t *image, size_t image_bytes, 
     struct processor *p = calloc(1, sizeof(*p));
     b->processor = p;
     p->board = b;
-    p->exact = exact;
+    p->exact = p->rules.on = exact;
     p->counted = calloc(flash->size / 2u, sizeof(*p->counted));
     p->interrupts = interrupts_new(b);
     if (image_bytes > flash->size || image_bytes < 8) {

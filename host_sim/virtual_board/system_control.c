@@ -176,6 +176,7 @@ static void control_write(struct part *p, uint32_t offset, uint32_t before, uint
         flags_set(p, i->pending, first, written, offset < ICPR);
     } else if (offset == SYST_CVR) {
         part_set(p, SYST_CSR, part_get(p, SYST_CSR) & ~SYST_COUNTED);
+        i->tick_cleared = true;
         systick_restart(i);
     } else if (offset == SYST_CSR) {
         if (((before ^ written) & (SYST_ENABLE | SYST_CORE)) != 0)

@@ -60,6 +60,7 @@ struct interrupts {
     uint64_t asking[EXCEPTIONS / 64]; /* pending or high, and enabled: a bit each */
     unsigned active[DEPTH], depth;
     uint64_t tick_next; /* cycles at which SysTick comes to 0 */
+    bool tick_cleared;  /* SYST_CVR has been written since the reset */
     struct {
         uint32_t base, attributes;
     } region[16];

@@ -35,9 +35,12 @@ uint32_t systick_count(const struct interrupts *i)
                : (uint32_t)(left / ((control_word(i, SYST_CSR) & SYST_CORE) != 0 ? 1u : 8u));
 }
 
+/* PM0214 4.5.5 (unverified): the counter is not reset, so it is cleared before it starts. */
 void systick_restart(struct interrupts *i)
 {
     bool on = (control_word(i, SYST_CSR) & SYST_ENABLE) != 0 && control_word(i, SYST_RVR) != 0;
+    if (on && !i->tick_cleared)
+        board_verdict(i->board, "SysTick started without a write of SYST_CVR before");
     i->tick_next = on ? i->board->cycles + tick_period(i) : BOARD_NEVER;
     processor_break(i->board);
 }

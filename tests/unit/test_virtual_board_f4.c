@@ -260,7 +260,7 @@ static void test_the_voltage_detector_has_two_thresholds(void)
 
 static void test_pins(void)
 {
-    put_ok(RCC_AHB1ENR, RCC_AHB1ENR_GPIOA | BIT(1) | BIT(2));
+    put_ok(RCC_AHB1ENR, RCC_AHB1ENR_CCM | RCC_AHB1ENR_GPIOA | BIT(1) | BIT(2));
     TEST_ASSERT_EQUAL_HEX32(0xA8000000u, get(GPIOA_MODER)); /* the debugger's */
     TEST_ASSERT_EQUAL_HEX32(0x0C000000u, get(GPIOA_OSPEEDR));
     TEST_ASSERT_EQUAL_HEX32(0x64000000u, get(GPIOA_PUPDR));

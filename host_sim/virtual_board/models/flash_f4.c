@@ -21,6 +21,8 @@ enum { ACR = 0x00, KEYR = 0x04, OPTKEYR = 0x08, SR = 0x0C, CR = 0x10, OPTCR = 0x
 #define CR_STRT      (UINT32_C(1) << 16)
 #define CR_IRQS      (UINT32_C(3) << 24) /* EOPIE, ERRIE */
 #define CR_LOCK      (UINT32_C(1) << 31)
+#define ACR_DCEN     (UINT32_C(1) << 10)
+#define ACR_DCRST    (UINT32_C(1) << 12)
 #define ACR_RESETS   0x1800u
 #define OPTCR_WDG_SW (UINT32_C(1) << 5)
 #define OPTCR_NWRP   16u /* 0 in a sector's bit: write-protected */
@@ -59,6 +61,7 @@ static void done(void *context)
     if (f->erasing)
         stored_flash_erase(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
                            SECTOR_BYTES);
+    stored_flash(p->board)->cache_old = true; /* RM0090 3.5.2 (unverified): it is not told */
     f->erasing = false;
     part_set(p, SR, part_get(p, SR) & ~SR_BSY);
     part_set(p, CR, part_get(p, CR) & ~CR_STRT);
@@ -125,6 +128,7 @@ static void reset(struct part *p, enum board_reset kind)
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     part_set(p, OPTCR, options(p->board, p->row->class->regs[5].reset));
+    stored_flash(p->board)->cache_on = stored_flash(p->board)->cache_old = false;
     f->keys = 0;
     f->erasing = false;
 }
@@ -226,6 +230,9 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         board_verdict(p->board, "write of the option bytes");
         break;
     case ACR:
+        stored_flash(p->board)->cache_on = (written & ACR_DCEN) != 0;
+        if ((written & ACR_DCRST) != 0)
+            stored_flash(p->board)->cache_old = false;
         if ((written & ACR_RESETS) != 0 && (before & (written & ACR_RESETS) >> 2) != 0)
             board_verdict(p->board, "cache of the flash emptied while it is on"); /* 3.9.1 */
         break;

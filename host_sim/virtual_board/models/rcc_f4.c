@@ -34,6 +34,7 @@ enum {
 #define CIR_CSSF    (UINT32_C(1) << 7)
 #define CIR_CSSC    (UINT32_C(1) << 23)
 #define CIR_IRQS    0x3F00u
+#define AHB1ENR_CCM (UINT32_C(1) << 20)
 #define CSR_LSION   (UINT32_C(1) << 0)
 #define CSR_LSIRDY  (UINT32_C(1) << 1)
 #define CSR_RMVF    (UINT32_C(1) << 24)
@@ -324,6 +325,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         switch_over(p);
         check_clocks(p);
         clocks_changed(p);
+    } else if (offset == AHB1ENR && (written & AHB1ENR_CCM) == 0) {
+        board_verdict(p->board, "core-coupled memory without its clock is not modelled");
     } else if (offset == CIR) {
         if ((written & CIR_CSSC) != 0) {
             part_set(p, CIR, part_get(p, CIR) & ~CIR_CSSF);

@@ -45,6 +45,8 @@ uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes)
     struct stored_flash *f = stored_flash(b);
     uint32_t word = 0, unstable = 0;
     f->reads++;
+    if (f->cache_on && f->cache_old)
+        board_verdict(b, "read of the flash through a cache that holds what was there before");
     (void)memcpy(&word, f->bytes + at, bytes);
     (void)memcpy(&unstable, f->unstable + at, bytes);
     return unstable == 0 ? word : word ^ (board_random(b) & unstable);

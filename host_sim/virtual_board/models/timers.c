@@ -28,6 +28,7 @@ enum {
 #define SR_CC1IF   2u
 #define SR_CC1OF   (UINT32_C(1) << 9)
 #define CCER_CC1E  1u
+#define CCMR1_CC1S 3u
 #define OR_HSE_RTC 2u
 #define NS_PER_S   UINT64_C(1000000000)
 
@@ -131,6 +132,10 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
             t->zero_cycles = p->board->cycles;
         if ((written & 0x3FEu) != 0)
             board_verdict(p->board, "%s_CR1 of 0x%x is not modelled", p->row->name, written);
+    } else if (p->row->class == &timer_capture_class && offset == CCMR1 &&
+               ((written ^ before) & CCMR1_CC1S) != 0 && (part_get(p, CCER) & CCER_CC1E) != 0) {
+        board_verdict(p->board, "%s_CCMR1 chooses an input while the channel is on",
+                      p->row->name); /* RM0090 19.5.5 (unverified): it is not taken */
     } else if (offset == DIER && written != 0) {
         board_verdict(p->board, "interrupts of %s are not modelled", p->row->name);
     }

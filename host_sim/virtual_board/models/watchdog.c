@@ -80,6 +80,15 @@ static void reset(struct part *p, enum board_reset kind)
     count_down(p);
 }
 
+/* RM0090 21.4.2 and 21.4.3: what is read is good while nothing is on its way. */
+static uint32_t read(struct part *p, uint32_t offset, uint32_t stored)
+{
+    if ((offset == PR || offset == RLR) && (part_get(p, SR) & (offset == PR ? PVU : RVU)) != 0)
+        board_verdict(p->board, "read of IWDG_%s while a value is on its way",
+                      offset == PR ? "PR" : "RLR");
+    return stored;
+}
+
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
 {
     struct watchdog *w = p->state;
@@ -115,4 +124,5 @@ const struct part_class watchdog_class = {.name = "IWDG",
                                           .widths = WIDTH_HALF | WIDTH_WORD,
                                           .start = start,
                                           .reset = reset,
+                                          .read = read,
                                           .write = write};
