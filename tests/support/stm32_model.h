@@ -24,7 +24,7 @@ __asm(".ifndef stm32_macros\n"
       ".set stm32_macros, 1\n"
       ".macro dsb\n.endm\n.macro isb\n.endm\n.macro cpsid what\n.endm\n"
       ".macro cpsie what\n.endm\n.macro wfi\n.endm\n"
-      ".macro mrs to, from\nmovl stm32_\\from(%rip), \\to\n.endm\n"
+      ".macro mrs to, from\nmovl stm32_\\from(%rip), \\to\n.endm\n.macro msr to, from\n.endm\n"
       ".endif\n");
 
 #endif

@@ -17,6 +17,7 @@
 #define CONSOLE 0
 #define PLANT   1
 
+static const struct chip *chip;
 static uint8_t image[1u << 20];
 static size_t image_bytes;
 static char said[1u << 18];
@@ -38,8 +39,7 @@ static struct board *power_on(const struct surroundings *changes)
     struct surroundings around = *changes;
     around.baud = 115200;
     around.seed = 1;
-    struct board *b =
-        board_new(&chip_stm32f405, &around, image, image_bytes, false, err, sizeof(err));
+    struct board *b = board_new(chip, &around, image, image_bytes, false, err, sizeof(err));
     if (b == NULL)
         fail("%s", err);
     n_said = 0;
@@ -374,6 +374,33 @@ static void the_link_lives_through_an_erase(void)
     board_free(b);
 }
 
+/* ---- the core, on either chip ---- */
+
+static void expect(struct board *b, const char *what, uint32_t address, uint32_t mask,
+                   uint32_t bits)
+{
+    uint32_t word = bus_read(b, address, 4) & mask;
+    if (word != bits)
+        fail("%s is 0x%08x, not 0x%08x", what, word, bits);
+}
+
+/* PM0214 4.4 and 4.6: the table of vectors in the flash itself, faults told apart, division by zero a fault, frames aligned to eight bytes;
+ * where there is a unit for numbers, both coprocessors open to all code. */
+static void start_up_sets_the_core(void)
+{
+    struct surroundings around = usual;
+    around.slow_clock_hz = chip->slow_clock_hz;
+    struct board *b = power_on(&around);
+    run(b, SECOND);
+    wants("STARTED");
+    expect(b, "VTOR", 0xE000ED08u, UINT32_MAX, chip->memory[0].base);
+    expect(b, "SHCSR", 0xE000ED24u, 0x00070000u, 0x00070000u);
+    expect(b, "CCR", 0xE000ED14u, 0x210u, 0x210u);
+    if (chip->fpu)
+        expect(b, "CPACR", 0xE000ED88u, UINT32_MAX, 0x00F00000u);
+    board_free(b);
+}
+
 int main(int argc, char **argv)
 {
     static const struct {
@@ -388,6 +415,7 @@ int main(int argc, char **argv)
         {"dip", a_supply_that_dips_in_an_erase_spoils_it},
         {"save", a_save_without_brown_out_reset_wants_a_word_more},
         {"link", the_link_lives_through_an_erase},
+        {"core", start_up_sets_the_core},
     };
     FILE *f = argc == 3 ? fopen(argv[1], "rb") : NULL;
     if (f == NULL) {
@@ -396,6 +424,9 @@ int main(int argc, char **argv)
     }
     image_bytes = fread(image, 1, sizeof(image), f);
     (void)fclose(f);
+    chip = chip_named_in(strrchr(argv[1], '/') != NULL ? strrchr(argv[1], '/') : argv[1]);
+    if (chip == NULL)
+        fail("no chip of that name: %s", argv[1]);
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         if (strcmp(cases[i].name, argv[2]) == 0) {
             cases[i].run();

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from virtual_board import ROOT, Ended, VirtualBoard  # noqa: E402
 
-from reflux import launch, runner, scenario  # noqa: E402
+from reflux import build, launch, runner, scenario  # noqa: E402
 
 SMALL, LARGE = "stm32f100", "stm32f405"
 CRYSTALS_MHZ = {SMALL: (4, 8, 12, 16, 24), LARGE: (8, 12, 16, 25)}
@@ -80,6 +80,24 @@ class StartTest(unittest.TestCase):
             VirtualBoard(LARGE, "--chip", "stm32f100")
         with self.assertRaisesRegex(Ended, "no chip of that name: stm32f999"):
             VirtualBoard(SMALL, "--chip", "stm32f999")
+
+
+class CoreTest(unittest.TestCase):
+    def test_start_up_sets_the_core(self) -> None:
+        for image in (LARGE, SMALL):
+            with self.subTest(image=image):
+                subprocess.run([build.find_program("host", "board-self-checks"), build.find_image(image), "core"], check=True)
+
+    def test_barriers_stand_where_the_manuals_want_them(self) -> None:
+        """The exact mode checks them (host_sim/virtual_board/barrier_rules.h): in start-up, in sleep, when settings are saved and read, in a reset."""
+        for image in (LARGE, SMALL):
+            with self.subTest(image=image), VirtualBoard(image, "--exact") as board:
+                board.boot()
+                board.do("save")
+                board.text = ""
+                board.step(console=b"reboot\r")
+                board.boot()
+                board.do("save")
 
 
 class SameRunTest(unittest.TestCase):

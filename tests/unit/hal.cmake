@@ -29,13 +29,17 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     reflux_test(${chip}_chip LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_chip.c"
       "${CMAKE_CURRENT_LIST_DIR}/stm32_release_pins.c" "${port}/pins.c" "${port}/nvm.c" "${shared}/identity.c"
       "${shared}/supply.c" "${shared}/guard.c" "${shared}/watchdog.c" LIBS reflux_hal)
-    target_include_directories(test_${chip}_chip PRIVATE "${port}" "${shared}")
-    target_compile_options(test_${chip}_chip PRIVATE -UNDEBUG -Wno-int-to-pointer-cast
-      "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_model.h")
-    target_include_directories(test_${chip}_chip PRIVATE "${REFLUX_LAYERS}/app")
     if(EXISTS "${port}/options.c")
       target_sources(test_${chip}_chip PRIVATE "${port}/options.c")
     endif()
+    # What start-up leaves in the registers.
+    reflux_test(${chip}_start LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_start.c" "${port}/pins.c"
+      "${shared}/identity.c" "${shared}/supply.c" "${shared}/uart.c" "${shared}/tick.c" "${shared}/watchdog.c" LIBS reflux_hal)
+    foreach(about chip start)
+      target_include_directories(test_${chip}_${about} PRIVATE "${port}" "${shared}" "${REFLUX_LAYERS}/app")
+      target_compile_options(test_${chip}_${about} PRIVATE -UNDEBUG -Wno-int-to-pointer-cast
+        "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_model.h")
+    endforeach()
   endforeach()
 endif()
 

@@ -2,218 +2,20 @@
  * here has run on a chip. Built once for each; above each test stand the sections of the manuals it is from, RM0090 and PM0214
  * for the STM32F405, RM0041 for the STM32F100.
  */
-#include <setjmp.h>
-#include <string.h>
-
-/* So that a start begins with what a reset leaves in its variables. NOLINTNEXTLINE(bugprone-suspicious-include) */
 #include "app/app.h"
-#include "clock.c"
-#include "hal/identity.h"
 #include "hal/nvm.h"
 #include "hal/self_check.h"
 #include "hal/tick.h"
-#include "unity.h"
-
-/* From here on the name of a register is its address. */
-#undef REG32
-#undef REG16
-#define REG32(address) ((uint32_t)(address))
-#define REG16(address) ((uint32_t)(address))
-
-#ifdef FLASH_OPTCR
-#define F405 1
-#else
-#define F405 0
-#endif
+#include "stm32_chip_bench.h"
 
 /* Thousandths, over temperature (DS8626, DS5944: HSI oscillator characteristics). */
 #define HSI_SLOW (F405 ? -80 : -24)
 #define HSI_FAST (F405 ? 45 : 25)
 
-#define REGISTERS 64u
-#define WRITES    400u
-
 /* pins.c of a release build: stm32_release_pins.c */
 void release_pins_freeze_watchdog(void);
 
-/* ---- the model ---- */
-
-uint32_t stm32_ipsr, stack_bottom[16], stack_top[1], startup_noise;
-
-static struct {
-    uint32_t address, word, noted;
-} registers[REGISTERS];
-static struct {
-    uint32_t address, word;
-} writes[WRITES];
-static unsigned n_registers, n_writes;
-
-static uint32_t crystal_khz; /* 0: none */
-static int hsi_error;        /* thousandths */
-static bool pll_locks, rtc_runs, supply_low;
-static uint32_t cycles; /* of the core; each access takes some */
-static jmp_buf board_reset;
 static uint32_t ram_failed_at, image_bytes;
-
-static unsigned find(uint32_t address)
-{
-    unsigned i = 0;
-    while (i < n_registers && registers[i].address != address)
-        i++;
-    TEST_ASSERT_TRUE(i < REGISTERS);
-    if (i == n_registers) {
-        registers[n_registers++].address = address;
-        if (address >> 24 == 0x08u) /* the flash, erased */
-            registers[i].word = registers[i].noted = UINT32_MAX;
-    }
-    return i;
-}
-
-static uint32_t *word_at(uint32_t address)
-{
-    return &registers[find(address)].word;
-}
-
-/* Changes by the chip itself are no writes of the firmware's. */
-static void becomes(uint32_t address, uint32_t word)
-{
-    unsigned i = find(address);
-    registers[i].word = registers[i].noted = word;
-}
-
-#if !F405
-/* RM0041 6.3.2 and 6.3.12: the lowest bit of RCC_CFGR2 and PLLXTPRE in RCC_CFGR are one bit. */
-static void one_bit_in_two_registers(uint32_t address, uint32_t word)
-{
-    if (address == RCC_CFGR)
-        becomes(RCC_CFGR2, (*word_at(RCC_CFGR2) & ~1u) | (word >> 17 & 1u));
-    else if (address == RCC_CFGR2)
-        becomes(RCC_CFGR, (*word_at(RCC_CFGR) & ~BIT(17)) | (word & 1u) << 17);
-}
-#endif
-
-static void note_writes(void)
-{
-    for (unsigned i = 0; i < n_registers; i++) {
-        if (registers[i].word == registers[i].noted)
-            continue;
-        TEST_ASSERT_TRUE(n_writes < WRITES);
-        writes[n_writes].address = registers[i].address;
-        writes[n_writes++].word = registers[i].noted = registers[i].word;
-#if !F405
-        one_bit_in_two_registers(registers[i].address, registers[i].word);
-#endif
-    }
-}
-
-static void follows(uint32_t address, uint32_t wanted, uint32_t ready, bool can)
-{
-    uint32_t word = *word_at(address);
-    becomes(address, (word & wanted) && can ? word | ready : word & ~ready);
-}
-
-static double hsi_hz(void)
-{
-    return HSI_HZ * (1.0 + hsi_error / 1000.0);
-}
-
-static void measuring(uint32_t address)
-{
-#if F405
-    /* RM0090 19.4.12: TIM11 captures every eighth period of the crystal's 31st */
-    if (address == TIM11_SR && crystal_khz &&
-        (*word_at(RCC_CFGR) & RCC_CFGR_RTCPRE(31)) == RCC_CFGR_RTCPRE(31)) {
-        double each = 31.0 * 8.0 * hsi_hz() / (crystal_khz * 1000.0);
-        becomes(TIM11_CCR1, (*word_at(TIM11_CCR1) + (uint32_t)each) & 0xFFFFu);
-        becomes(address, TIM11_SR_CC1IF);
-    }
-#else
-    /* RM0041 17.3: the real-time clock counts the crystal's 128th down */
-    const uint32_t on = RCC_BDCR_HSE_RTC | RCC_BDCR_RTCEN;
-    bool counts =
-        rtc_runs && (*word_at(RCC_BDCR) & on) == on && (*word_at(PWR_CR) & PWR_CR_DBP) != 0;
-    if (address == RTC_CRL && counts)
-        becomes(address, RTC_CRL_RSF);
-    if (address == RTC_DIVL && counts)
-        becomes(address, 0x8000u - (uint32_t)(cycles * (crystal_khz * 1000.0) / 128.0 / hsi_hz()));
-    if (address == DWT_CYCCNT)
-        becomes(address, cycles);
-#endif
-}
-
-/* Before anybody sees the register of that address. */
-static void chip_moves_on(uint32_t address)
-{
-    if (address == RCC_CR) {
-        follows(address, RCC_CR_HSEON, RCC_CR_HSERDY, crystal_khz != 0);
-        follows(address, RCC_CR_PLLON, RCC_CR_PLLRDY, pll_locks);
-    }
-    if (address == RCC_CFGR) {
-        uint32_t word = *word_at(address);
-        becomes(address, (word & ~RCC_CFGR_SWS) | (word & 3u) << 2);
-    }
-    if (address == PWR_CSR)
-        becomes(address, supply_low && (*word_at(PWR_CR) & PWR_CR_PVDE) ? PWR_CSR_PVDO : 0);
-    if (address == FLASH_SR) /* ones that are written clear, and nothing lasts */
-        becomes(address, 0);
-    if (address == SCB_AIRCR)
-        longjmp(board_reset, 1);
-    measuring(address);
-}
-
-volatile uint32_t *stm32_register(uint32_t address)
-{
-    note_writes();
-    cycles += 12;
-    chip_moves_on(address);
-    return word_at(address);
-}
-
-/* ---- what a test looks at ---- */
-
-static uint32_t now(uint32_t address)
-{
-    note_writes();
-    return *word_at(address);
-}
-
-/* Number of the first write that left these bits so; WRITES: none did. */
-static unsigned first_write(uint32_t address, uint32_t mask, uint32_t bits)
-{
-    note_writes();
-    for (unsigned i = 0; i < n_writes; i++)
-        if (writes[i].address == address && (writes[i].word & mask) == bits)
-            return i;
-    return WRITES;
-}
-
-static void forget_writes(void)
-{
-    note_writes();
-    n_writes = 0;
-}
-
-/* A reset with these flags in RCC_CSR: registers and variables as after one, the kept memory stays. */
-static void start(uint32_t flags)
-{
-    memset(registers, 0, sizeof registers);
-    n_registers = n_writes = 0;
-    cycles = 0;
-    becomes(RCC_CR, 0x83u); /* HSION, HSIRDY, trimming: RM0090 7.3.1, RM0041 6.3.1 */
-    becomes(RCC_CSR, flags);
-#if F405
-    becomes(DBGMCU_IDCODE, 0x10076413u); /* revision 2 */
-    apb1_hz = apb2_hz = HSI_HZ;
-    source = "HSI 16 MHz";
-#else
-    source = "HSI 8 MHz";
-#endif
-    model = false;
-    core_hz = HSI_HZ;
-    clock_start();
-    supply_start();
-    identity_start();
-}
 
 uint64_t hal_clock_ms(void)
 {
@@ -261,10 +63,7 @@ void hal_tick_unlock(void) {}
 
 void setUp(void)
 {
-    crystal_khz = 8000;
-    hsi_error = 0;
-    pll_locks = rtc_runs = true;
-    supply_low = false;
+    usual_surroundings();
 }
 
 void tearDown(void) {}

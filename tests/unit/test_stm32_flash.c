@@ -22,7 +22,8 @@
 static unsigned erases, fed, unfed, n_sent, held;
 static unsigned busy_ms, dip_at_ms, passed; /* passed: looks at the status of a busy flash */
 static uint8_t sent[8 * APP_KEEP_ALIVE_BYTES];
-static bool worn; /* an erase leaves a bit */
+static bool worn;     /* an erase leaves a bit */
+static bool protects; /* an erase is refused */
 static bool plant;
 static uint32_t status;
 
@@ -60,14 +61,17 @@ bool uart_serve_link(const uint8_t *more)
     return true;
 }
 
-/* Writing ones clears them: what is written is lost. */
+/* Writing ones clears them (RM0090 3.9.5). */
 volatile uint32_t *flash_status(void)
 {
-    static uint32_t shown;
+    static uint32_t shown, given;
+    if (shown != given)
+        status &= ~shown;
     uint32_t sector = ((FLASH_CR >> 3) & 15u) - 10u;
     if (FLASH_CR & FLASH_CR_STRT) {
         TEST_ASSERT_TRUE((FLASH_CR & FLASH_CR_SER) != 0 && sector < 2);
         erases++;
+        status |= protects ? BIT(4) : 0;
         passed = 0;
         FLASH_CR &= ~FLASH_CR_STRT;
         memset(AREA + sector * (AREA_SIZE / 2), 0xFF, AREA_SIZE / 2);
@@ -84,6 +88,7 @@ volatile uint32_t *flash_status(void)
         PWR_CSR = dip_at_ms != 0 && passed / 2u == dip_at_ms ? PWR_CSR_PVDO : 0;
         shown |= FLASH_SR_BSY;
     }
+    given = shown;
     return &shown;
 }
 
@@ -118,7 +123,7 @@ void setUp(void)
     memset(AREA, 0xFF, AREA_SIZE);
     FLASH_CR = FLASH_CR_LOCK;
     status = 0;
-    worn = supply_low = false;
+    worn = supply_low = protects = false;
     plant = true;
     IWDG_SR = 0;
     busy_ms = dip_at_ms = passed = erases = fed = unfed = n_sent = held = 0;
@@ -206,9 +211,63 @@ static void test_an_erase_that_fails_is_told(void)
     worn = true;
     TEST_ASSERT_EQUAL(ERR_IO, hal_nvm_erase(0));
     worn = false;
-    status = BIT(4); /* protected */
+    protects = true;
     TEST_ASSERT_EQUAL(ERR_IO, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL_HEX32(FLASH_CR_LOCK, FLASH_CR);
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_erase(2));
+}
+
+/* RM0090 3.9.5: an operation does not begin while an error of an earlier one is told. */
+static void test_errors_of_earlier_operations_are_cleared_first(void)
+{
+    static const uint8_t data[4] = {1, 2, 3, 4};
+    static const unsigned bits[] = {1, 4, 5, 6, 7};
+    for (unsigned i = 0; i < sizeof bits / sizeof bits[0]; i++) {
+        status = BIT(bits[i]);
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(4 * i, data, sizeof data));
+        TEST_ASSERT_EQUAL_HEX32(0, status);
+        status = BIT(bits[i]);
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+        TEST_ASSERT_EQUAL_HEX32(0, status);
+    }
+}
+
+/* PM0214 4.4.3 and 4.3.6: what woke the core is not pending when it sleeps again. */
+static void test_the_wait_for_an_erase_sleeps(void)
+{
+    SCB_ICSR = NVIC_ICPR(1) = 0;
+    busy_ms = 3;
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL_HEX32(SCB_ICSR_PENDSTCLR | SCB_ICSR_PENDSVCLR, SCB_ICSR);
+    TEST_ASSERT_EQUAL_HEX32(BIT(6), NVIC_ICPR(1));
+}
+
+/* RM0090 3.6.2: nothing is written to the interface while it is busy. */
+static void test_a_flash_that_is_busy_is_left_alone(void)
+{
+    static const uint8_t data[4] = {1, 2, 3, 4};
+    status = FLASH_SR_BSY;
+    TEST_ASSERT_EQUAL(ERR_TIMEOUT, hal_nvm_program(0, data, sizeof data));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, AREA[0]);
+    TEST_ASSERT_EQUAL(ERR_TIMEOUT, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL(0, erases);
+}
+
+/* RM0090 3.9.1: caches, prefetch and wait states are those of before, and no reset of a cache lasts. */
+static void test_the_caches_are_left_as_they_were(void)
+{
+    static const uint8_t data[4] = {1, 2, 3, 4};
+    uint8_t back[4];
+    for (unsigned on = 0; on < 2; on++) {
+        uint32_t acr = 5u | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | (on ? FLASH_ACR_DCEN : 0);
+        FLASH_ACR = acr;
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(4 * on, data, sizeof data));
+        TEST_ASSERT_EQUAL_HEX32(acr, FLASH_ACR);
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_read(0, back, sizeof back));
+        TEST_ASSERT_EQUAL_HEX32(acr, FLASH_ACR);
+        TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+        TEST_ASSERT_EQUAL_HEX32(acr, FLASH_ACR);
+    }
 }
 
 static void test_programming_writes_whole_words_to_erased_ones_and_locks(void)
@@ -260,6 +319,10 @@ int main(void)
     RUN_TEST(test_without_a_plant_nothing_is_sent);
     RUN_TEST(test_an_erase_with_a_dip_of_the_supply_counts_as_none);
     RUN_TEST(test_an_erase_that_fails_is_told);
+    RUN_TEST(test_errors_of_earlier_operations_are_cleared_first);
+    RUN_TEST(test_the_wait_for_an_erase_sleeps);
+    RUN_TEST(test_a_flash_that_is_busy_is_left_alone);
+    RUN_TEST(test_the_caches_are_left_as_they_were);
     RUN_TEST(test_programming_writes_whole_words_to_erased_ones_and_locks);
     RUN_TEST(test_with_a_low_supply_nothing_is_programmed_or_erased);
     return UNITY_END();

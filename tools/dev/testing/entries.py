@@ -125,7 +125,7 @@ def script_tests(label: str) -> list[Test]:
             wanted |= needs("host", "board-campaign")
         if path.stem in ("test_board_faults", "test_board_flips"):
             wanted |= needs("stm32f405")
-        if path.stem == "test_self_checks":
+        if path.stem in ("test_self_checks", "test_virtual_board"):
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
         if path.stem == "test_run_once":
             wanted = needs("asan") | needs("asan-fixed")
