@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""tools/mutate --random: where a fault can be put, and that a seed gives the same ones again."""
+"""tools/mutate --random: where a fault can be put in the firmware and in a port, and that a seed gives the same ones again."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from support import call
 
 from dev import cmd_mutate
-from dev.mutation import drawing
+from dev.mutation import board, drawing, registers
 from dev.mutation.edits import KINDS, edits_of
 
 SOURCE = """\
@@ -72,6 +72,81 @@ class EditsTest(unittest.TestCase):
         self.assertEqual({e[1] for e in found(name="work.h")}, {e[1] for e in found() if e[1] > 9})
 
 
+HEADER = """\
+#define PORT_CR      REG32(0x40000000u)
+#define PORT_SR(n)   REG32(0x40000004u + (n))
+#define PORT_CR_ON   BIT(0)
+#define PORT_CR_N(n) ((n) << 4)
+#define PORT_CR_ADDRESS 0x40000000u
+"""
+PORT = """\
+static bool wait_ready(volatile uint32_t *reg)
+{
+    for (unsigned i = 0; i < 9; i++) {
+        if (*reg != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void port_start(void)
+{
+    PORT_CR = PORT_CR_N(3);
+    /* then */
+    PORT_SR(1) = 0;
+    if (PORT_SR(2) != 0)
+        PORT_CR |= PORT_CR_ON;
+    PORT_CR &= ~PORT_CR_ON;
+    (void)PORT_CR;
+    use(PORT_CR_ADDRESS);
+    if (!wait_ready(&PORT_CR))
+        return;
+    wait_ready(&PORT_SR(0));
+    __asm volatile("msr basepri, %0\\n\\tdsb\\n\\tisb" : : "r"(1) : "memory");
+}
+"""
+
+
+class RegistersTest(unittest.TestCase):
+    def of_kind(self, kind: str) -> set[tuple[str, str]]:
+        found = [e for e in registers.edits_in(PORT, HEADER) if e.kind == kind]
+        for edit in found:
+            self.assertEqual(edit.apply(PORT).count("\n"), PORT.count("\n"))
+        return {(" ".join(PORT[e.start:e.end].split()), " ".join(e.new.split())) for e in found}
+
+    def test_each_write_of_a_register_is_left_out(self) -> None:
+        self.assertEqual(self.of_kind("write"), {(write, ";") for write in ("PORT_CR = PORT_CR_N(3);", "PORT_SR(1) = 0;", "PORT_CR |= PORT_CR_ON;",
+                                                                            "PORT_CR &= ~PORT_CR_ON;")})
+
+    def test_writes_are_swapped_where_nothing_stands_between_them(self) -> None:
+        self.assertEqual(self.of_kind("swap"), {("PORT_CR = PORT_CR_N(3); /* then */ PORT_SR(1) = 0;", "PORT_SR(1) = 0; /* then */ PORT_CR = PORT_CR_N(3);")})
+
+    def test_bits_move_up_and_set_turns_into_clear(self) -> None:
+        self.assertEqual(self.of_kind("bit"), {
+            ("PORT_CR_N(3)", "(PORT_CR_N(3) << 1)"), ("PORT_CR_ON", "(PORT_CR_ON << 1)"),
+            ("PORT_CR |= PORT_CR_ON;", "PORT_CR &= ~(PORT_CR_ON);"), ("PORT_CR &= ~PORT_CR_ON;", "PORT_CR |= PORT_CR_ON;")})
+
+    def test_waits_are_left_out(self) -> None:
+        loop = "for (unsigned i = 0; i < 9; i++) { if (*reg != 0) { return true; } }"
+        self.assertEqual(self.of_kind("wait"), {(loop, ";"), ("(void)PORT_CR;", ";"), ("wait_ready(&PORT_CR)", "true"), ("wait_ready(&PORT_SR(0))", "")})
+
+    def test_each_barrier_is_left_out(self) -> None:
+        self.assertEqual(self.of_kind("barrier"), {("dsb\\n\\t", ""), ("isb", "")})
+
+    def test_every_port_has_faults_of_each_kind(self) -> None:
+        for name in board.SCRIPTS:
+            kinds = {f.edit.kind for faults in drawing.faults_by_line([], name).values() for f in faults}
+            self.assertEqual(kinds, set(board.KINDS))
+
+    def test_the_tests_of_a_board_stand_in_its_scripts(self) -> None:
+        for name in board.SCRIPTS:
+            names = [t.name for t in board.board_tests(name)]
+            self.assertEqual(len(names), len(set(names)))
+            self.assertIn("StartTest.test_the_images_start_as_on_a_chip", names)
+            self.assertFalse({n.split(".")[-1] for n in names} & set(board.OTHER_CHIP[name]))
+
+
 class DrawingTest(unittest.TestCase):
     def test_a_seed_gives_the_same_faults_again_and_none_twice(self) -> None:
         by_line = drawing.faults_by_line(["firmware/base"])
@@ -102,7 +177,8 @@ class ListTest(unittest.TestCase):
 class OptionsTest(unittest.TestCase):
     def test_what_is_wrong_is_said(self) -> None:
         for arguments, because in ((["--random", "0"], "--random must be 1 or more"), (["--jobs", "0"], "--jobs must be 1"),
-                                   (["no_such.c"], "no fault in no_such.c")):
+                                   (["no_such.c"], "no fault in no_such.c"), (["--kind", "bit"], "--kind goes with --board"),
+                                   (["--board", "stm32f405"], "--board with --random or --again")):
             status, _, err = call("mutate", *arguments)
             self.assertEqual(status, 2)
             self.assertIn(because, err)

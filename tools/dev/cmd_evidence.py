@@ -15,13 +15,14 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Callable
 
-from reflux import build, packages
+from reflux import boards, build, packages
 from reflux.errors import RunFailed, UserError
 from reflux.paths import ROOT, build_dir, build_root, named, shown
 
 PAGE = ROOT / "docs" / "inside" / "evidence.md"
 START = re.compile(r"^\s*Start\s+(\d+): (\S+)")
 RANDOM_SEED = "2029"
+PORT_FAULTS = "300"
 OF_TEST = re.compile(r"^(\d+): (.*)$")
 
 
@@ -83,6 +84,8 @@ SECTIONS = (
     Section("Mutants", "Faults put into PID, CRC, storage and interlocks on purpose.", "mutate", r"mutants: .*\d.*"),
     Section("Random mutants", "Drawn from all code lines of `firmware/`, object code different, tried with the tests that reach "
             "the line. Equivalent ones stand in `tests/mutants_equivalent.toml`.", "random", r"mutants: \d+ drawn with seed.*"),
+    Section("Mutants of the ports", "In the register code of each chip, as the flashed file on the virtual board.", "ports",
+            r"mutants: \d+ drawn with seed.*"),
     Section("Time of `tools/test`", "", "time", r"tools/test: .*\d.*"),
 )
 
@@ -243,6 +246,15 @@ def of_time() -> Result:
                                  f"other ({', '.join(sorted(labels))})", "tools/test")]), "time")
 
 
+def of_ports() -> Result:
+    out = Result()
+    for board in boards.BOARDS:
+        part = of_tool("mutate", "--board", board, "--random", PORT_FAULTS, "--seed", RANDOM_SEED)
+        out.lines += part.lines
+        out.problem = out.problem or part.problem
+    return out
+
+
 SOURCES: dict[str, Callable[[], Result]] = {
     "tests": of_tests,
     "long": of_long,
@@ -253,6 +265,7 @@ SOURCES: dict[str, Callable[[], Result]] = {
     "coverage": lambda: of_tool("coverage"),
     "mutate": lambda: of_tool("mutate"),
     "random": lambda: of_tool("mutate", "--random", "300", "--seed", RANDOM_SEED),
+    "ports": of_ports,
     "time": of_time,
 }
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from reflux import build, packages
 from reflux.errors import RunFailed, UserError
+from dev.mutation.board import KINDS, SCRIPTS, BoardRound
 from dev.mutation.random_round import Round
 from dev.mutation.reach import Costs, mutants_folder
 from dev.mutation.tree import Tree
@@ -39,7 +40,8 @@ def main(arguments: list[str]) -> int:
         "notices. Only faults count that change the object code; what is known to change nothing that could be observed "
         "is in tests/mutants_equivalent.toml, with the reason. A fault no test notices is printed. Exit status 1: a "
         "listed fault was not noticed, or less than 90 % of the drawn ones, or more than a tenth were equivalent. "
-        "Everything is built and kept in build/mutants; a round that was interrupted goes on where it was.")
+        "Everything is built and kept in build/mutants; a round that was interrupted goes on where it was. With --board: faults "
+        "in the port of that chip, tried with the unit tests of its drivers and then as the flashed file on the virtual board.")
     p.add_argument("files", nargs="*", metavar="FILE",
                    help="only faults in source files whose path ends so; with --random also a folder, like firmware/num")
     p.add_argument("--list", action="store_true", help="print the faults of tests/mutants.toml and try none")
@@ -50,17 +52,20 @@ def main(arguments: list[str]) -> int:
     p.add_argument("-j", "--jobs", type=int, default=1, metavar="J", help="drawn faults tried at a time (default 1)")
     p.add_argument("--longest", type=float, metavar="SECONDS",
                    help="with --random or --again: leave out tests that take more processor time, for a first look")
+    p.add_argument("--board", choices=sorted(SCRIPTS), help="with --random or --again: faults in hal/stm32/ and in the folder of this port")
+    p.add_argument("--kind", action="append", choices=KINDS, default=[], help="with --board: only faults of this kind; may be repeated")
     options = p.parse_args(arguments)
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
     if options.random is not None and options.random < 1:
         raise UserError("--random must be 1 or more")
+    if (options.board or options.kind) and not (options.board and (options.again or options.random)):
+        raise UserError("--kind goes with --board, and --board with --random or --again")
     if options.again or options.random is not None:
-        packages.need("host")
-    if options.again:
-        return Round(options.jobs, options.longest).again(options.seed, options.files)
-    if options.random is not None:
-        return Round(options.jobs, options.longest).run(options.random, options.seed, options.files)
+        packages.need("host", *(["target"] if options.board else []))
+        drawn = (BoardRound(options.board, options.jobs, options.longest, tuple(options.kind)) if options.board
+                 else Round(options.jobs, options.longest))
+        return drawn.again(options.seed, options.files) if options.again else drawn.run(options.random, options.seed, options.files)
     mutants = [m for m in load() if not options.files or any(m.file.endswith(f) for f in options.files)]
     if not mutants:
         raise UserError(f"{shown(LIST)} has no fault in {' or '.join(options.files)}")

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflux.errors import UserError
-from dev.mutation.edits import KINDS, Edit, edits_of
+from dev.mutation import edits, registers
+from dev.mutation.edits import Edit
 from reflux.paths import ROOT, shown
 
 EQUIVALENT = ROOT / "tests" / "mutants_equivalent.toml"
@@ -35,10 +36,12 @@ class Fault:
         return self.file, self.edit.function, self.old, self.new
 
 
-def faults_by_line(files: list[str]) -> dict[tuple[str, int], list[Fault]]:
-    """All that could be drawn: by file and line. files: ends of paths, or folders; none: all."""
+def faults_by_line(files: list[str], board: str = "") -> dict[tuple[str, int], list[Fault]]:
+    """All that could be drawn: by file and line. files: ends of paths, or folders; none: all. board: of the sources of its port."""
     out: dict[tuple[str, int], list[Fault]] = {}
-    for path in sorted((ROOT / "firmware").rglob("*.[ch]")):
+    sources = registers.sources(board) if board else sorted((ROOT / "firmware").rglob("*.[ch]"))
+    edits_of = registers.edits_of if board else edits.edits_of
+    for path in sources:
         name = str(path.relative_to(ROOT))
         if files and not any(name.endswith(f) or name.startswith(f.rstrip("/") + "/") for f in files):
             continue
@@ -46,7 +49,7 @@ def faults_by_line(files: list[str]) -> dict[tuple[str, int], list[Fault]]:
         for edit in edits_of(path, text):
             out.setdefault((name, edit.line), []).append(Fault(name, edit, *edit.shown(text)))
     if not out:
-        raise UserError(f"firmware/ has no code in {' or '.join(files)}")
+        raise UserError(f"{f'the port of {board}' if board else 'firmware/'} has no code in {' or '.join(files)}")
     return out
 
 
@@ -57,7 +60,7 @@ def draws(seed: int, by_line: dict[tuple[str, int], list[Fault]]) -> Iterator[Fa
     left = {line: list(faults) for line, faults in by_line.items()}
     while lines:
         line = lines[chance.randrange(len(lines))]
-        kinds = [k for k in KINDS if any(f.edit.kind == k for f in left[line])]
+        kinds = [k for k in (*edits.KINDS, *registers.KINDS) if any(f.edit.kind == k for f in left[line])]
         kind = kinds[chance.randrange(len(kinds))]
         possible = [f for f in left[line] if f.edit.kind == kind]
         fault = possible[chance.randrange(len(possible))]

@@ -82,11 +82,11 @@ class Edit:
 
 
 def edits_of(path: Path, text: str) -> list[Edit]:
-    tokens = _tokens(text, path.suffix == ".c")
-    return _Reader(text, tokens, path.suffix == ".c").edits()
+    tokens = tokens_of(text, path.suffix == ".c")
+    return Reader(text, tokens, path.suffix == ".c").edits()
 
 
-def _tokens(text: str, macros: bool) -> list[Token]:
+def tokens_of(text: str, macros: bool) -> list[Token]:
     out: list[Token] = []
     for match in TOKEN.finditer(text):
         kind, at = match.lastgroup or "", match.start()
@@ -103,7 +103,7 @@ def _tokens(text: str, macros: bool) -> list[Token]:
     return out
 
 
-class _Reader:
+class Reader:
     """Goes once through the tokens, knowing whether it is in a function, in a table or in a declaration."""
 
     def __init__(self, text: str, tokens: list[Token], tables: bool):

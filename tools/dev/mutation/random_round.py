@@ -63,6 +63,16 @@ class Round:
         self.known = drawing.equivalents()
         self.work = mutants_folder() / "work"
 
+    heading = "layer"
+    equivalent_max = EQUIVALENT_MAX
+
+    def faults(self, files: list[str]) -> dict[tuple[str, int], list[Fault]]:
+        """All that can be drawn, by file and line."""
+        return drawing.faults_by_line(files)
+
+    def state(self, seed: int, files: list[str]) -> State:
+        return State(seed, files, self.longest_s)
+
     def bench(self, name: str) -> Bench:
         if name not in self.benches:
             tree = Tree(name)
@@ -127,12 +137,12 @@ class Round:
     # --- a round -------------------------------------------------------------------------------------
 
     def run(self, count: int, seed: int, files: list[str]) -> int:
-        state = State(seed, files, self.longest_s)
+        state = self.state(seed, files)
         state.load(drawing.sources_digest())
         if len(state.results) > count:
             state.begin()
         self.prepare()
-        faults = drawing.draws(seed, drawing.faults_by_line(files))
+        faults = drawing.draws(seed, self.faults(files))
         for _ in range(state.drawn):
             next(faults)
         progress = build.Progress("mutants")
@@ -161,7 +171,7 @@ class Round:
                 state.save()
                 progress.show(f"{len(state.results)} of {count}, {state.summary()}, {result.file}")
         progress.end(f"{len(state.results)} tried")
-        return report(state)
+        return self.report(state)
 
     def _start(self, pool: ThreadPoolExecutor, fault: Fault, drawn: int, dropped: Counter) -> Future | None:
         """None where it is none: it does not compile, or is the same code."""
@@ -190,12 +200,12 @@ class Round:
 
     def again(self, seed: int, files: list[str]) -> int:
         """Those that survived last time, in the sources and tests of now."""
-        state = State(seed, files, self.longest_s)
+        state = self.state(seed, files)
         state.load(None)
         if not state.results:
             raise UserError(f"{shown(state.path)}: no results there; first --random N --seed {seed} without --again")
         self.prepare()
-        now = {f.key: f for faults in drawing.faults_by_line(files).values() for f in faults}
+        now = {f.key: f for faults in self.faults(files).values() for f in faults}
         progress = build.Progress("mutants")
         survivors = [i for i, r in enumerate(state.results) if r.status == SURVIVED]
         for n, i in enumerate(survivors, 1):
@@ -215,15 +225,44 @@ class Round:
             state.digest = ""  # no longer the results of one state of the sources
             state.save()
         progress.end(f"{len(survivors)} tried again")
-        return report(state)
+        return self.report(state)
+
+    def report(self, state: State) -> int:
+        results = state.results
+        for r in results:
+            if r.status == EQUIVALENT:
+                print(f"equivalent: {r.file}:{r.line} {r.function}\n    - {r.old}\n    + {r.new}\n    {r.trouble}")
+        for r in results:
+            if r.status == SURVIVED:
+                names = ", ".join(r.reach[:12]) + (f" and {len(r.reach) - 12} more" if len(r.reach) > 12 else "")
+                print(f"not noticed: {r.file}:{r.line} {r.function} ({r.kind}, {r.format})\n    - {r.old}\n    + {r.new}\n"
+                      f"    reached by: {names or 'no test'}")
+        print()
+        print(table.columns([self.heading, "mutants", "caught", "equivalent", "not noticed"], self.rows(results)))
+        counts = Counter(r.status for r in results)
+        judged = len(results) - counts[EQUIVALENT]
+        share = counts[CAUGHT] / judged if judged else 0.0
+        by_kind = ", ".join(f"{k} {sum(r.kind == k and r.status == CAUGHT for r in results)} of "
+                            f"{sum(r.kind == k and r.status != EQUIVALENT for r in results)}"
+                            for k in sorted({r.kind for r in results}))
+        print(f"\ncaught by kind: {by_kind}")
+        print(f"drawn {state.drawn}: same object code {state.discarded['same code']}, not C {state.discarded['not C']}; "
+              f"processor time of the tests {sum(r.cpu_s for r in results):.0f} s")
+        print(f"mutants: {len(results)} drawn with seed {state.seed}, caught {counts[CAUGHT]} of {judged} ({100 * share:.1f} %), "
+              f"shown equivalent {counts[EQUIVALENT]}")
+        return 0 if share >= AIM and counts[EQUIVALENT] <= self.equivalent_max * len(results) else 1
+
+    def rows(self, results: list[Result]) -> list[list[str]]:
+        layers = sorted({Path(r.file).parts[1] for r in results})
+        return [*(totals(x, [r for r in results if Path(r.file).parts[1] == x]) for x in layers), totals("firmware", results)]
 
 
 class State:
     """build/mutants/random-SEED.json: a round so far. Another state of the sources begins anew."""
 
-    def __init__(self, seed: int, files: list[str], longest_s: float | None):
+    def __init__(self, seed: int, files: list[str], longest_s: float | None, what: str = ""):
         self.seed, self.files = seed, files
-        mark = "".join("-" + f.strip("/").replace("/", "_") for f in files)
+        mark = (f"-{what}" if what else "") + "".join("-" + f.strip("/").replace("/", "_") for f in files)
         mark += f"-up-to-{longest_s:g}-s" if longest_s is not None else ""
         self.path = mutants_folder() / f"random-{seed}{mark}.json"
         self.digest = ""
@@ -256,36 +295,7 @@ class State:
         return f"{counts[CAUGHT]} caught, {counts[SURVIVED]} not"
 
 
-def report(state: State) -> int:
-    results = state.results
-    for r in results:
-        if r.status == EQUIVALENT:
-            print(f"equivalent: {r.file}:{r.line} {r.function}\n    - {r.old}\n    + {r.new}\n    {r.trouble}")
-    for r in results:
-        if r.status == SURVIVED:
-            names = ", ".join(r.reach[:12]) + (f" and {len(r.reach) - 12} more" if len(r.reach) > 12 else "")
-            print(f"not noticed: {r.file}:{r.line} {r.function} ({r.kind}, {r.format})\n    - {r.old}\n    + {r.new}\n"
-                  f"    reached by: {names or 'no test'}")
-    print()
-    print(table.columns(["layer", "mutants", "caught", "equivalent", "not noticed"], rows(results)))
-    counts = Counter(r.status for r in results)
-    judged = len(results) - counts[EQUIVALENT]
-    share = counts[CAUGHT] / judged if judged else 0.0
-    by_kind = ", ".join(f"{k} {sum(r.kind == k and r.status == CAUGHT for r in results)} of "
-                        f"{sum(r.kind == k and r.status != EQUIVALENT for r in results)}"
-                        for k in sorted({r.kind for r in results}))
-    print(f"\ncaught by kind: {by_kind}")
-    print(f"drawn {state.drawn}: same object code {state.discarded['same code']}, not C {state.discarded['not C']}; "
-          f"processor time of the tests {sum(r.cpu_s for r in results):.0f} s")
-    print(f"mutants: {len(results)} drawn with seed {state.seed}, caught {counts[CAUGHT]} of {judged} ({100 * share:.1f} %), "
-          f"shown equivalent {counts[EQUIVALENT]}")
-    return 0 if share >= AIM and counts[EQUIVALENT] <= EQUIVALENT_MAX * len(results) else 1
-
-
-def rows(results: list[Result]) -> list[list[str]]:
-    def row(name: str, some: list[Result]) -> list[str]:
-        counts = Counter(r.status for r in some)
-        return [name, str(len(some)), str(counts[CAUGHT]), str(counts[EQUIVALENT]), str(counts[SURVIVED])]
-
-    layers = sorted({Path(r.file).parts[1] for r in results})
-    return [*(row(x, [r for r in results if Path(r.file).parts[1] == x]) for x in layers), row("firmware", results)]
+def totals(name: str, some: list[Result]) -> list[str]:
+    """A row of the table."""
+    counts = Counter(r.status for r in some)
+    return [name, str(len(some)), str(counts[CAUGHT]), str(counts[EQUIVALENT]), str(counts[SURVIVED])]

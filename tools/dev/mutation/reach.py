@@ -23,7 +23,7 @@ class Costs:
 
     def __init__(self, tree: Tree):
         self.tree = tree
-        self.kept = _Kept(tree.folder.parent / f"{tree.name}-costs.json")
+        self.kept = _Kept(mutants_folder() / f"{tree.name}-costs.json")
         self.failing: dict[str, str] = {}
 
     def measure(self, tests: list[Test]) -> dict[str, float]:
@@ -32,7 +32,7 @@ class Costs:
         missing = [t for t in tests if self.kept.get(t) is None and t.name not in self.failing]
         for n, test in enumerate(missing, 1):
             progress.show(f"{n} of {len(missing)}, {test.name}")
-            outcome = self.tree.run(test, self.tree.folder.parent / "work" / "unchanged")
+            outcome = self.tree.run(test, mutants_folder() / "work" / "unchanged")
             if outcome.trouble is None:
                 self.kept.put(test, outcome.cpu_s)
             else:

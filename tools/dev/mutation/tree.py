@@ -72,6 +72,9 @@ def unity() -> Path:
 class Tree:
     """build/mutants/NAME: NAME is float or fixed, with -lines where the lines that are reached are counted."""
 
+    compared = COMPARED
+    strip = "strip"
+
     def __init__(self, name: str):
         self.name = name
         self.format, _, self.counts_lines = name.partition("-")
@@ -194,6 +197,8 @@ class Tree:
             overlay.mkdir(parents=True, exist_ok=True)
             (overlay / changed.name).write_text(f'#line 1 "{changed}"\n{text}', encoding="utf-8")
             first = ["-I", str(overlay.parent)]
+            if changed.suffix == ".c":  # a test has it in its own file
+                first += ["-iquote", str(overlay)]
         out = [command[0], *first]
         at = 1
         while at < len(command):
@@ -209,7 +214,7 @@ class Tree:
                 continue
             out.append(str(source) if _same(command[at], unit.source) else command[at])
             at += 1
-        out += COMPARED if compared else ()
+        out += ("-w", *(self.compared if compared else ()))
         answer = subprocess.run(out, cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, check=False)
         return target if answer.returncode == 0 else None
 
@@ -218,7 +223,7 @@ class Tree:
         target = self.compile(unit, changed, text, place, compared=True)
         if target is None:
             return None
-        subprocess.run(["strip", "--strip-unneeded", str(target)], check=True, capture_output=True)
+        subprocess.run([self.strip, "--strip-unneeded", str(target)], check=True, capture_output=True)
         content = target.read_bytes()
         target.unlink()
         return content
