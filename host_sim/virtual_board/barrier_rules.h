@@ -1,14 +1,15 @@
 /* Rules about memory barriers, checked where a board runs by single instructions from its start. The models do everything at once, so
- * code that lacks a barrier works on them; on a chip it works by luck. The rules are from memory of PM0214 2.2.2, 2.2.4, 4.2 and 4.6, of the
- * ARMv7-M manual (DDI 0403 A3.7.3, B3.2.6) and of ARM's application note 321 (unverified):
+ * code that lacks a barrier works on them; on a chip it works by luck. The rules are from memory of PM0214 2.2.2, 2.2.4, 4.2 and 4.6, of
+ * the ARMv7-M manual (DDI 0403 A3.7.3, B3.2.6) and of ARM's application note 321 (unverified). They are:
  *
  * - Between a write of the protection unit or of CPACR and the next jump stand a DSB and after it an ISB; after one of VTOR a DSB.
  * - A DSB comes right before WFI.
  * - Between the last jump and a reset by AIRCR stands a DSB, and the next one comes right after it.
- * - Accesses to flash and to registers are not in order: a DSB or DMB stands between a store into the flash and the next read of a register,
- *   between a write of FLASH_CR and the next store into the flash, and after a write of FLASH_ACR with the cache of data off before the next read of what is stored.
- * - The first access to a part comes after the write that turns on its clock, and a read of the RCC or a DSB between (errata sheet ES0182: two
- *   clocks of its bus, which a part may need).
+ * - Accesses to flash and to registers are not in order: a DSB or DMB stands between a store into the flash and the next read of a
+ *   register, between a write of FLASH_CR and the next store into the flash, and after a write of FLASH_ACR with the cache of data off
+ *   before the next read of what is stored.
+ * - The first access to a part comes after the write that turns on its clock, and a read of the RCC or a DSB between (errata sheet
+ *   ES0182: two clocks of its bus, which a part may need).
  *
  * "The next jump" is stricter than the manuals, which say "before it is needed".
  *
