@@ -119,7 +119,7 @@ void exception_leave(struct processor *p)
     p->block = p->pc = f[6];
 }
 
-/* Peripherals, devices and the core's own space hold no code, with and without protection unit (PM0214 2.2.1, unverified). */
+/* Peripherals, devices and the core's own space hold no code, with and without protection unit, PM0214 2.2.1 (unverified). */
 static bool never_executes(uint32_t address)
 {
     return address >= 0xA0000000u || (address >= 0x40000000u && address < 0x60000000u);

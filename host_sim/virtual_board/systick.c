@@ -35,7 +35,7 @@ uint32_t systick_count(const struct interrupts *i)
                : (uint32_t)(left / ((control_word(i, SYST_CSR) & SYST_CORE) != 0 ? 1u : 8u));
 }
 
-/* PM0214 4.5.5 (unverified): the counter is not reset, so it is cleared before it starts. */
+/* A reset leaves the counter, so it is cleared before it starts, PM0214 4.5.5 (unverified). */
 void systick_restart(struct interrupts *i)
 {
     bool on = (control_word(i, SYST_CSR) & SYST_ENABLE) != 0 && control_word(i, SYST_RVR) != 0;

@@ -61,7 +61,8 @@ static void done(void *context)
     if (f->erasing)
         stored_flash_erase(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
                            SECTOR_BYTES);
-    stored_flash(p->board)->cache_old = true; /* RM0090 3.5.2 (unverified): it is not told */
+    stored_flash(p->board)->cache_old =
+        true; /* A cache of data is not told of a program or an erase, RM0090 3.5.2 (unverified). */
     f->erasing = false;
     part_set(p, SR, part_get(p, SR) & ~SR_BSY);
     part_set(p, CR, part_get(p, CR) & ~CR_STRT);

@@ -134,8 +134,10 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
             board_verdict(p->board, "%s_CR1 of 0x%x is not modelled", p->row->name, written);
     } else if (p->row->class == &timer_capture_class && offset == CCMR1 &&
                ((written ^ before) & CCMR1_CC1S) != 0 && (part_get(p, CCER) & CCER_CC1E) != 0) {
-        board_verdict(p->board, "%s_CCMR1 chooses an input while the channel is on",
-                      p->row->name); /* RM0090 19.5.5 (unverified): it is not taken */
+        board_verdict(
+            p->board, "%s_CCMR1 chooses an input while the channel is on",
+            p->row
+                ->name); /* The input of a channel that is on cannot be chosen, RM0090 19.5.5 (unverified). */
     } else if (offset == DIER && written != 0) {
         board_verdict(p->board, "interrupts of %s are not modelled", p->row->name);
     }
