@@ -101,6 +101,30 @@ bool address_map_windows(struct board *b, struct processor *p)
     return true;
 }
 
+void address_map_stored(struct processor *p)
+{
+    struct board *b = p->board;
+    struct window *w = &p->windows[WINDOWS - 1];
+    uint8_t *plain = p->exact ? NULL : stored_flash_plain(b); /* barrier_rules.h wants to see it */
+    p->stored_changed = false;
+    if ((plain != NULL) == p->stored_plain)
+        return;
+    p->stored_plain = plain != NULL;
+    uc_err e = uc_mem_unmap(p->uc, w->base, w->size);
+    if (e == UC_ERR_OK && plain != NULL)
+        e = uc_mem_map_ptr(p->uc, w->base, w->size, UC_PROT_READ, plain);
+    else if (e == UC_ERR_OK)
+        e = uc_mmio_map(p->uc, w->base, w->size, on_read, w, on_write, w);
+    if (e != UC_ERR_OK)
+        board_verdict(b, "the processor library did not map the stored flash: %s", uc_strerror(e));
+}
+
+void processor_stored_changed(struct board *b)
+{
+    b->processor->stored_changed = true;
+    processor_break(b);
+}
+
 bool address_forbidden(const struct processor *p, uint32_t address)
 {
     for (size_t i = 0; i < p->n_forbidden; i++)

@@ -100,6 +100,8 @@ const struct chip *chip_named_in(const char *text);
 
 /* models/stored_flash.c; at: from the beginning of what is stored */
 uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes);
+/* Its bytes, where a read gives these and has no other effect; NULL: reads and stores go to the model. */
+uint8_t *stored_flash_plain(struct board *b);
 
 /* bus.c */
 void bus_start(struct board *b);
@@ -128,6 +130,7 @@ void processor_attend(
 /* A reset ends what runs at the next block. */
 void processor_break(struct board *b);
 void processor_protection_changed(struct board *b);
+void processor_stored_changed(struct board *b); /* stored_flash_plain() may say another thing */
 
 /* For faults: sets R0 to R15, S0 to S31, or flips a bit of one; forgets how code was counted and translated. */
 #define REGISTER_PC 15u

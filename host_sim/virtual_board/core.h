@@ -45,6 +45,7 @@ struct processor {
     bool running; /* within the library */
     bool first, cut, attend, sleeping, locked_up, left;
     bool protection_changed;
+    bool stored_changed, stored_plain; /* stored_plain: it is mapped like other memory */
     bool divided_by_zero, division_by_step;
 
     /* of the access that the library could not do */
@@ -108,6 +109,8 @@ void exception_of_access(struct processor *p);
 bool address_map_memory(struct board *b, struct processor *p);
 bool address_map_windows(struct board *b, struct processor *p);
 void address_protect(struct processor *p);
+/* Maps the stored flash as memory, which is fast, or as a window to its model. */
+void address_map_stored(struct processor *p);
 bool address_forbidden(const struct processor *p, uint32_t address);
 /* Memory that is no flash: a stack; NULL: not, or not all of it. */
 uint8_t *address_data(struct board *b, uint32_t address, uint32_t bytes);

@@ -137,7 +137,7 @@ void exception_of_access(struct processor *p)
                         fetch ? CFSR_IACCVIOL : CFSR_DACCVIOL | CFSR_MMARVALID, at,
                         fetch ? at : pc);
     } else if (p->failed_type == UC_MEM_WRITE_PROT) {
-        board_verdict(b, "write to 0x%08x, which is flash that holds the program", at);
+        board_verdict(b, "write to 0x%08x, flash that holds the program or is locked", at);
     } else if (p->failed_type == UC_MEM_FETCH_PROT) {
         board_verdict(b, "jump to 0x%08x, which is memory for data", at);
     } else {

@@ -237,6 +237,8 @@ void processor_run(struct board *b, uint64_t until)
         }
         if (p->protection_changed)
             address_protect(p);
+        if (p->stored_changed)
+            address_map_stored(p);
         if (p->locked_up && interrupts_pick(p->interrupts, core_masks(p), false) == 0) {
             pass_time(b, until);
             continue;

@@ -110,6 +110,8 @@ static void reset(struct part *p, enum board_reset kind)
         interrupted(p);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
+    stored_flash(p->board)->open = false;
+    stored_flash_changed(p->board);
     f->keys = 0;
     f->erasing = false;
 }
@@ -167,6 +169,10 @@ static void start_erase(struct part *p, uint32_t written)
 
 static void write_cr(struct part *p, uint32_t before, uint32_t written)
 {
+    if ((before & CR_LOCK) == 0 && (written & CR_LOCK) != 0) {
+        stored_flash(p->board)->open = false;
+        stored_flash_changed(p->board);
+    }
     if ((before & CR_LOCK) != 0)
         part_set(p, CR, before); /* only the keys open it */
     else if ((written & CR_OTHER) != 0)
@@ -186,6 +192,8 @@ static void write_key(struct part *p, uint32_t written)
     } else if (f->keys == 1 && written == KEY2) {
         f->keys = 0;
         part_set(p, CR, part_get(p, CR) & ~CR_LOCK);
+        stored_flash(p->board)->open = true;
+        stored_flash_changed(p->board);
     } else {
         f->keys = 3;
         board_verdict(

@@ -129,7 +129,9 @@ static void reset(struct part *p, enum board_reset kind)
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     part_set(p, OPTCR, options(p->board, p->row->class->regs[5].reset));
-    stored_flash(p->board)->cache_on = stored_flash(p->board)->cache_old = false;
+    struct stored_flash *stored = stored_flash(p->board);
+    stored->cache_on = stored->cache_old = stored->open = false;
+    stored_flash_changed(p->board);
     f->keys = 0;
     f->erasing = false;
 }
@@ -172,6 +174,10 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
         part_set(p, CR, before); /* only the keys open it */
         return;
     }
+    if ((written & CR_LOCK) != 0) {
+        stored_flash(b)->open = false;
+        stored_flash_changed(b);
+    }
     if ((written & CR_MER) != 0) {
         board_verdict(b, "mass erase of the flash");
         return;
@@ -212,6 +218,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         } else if (f->keys == 1 && written == KEY2) {
             f->keys = 0;
             part_set(p, CR, part_get(p, CR) & ~CR_LOCK);
+            stored_flash(p->board)->open = true;
+            stored_flash_changed(p->board);
         } else {
             f->keys = 3;
             board_verdict(
@@ -232,8 +240,10 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         break;
     case ACR:
         stored_flash(p->board)->cache_on = (written & ACR_DCEN) != 0;
-        if ((written & ACR_DCRST) != 0)
+        if ((written & ACR_DCRST) != 0) {
             stored_flash(p->board)->cache_old = false;
+            stored_flash_changed(p->board);
+        }
         if ((written & ACR_RESETS) != 0 && (before & (written & ACR_RESETS) >> 2) != 0)
             board_verdict(p->board, "cache of the flash emptied while it is on"); /* 3.9.1 */
         break;

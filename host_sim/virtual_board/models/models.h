@@ -60,6 +60,8 @@ struct stored_flash {
     uint32_t erases[16];
     bool cache_on;                      /* the chip's cache of data */
     bool cache_old;                     /* it holds what was there before a write */
+    bool open;                          /* its interface takes stores and erases */
+    bool watched;                       /* reads are counted */
     uint64_t words, erase_count, reads; /* since board_new() */
     /* For campaigns: the supply is cut within this word (1 = the first), or in this erase at this part of it. */
     uint64_t cut_word, cut_erase;

@@ -20,7 +20,7 @@ static void start(struct part *p)
 {
     struct stored_flash *f = p->state;
     uint32_t size = p->board->chip->stored_size;
-    f->bytes = malloc(size);
+    f->bytes = aligned_alloc(0x1000, size); /* the processor library maps it */
     f->unstable = calloc(1, size);
     if (f->bytes == NULL || f->unstable == NULL)
         abort();
@@ -38,6 +38,23 @@ static void reset(struct part *p, enum board_reset kind)
 {
     (void)p;
     (void)kind; /* flash is kept */
+}
+
+void stored_flash_changed(struct board *b)
+{
+    processor_stored_changed(b);
+}
+
+uint8_t *stored_flash_plain(struct board *b)
+{
+    const struct stored_flash *f = stored_flash(b);
+    bool plain = !f->open && !f->watched && !f->cache_old;
+    for (uint32_t at = 0; plain && at < b->chip->stored_size; at += sizeof(uint64_t)) {
+        uint64_t unstable;
+        (void)memcpy(&unstable, f->unstable + at, sizeof(unstable));
+        plain = unstable == 0;
+    }
+    return plain ? f->bytes : NULL;
 }
 
 uint32_t stored_flash_read(struct board *b, uint32_t at, unsigned bytes)

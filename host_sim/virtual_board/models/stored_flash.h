@@ -4,6 +4,9 @@
 
 #include "models.h"
 
+/* After a change of `open`, `watched` or `cache_old`: it may be read like other memory now, or no longer. */
+void stored_flash_changed(struct board *b);
+
 /* at: from the beginning of what is stored. */
 void stored_flash_program(struct board *b, uint32_t at, unsigned bytes, uint32_t word);
 void stored_flash_erase(struct board *b, uint32_t at, uint32_t bytes);

@@ -63,6 +63,7 @@ static bool prepare_start(struct save_site *site, const struct campaign *c)
     if (s == NULL)
         return false;
     struct stored_flash *f = stored_flash(s->board);
+    f->watched = true;
     (void)memcpy(f->bytes, stored_flash(site->before->board)->bytes, c->image->chip->stored_size);
     board_power_on(s->board);
     uint64_t read_after = 0;
@@ -84,6 +85,7 @@ static bool prepare_start(struct save_site *site, const struct campaign *c)
     while (board_ns(s->board) + EARLIER_NS < began + read_after)
         station_run(s, STEP_NS);
     station_forget(s);
+    f->watched = false; /* from the next reset on */
     return f->reads == 0 || refuse("the flash was read earlier than in the start before", s);
 }
 
