@@ -102,7 +102,7 @@ static bool never(const struct lockstep *k)
     return false;
 }
 
-/* Of a virtual board its own, else that on the wall. */
+/* Returns the time that --speed counts by: the virtual board's own, else that of this computer. */
 static double pace_clock_s(const struct lockstep *k)
 {
     struct transport *t = k->link->transport;

@@ -50,7 +50,7 @@ void options_print_help(void)
         "  --transcript FILE      everything said on the console, with direction and plant time\n"
         "  --telemetry FILE       telemetry header and rows\n"
         "  --log FILE             the run as the simulator saw it, CSV\n"
-        "  --outputs FILE         what the outputs are told, by the clock of the port, CSV\n"
+        "  --outputs FILE         commands to the outputs, in the time of the port, CSV\n"
         "  --duration S           plant time of the last sample (default: without end)\n"
         "  --tick S               interval of samples in plant time (default: the plant's)\n"
         "  --speed max|X          as fast as it goes, or X times the clock on the wall, of a "

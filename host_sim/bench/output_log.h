@@ -1,4 +1,4 @@
-/* What the plant's outputs are told and when, CSV: a row for each command that the plant takes, and for each time that it goes safe by itself.
+/* Log of the commands to the plant's outputs, CSV: one row for each command that the plant takes, and for each time that it goes safe by itself.
  * The time is that of the port: a virtual board's own, else the clock of this computer. Flushed row by row.
  */
 #ifndef REFLUX_HOST_SIM_OUTPUT_LOG_H

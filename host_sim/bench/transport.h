@@ -71,7 +71,7 @@ void transport_wait(struct transport *const *list, size_t n, uint64_t timeout_ms
 
 uint64_t transport_now_ms(struct transport *t);
 
-/* Whether the time is that of what is at the other end. */
+/* Returns whether the other end keeps the time, as a virtual board does. */
 bool transport_keeps_time(const struct transport *t);
 
 /* Has what is at the other end have that fault; false: it cannot. */

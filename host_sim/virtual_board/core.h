@@ -97,7 +97,7 @@ void code_hooks_forget(struct processor *p);
 
 /* exceptions.c */
 void exception_enter(struct processor *p, unsigned exception, uint32_t return_to);
-/* What runs at pc has done something that is none; the core locks up where no handler may run. */
+/* Raises a fault of the instruction at pc. The core locks up where no handler may run. */
 void exception_fault(struct processor *p, unsigned exception, uint32_t status, uint32_t address,
                      uint32_t pc);
 /* After a jump to an EXC_RETURN value. */

@@ -1,4 +1,4 @@
-/* Which exception runs and which comes next, read in PM0214 Rev 10: 2.3.5, 2.3.7, 2.4.2, 2.4.4, 2.5.2. Exceptions of the Cortex-M3 have the same
+/* The interrupt controller chooses which exception runs and which comes next. Read in PM0214 Rev 10: 2.3.5, 2.3.7, 2.4.2, 2.4.4, 2.5.2. Exceptions of the Cortex-M3 have the same
  * order (unverified). Groups of priorities are not modelled.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only

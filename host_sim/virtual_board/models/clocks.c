@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
-#include "models.h"
+#include "rcc.h"
 
 uint64_t bus_clock_hz(struct board *b, const char *bus)
 {
@@ -32,6 +32,19 @@ void crystal_changed(struct board *b)
 uint8_t pin_function(struct board *b, char port, unsigned pin)
 {
     return b->chip->pin_function(b, port, pin);
+}
+
+/* RM0090 Rev 21 7.2.6, RM0041 Rev 6 6.2.6: the switch waits until the clock that SW asks for is ready. */
+bool clock_switches(struct part *rcc, uint32_t cfgr_offset)
+{
+    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
+    uint32_t cfgr = part_get(rcc, cfgr_offset), wanted = cfgr & 3u;
+    if (wanted == 3u)
+        board_verdict(rcc->board, "RCC_CFGR switches to clock 3, which is none");
+    if ((part_get(rcc, CR) & ready[wanted]) == 0 || (cfgr >> 2 & 3u) == wanted)
+        return false;
+    part_set(rcc, cfgr_offset, (cfgr & ~12u) | wanted << 2);
+    return true;
 }
 
 /* RM0090 Rev 21 7.3.3, RM0041 Rev 6 6.3.2: codes below the first divider mean undivided. */

@@ -1,4 +1,4 @@
-/* What tells one chip from another, and what stops with a halted core. Read in RM0090 Rev 21: 38.16.4 and 38.16.5; in RM0041 Rev 6: 25.6.1.
+/* Debug registers identify the chip and choose what stops with a halted core. Read in RM0090 Rev 21: 38.16.4 and 38.16.5; in RM0041 Rev 6: 25.6.1.
  * Masks: ST's device header (STM32F405), the vendor's SVD file (STM32F100). Only a power-on resets these registers (38.16). On the STM32F100, too,
  * only a power-on resets DBGMCU_CR (unverified). The STM32F405 of the board is of revision 0x1007, and the reserved bits of its DBGMCU_IDCODE
  * hold 6 (unverified).

@@ -50,70 +50,41 @@ static const struct reg regs[] = {
 };
 
 struct flash {
-    struct board_event done;
+    struct flash_operation operation;
     unsigned keys; /* given so far; 3: a wrong one, locked until reset */
-    bool erasing;
-    uint32_t erased; /* page: from the beginning of what is stored, bytes */
-    uint32_t stored; /* place of the half-word under way */
-    uint64_t began_ns;
 };
 
 static void done(void *context)
 {
     struct part *p = context;
     struct flash *f = p->state;
-    if (f->erasing)
-        stored_flash_erase(p->board, f->erased, PAGE_BYTES);
-    f->erasing = false;
+    flash_operation_end(p->board, &f->operation);
     part_set(p, SR, (part_get(p, SR) & ~SR_BSY) | SR_EOP);
     part_set(p, CR, part_get(p, CR) & ~CR_STRT);
 }
 
 static void busy(struct part *p, uint64_t ns)
 {
-    struct board *b = p->board;
     struct flash *f = p->state;
-    uint64_t until = board_ns(b) + ns;
     part_set(p, SR, part_get(p, SR) | SR_BSY);
-    f->began_ns = board_ns(b);
-    b->stalled_until_ns = until;
-    board_schedule(b, &f->done, until);
+    flash_operation_begin(p->board, &f->operation, ns);
 }
 
 static void start(struct part *p)
 {
     struct flash *f = p->state;
-    f->done = (struct board_event){.due = done, .context = p};
-    board_add_event(p->board, &f->done);
-}
-
-/* What a reset interrupts is not guaranteed (unverified). */
-static void interrupted(struct part *p)
-{
-    struct flash *f = p->state;
-    uint64_t spent = board_ns(p->board) - f->began_ns;
-    f->done.at_ns = BOARD_NEVER;
-    if (stored_flash(p->board)->cut) /* what the cut has left is there */
-        return;
-    if (f->erasing)
-        stored_flash_erase_partly(p->board, f->erased, PAGE_BYTES,
-                                  (uint32_t)(1000u * spent / PAGE_NS));
-    else
-        stored_flash_weaken(p->board, f->stored, 2);
+    flash_operation_start(p, &f->operation, done);
 }
 
 static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
-    if (f->done.at_ns != BOARD_NEVER)
-        interrupted(p);
+    flash_operation_reset(p->board, &f->operation, PAGE_NS);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
-    stored_flash(p->board)->open = false;
-    stored_flash_changed(p->board);
+    stored_flash_set_open(p->board, false);
     f->keys = 0;
-    f->erasing = false;
 }
 
 /* What a write of the array needs: the supply and the chip's own oscillator. */
@@ -143,7 +114,8 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
     } else {
         check_conditions(b);
         stored_flash_program(b, at, bytes, word);
-        f->stored = at;
+        f->operation.at = at;
+        f->operation.bytes = 2;
         busy(p, HALF_NS);
     }
 }
@@ -161,18 +133,17 @@ static void start_erase(struct part *p, uint32_t written)
                       part_get(p, AR));
     } else {
         check_conditions(b);
-        f->erasing = true;
-        f->erased = at & ~(PAGE_BYTES - 1u);
+        f->operation.erasing = true;
+        f->operation.at = at & ~(PAGE_BYTES - 1u);
+        f->operation.bytes = PAGE_BYTES;
         busy(p, PAGE_NS / 1000u * stored_flash_erase_share(b));
     }
 }
 
 static void write_cr(struct part *p, uint32_t before, uint32_t written)
 {
-    if ((before & CR_LOCK) == 0 && (written & CR_LOCK) != 0) {
-        stored_flash(p->board)->open = false;
-        stored_flash_changed(p->board);
-    }
+    if ((before & CR_LOCK) == 0 && (written & CR_LOCK) != 0)
+        stored_flash_set_open(p->board, false);
     if ((before & CR_LOCK) != 0)
         part_set(p, CR, before); /* only the keys open it */
     else if ((written & CR_OTHER) != 0)
@@ -192,8 +163,7 @@ static void write_key(struct part *p, uint32_t written)
     } else if (f->keys == 1 && written == KEY2) {
         f->keys = 0;
         part_set(p, CR, part_get(p, CR) & ~CR_LOCK);
-        stored_flash(p->board)->open = true;
-        stored_flash_changed(p->board);
+        stored_flash_set_open(p->board, true);
     } else {
         f->keys = 3;
         board_verdict(

@@ -46,44 +46,32 @@ static const struct reg regs[] = {
 };
 
 struct flash {
-    struct board_event done;
+    struct flash_operation operation;
     unsigned keys; /* given so far; 3: a wrong one, locked until reset */
-    bool erasing;
-    uint32_t erased; /* sector */
-    uint32_t stored; /* place of the word under way */
-    uint64_t began_ns;
 };
 
 static void done(void *context)
 {
     struct part *p = context;
     struct flash *f = p->state;
-    if (f->erasing)
-        stored_flash_erase(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
-                           SECTOR_BYTES);
-    stored_flash(p->board)->cache_old =
-        true; /* A cache of data is not told of a program or an erase, RM0090 3.5.2 (unverified). */
-    f->erasing = false;
+    flash_operation_end(p->board, &f->operation);
+    /* The cache of data does not notice a program or an erase, RM0090 3.5.2 (unverified). */
+    stored_flash(p->board)->cache_old = true;
     part_set(p, SR, part_get(p, SR) & ~SR_BSY);
     part_set(p, CR, part_get(p, CR) & ~CR_STRT);
 }
 
 static void busy(struct part *p, uint64_t ns)
 {
-    struct board *b = p->board;
     struct flash *f = p->state;
-    uint64_t until = board_ns(b) + ns;
     part_set(p, SR, part_get(p, SR) | SR_BSY);
-    f->began_ns = board_ns(b);
-    b->stalled_until_ns = until;
-    board_schedule(b, &f->done, until);
+    flash_operation_begin(p->board, &f->operation, ns);
 }
 
 static void start(struct part *p)
 {
     struct flash *f = p->state;
-    f->done = (struct board_event){.due = done, .context = p};
-    board_add_event(p->board, &f->done);
+    flash_operation_start(p, &f->operation, done);
 }
 
 /* 3.7.1: level 3 is 0. Which voltage falls into which level is of DS8626 5.3.5: 2.75 to 2.88 V, 2.44 to 2.56 V, 2.13 to 2.24 V, falling. */
@@ -91,20 +79,6 @@ static uint32_t option_brown_out(const struct board *b)
 {
     uint32_t mv = b->around.brown_out_mv;
     return mv == 0 ? 3u : mv >= 2700u ? 0u : mv >= 2400u ? 1u : 2u;
-}
-
-static void interrupted(struct part *p)
-{
-    struct flash *f = p->state;
-    uint64_t spent = board_ns(p->board) - f->began_ns;
-    f->done.at_ns = BOARD_NEVER;
-    if (stored_flash(p->board)->cut) /* what the cut has left is there */
-        return;
-    if (f->erasing)
-        stored_flash_erase_partly(p->board, (f->erased - FIRST_STORED_SECTOR) * SECTOR_BYTES,
-                                  SECTOR_BYTES, (uint32_t)(1000u * spent / SECTOR_NS));
-    else
-        stored_flash_weaken(p->board, f->stored, 4);
 }
 
 static uint32_t options(const struct board *b, uint32_t optcr)
@@ -124,16 +98,14 @@ static void reset(struct part *p, enum board_reset kind)
 {
     struct flash *f = p->state;
     (void)kind;
-    if (f->done.at_ns != BOARD_NEVER) /* 3.6: what a reset interrupts is not guaranteed */
-        interrupted(p);
+    flash_operation_reset(p->board, &f->operation, SECTOR_NS);
     for (size_t k = 0; k < p->row->class->n_regs; k++)
         p->words[k] = p->row->class->regs[k].reset;
     part_set(p, OPTCR, options(p->board, p->row->class->regs[5].reset));
     struct stored_flash *stored = stored_flash(p->board);
-    stored->cache_on = stored->cache_old = stored->open = false;
-    stored_flash_changed(p->board);
+    stored->cache_on = stored->cache_old = false;
+    stored_flash_set_open(p->board, false);
     f->keys = 0;
-    f->erasing = false;
 }
 
 void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
@@ -156,7 +128,8 @@ void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
             board_verdict(b, "word programmed into the flash at %u mV; 2700 are needed",
                           b->around.supply_mv);
         stored_flash_program(b, at, bytes, word);
-        f->stored = at & ~3u;
+        f->operation.at = at & ~3u;
+        f->operation.bytes = 4;
         busy(p, WORD_NS);
     }
 }
@@ -174,10 +147,8 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
         part_set(p, CR, before); /* only the keys open it */
         return;
     }
-    if ((written & CR_LOCK) != 0) {
-        stored_flash(b)->open = false;
-        stored_flash_changed(b);
-    }
+    if ((written & CR_LOCK) != 0)
+        stored_flash_set_open(b, false);
     if ((written & CR_MER) != 0) {
         board_verdict(b, "mass erase of the flash");
         return;
@@ -202,8 +173,9 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
         if (b->around.supply_mv < NEEDED_MV)
             board_verdict(b, "sector of the flash erased by words at %u mV; 2700 are needed",
                           b->around.supply_mv);
-        f->erasing = true;
-        f->erased = sector;
+        f->operation.erasing = true;
+        f->operation.at = (sector - FIRST_STORED_SECTOR) * SECTOR_BYTES;
+        f->operation.bytes = SECTOR_BYTES;
         busy(p, SECTOR_NS / 1000u * stored_flash_erase_share(b));
     }
 }
@@ -218,8 +190,7 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         } else if (f->keys == 1 && written == KEY2) {
             f->keys = 0;
             part_set(p, CR, part_get(p, CR) & ~CR_LOCK);
-            stored_flash(p->board)->open = true;
-            stored_flash_changed(p->board);
+            stored_flash_set_open(p->board, true);
         } else {
             f->keys = 3;
             board_verdict(

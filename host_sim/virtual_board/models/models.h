@@ -56,8 +56,7 @@ void flash_f1_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word)
 /* Flash that the firmware writes: bytes, and bits that read differently each time. */
 struct stored_flash {
     uint8_t *bytes;
-    uint8_t *unstable; /* a set bit: read as either */
-    uint32_t erases[16];
+    uint8_t *unstable;                  /* a set bit: read as either */
     bool cache_on;                      /* the chip's cache of data */
     bool cache_old;                     /* it holds what was there before a write */
     bool open;                          /* its interface takes stores and erases */

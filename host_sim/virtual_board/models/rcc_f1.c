@@ -5,10 +5,9 @@
  */
 #include <string.h>
 
-#include "models.h"
+#include "rcc.h"
 
 enum {
-    CR = 0x00,
     CFGR = 0x04,
     CIR = 0x08,
     APB2RSTR = 0x0C,
@@ -22,13 +21,10 @@ enum {
 };
 
 #define CR_HSION     (UINT32_C(1) << 0)
-#define CR_HSIRDY    (UINT32_C(1) << 1)
 #define CR_HSEON     (UINT32_C(1) << 16)
-#define CR_HSERDY    (UINT32_C(1) << 17)
 #define CR_HSEBYP    (UINT32_C(1) << 18)
 #define CR_CSSON     (UINT32_C(1) << 19)
 #define CR_PLLON     (UINT32_C(1) << 24)
-#define CR_PLLRDY    (UINT32_C(1) << 25)
 #define CFGR_PLLSRC  (UINT32_C(1) << 16)
 #define CFGR_PREDIV  (UINT32_C(1) << 17) /* bit 0 of CFGR2 once more */
 #define CFGR_PLL     (CFGR_PLLSRC | CFGR_PREDIV | UINT32_C(15) << 18)
@@ -155,16 +151,10 @@ static uint64_t rtc_hz(struct board *b)
 
 /* ---- events ---- */
 
-/* 6.2.6: the switch waits until the clock that SW asks for is ready. */
 static void switch_over(struct part *p)
 {
-    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
-    uint32_t cfgr = part_get(p, CFGR), wanted = cfgr & 3u;
-    if (wanted == 3u)
-        board_verdict(p->board, "RCC_CFGR switches to clock 3, which is none");
-    if ((part_get(p, CR) & ready[wanted]) == 0 || (cfgr >> 2 & 3u) == wanted)
+    if (!clock_switches(p, CFGR))
         return;
-    part_set(p, CFGR, (cfgr & ~12u) | wanted << 2);
     check_clocks(p);
     clocks_changed(p);
 }

@@ -6,10 +6,9 @@
  */
 #include <string.h>
 
-#include "models.h"
+#include "rcc.h"
 
 enum {
-    CR = 0x00,
     PLLCFGR = 0x04,
     CFGR = 0x08,
     CIR = 0x0C,
@@ -23,13 +22,10 @@ enum {
 };
 
 #define CR_HSION    (UINT32_C(1) << 0)
-#define CR_HSIRDY   (UINT32_C(1) << 1)
 #define CR_HSEON    (UINT32_C(1) << 16)
-#define CR_HSERDY   (UINT32_C(1) << 17)
 #define CR_HSEBYP   (UINT32_C(1) << 18)
 #define CR_CSSON    (UINT32_C(1) << 19)
 #define CR_PLLON    (UINT32_C(1) << 24)
-#define CR_PLLRDY   (UINT32_C(1) << 25)
 #define PLL_HSE     (UINT32_C(1) << 22)
 #define CIR_CSSF    (UINT32_C(1) << 7)
 #define CIR_CSSC    (UINT32_C(1) << 23)
@@ -150,16 +146,10 @@ static uint64_t rtc_hz(struct board *b)
 
 /* ---- events ---- */
 
-/* 7.2.6: the switch waits until the clock that SW asks for is ready. */
 static void switch_over(struct part *p)
 {
-    static const uint32_t ready[] = {CR_HSIRDY, CR_HSERDY, CR_PLLRDY, 0};
-    uint32_t cfgr = part_get(p, CFGR), wanted = cfgr & 3u;
-    if (wanted == 3u)
-        board_verdict(p->board, "RCC_CFGR switches to clock 3, which is none");
-    if ((part_get(p, CR) & ready[wanted]) == 0 || (cfgr >> 2 & 3u) == wanted)
+    if (!clock_switches(p, CFGR))
         return;
-    part_set(p, CFGR, (cfgr & ~12u) | wanted << 2);
     check_clocks(p);
     clocks_changed(p);
 }

@@ -45,6 +45,12 @@ void stored_flash_changed(struct board *b)
     processor_stored_changed(b);
 }
 
+void stored_flash_set_open(struct board *b, bool open)
+{
+    stored_flash(b)->open = open;
+    stored_flash_changed(b);
+}
+
 uint8_t *stored_flash_plain(struct board *b)
 {
     const struct stored_flash *f = stored_flash(b);
@@ -147,6 +153,42 @@ void stored_flash_weaken(struct board *b, uint32_t at, uint32_t bytes)
     for (uint32_t i = 0; i < bytes; i++)
         f->unstable[at + i] =
             (uint8_t)(f->unstable[at + i] | (~f->bytes[at + i] & board_random(b)));
+}
+
+void flash_operation_start(struct part *interface, struct flash_operation *o,
+                           void (*done)(void *context))
+{
+    o->done = (struct board_event){.due = done, .context = interface};
+    board_add_event(interface->board, &o->done);
+}
+
+void flash_operation_begin(struct board *b, struct flash_operation *o, uint64_t ns)
+{
+    o->began_ns = board_ns(b);
+    b->stalled_until_ns = o->began_ns + ns;
+    board_schedule(b, &o->done, b->stalled_until_ns);
+}
+
+void flash_operation_end(struct board *b, struct flash_operation *o)
+{
+    if (o->erasing)
+        stored_flash_erase(b, o->at, o->bytes);
+    o->erasing = false;
+}
+
+/* A reset leaves a word or an erase of the STM32F100 in any state (unverified). For the STM32F405: RM0090 Rev 21 3.6. */
+void flash_operation_reset(struct board *b, struct flash_operation *o, uint64_t erase_ns)
+{
+    bool under_way = o->done.at_ns != BOARD_NEVER;
+    uint64_t spent = board_ns(b) - o->began_ns;
+    o->done.at_ns = BOARD_NEVER;
+    if (under_way && !stored_flash(b)->cut) { /* else what the cut has left is there */
+        if (o->erasing)
+            stored_flash_erase_partly(b, o->at, o->bytes, (uint32_t)(1000u * spent / erase_ns));
+        else
+            stored_flash_weaken(b, o->at, o->bytes);
+    }
+    o->erasing = false;
 }
 
 const struct part_class stored_flash_class = {.name = "flash that is written",

@@ -15,7 +15,7 @@
 #define START_WORDS 16u
 #define TRIES       4u
 
-/* What one life of the board leaves to the next. */
+/* State that one start of the board leaves to the next. */
 struct carried {
     uint64_t possible; /* bits of the versions that the next start may find */
     unsigned next;     /* version of the next save */
