@@ -102,11 +102,12 @@ class CoreTest(unittest.TestCase):
 
 class SameRunTest(unittest.TestCase):
     def run_smoke(self, image: str, folder: Path, *options: str) -> dict[str, bytes | int]:
-        """Log, transcript and telemetry of the scenario, and the instructions that the board has run."""
+        """Log, transcript and telemetry of the scenario, what the memory holds at the end, and the instructions that the board has run."""
         wanted = scenario.load(ROOT / "host_sim" / "scenarios" / "smoke.toml")
         folder.mkdir()
         runner.write_script(wanted, folder / "script.txt")
-        with launch.start(f"board-{image}", extra=("--statistics", *options)) as firmware:
+        memory = folder / "memory"  # has the bytes of the last frames, too
+        with launch.start(f"board-{image}", extra=("--statistics", "--memory", str(memory), *options)) as firmware:
             subprocess.run(runner.simulator_command(wanted, firmware, folder), check=True, stdout=subprocess.DEVNULL)
             assert firmware.process is not None and firmware.messages is not None
             self.assertEqual(firmware.process.wait(timeout=60), 0)
@@ -116,7 +117,7 @@ class SameRunTest(unittest.TestCase):
         print(f"{image} {' '.join(options)}: {statistics.strip()}")
         for kind in RESETS:
             self.assertEqual(count(statistics, kind), 0, statistics)
-        out: dict[str, bytes | int] = {name: (folder / name).read_bytes() for name in ("simulator.csv", "transcript.txt", "telemetry.csv")}
+        out: dict[str, bytes | int] = {name: (folder / name).read_bytes() for name in ("simulator.csv", "transcript.txt", "telemetry.csv", "memory")}
         self.assertTrue(all(out.values()))
         return {**out, "instructions": int(found.group(1))}
 
