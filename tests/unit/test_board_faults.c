@@ -14,6 +14,7 @@
 #define STACK   0x20001000u
 #define FRAME   (STACK - 32u)
 #define CFSR    0xE000ED28u
+#define RCC     0x40023800u
 
 /* The handler reads what was stacked and stays. */
 static const uint16_t handler[] = {0xE7FE};
@@ -100,6 +101,27 @@ static void test_numbers_without_their_unit(void)
 {
     static const uint16_t code[] = {0x2001, 0x3001, 0xEE30, 0x0A00, 0x3001, 0xE7FE};
     check_fault(code, 6, 4, 1u << 19);
+}
+
+/* RCC of the STM32F405: crystal with clock security, core from the crystal, which then fails: 25 MHz, and 16 MHz from there on. */
+static void test_a_run_ends_at_its_time_although_the_clock_changes_on_the_way(void)
+{
+    static const uint16_t code[] = {0xE7FE};
+    static const char fails[] = "after_ns 1000000\ncrystal 0\n";
+    struct board *b = make(code, 1, false);
+    char err[BOARD_VERDICT];
+    b->around.crystal_hz = 25000000;
+    bus_write(b, RCC, 4, bus_read(b, RCC, 4) | 1u << 16 | 1u << 19);
+    board_run(b, board_ns(b) + 5000000);
+    bus_write(b, RCC + 8u, 4, 1);
+    TEST_ASSERT_EQUAL(25000000, b->core_hz);
+    uint64_t end = board_ns(b) + 10000000;
+    TEST_ASSERT_TRUE(faults_add_text(b, fails, sizeof(fails) - 1u, err, sizeof(err)));
+    board_run(b, end);
+    TEST_ASSERT_EQUAL_STRING("", b->verdict);
+    TEST_ASSERT_EQUAL(16000000, b->core_hz);
+    TEST_ASSERT_UINT64_WITHIN(1000, end, board_ns(b));
+    board_free(b);
 }
 
 /* A loop of one block: r0 counts its turns. The core is held after each of 40 instructions in turn; where, is the place in the loop. */
@@ -283,6 +305,7 @@ int main(void)
     RUN_TEST(test_division_by_nothing_traps);
     RUN_TEST(test_division_by_nothing_gives_nothing_where_it_does_not_trap);
     RUN_TEST(test_numbers_without_their_unit);
+    RUN_TEST(test_a_run_ends_at_its_time_although_the_clock_changes_on_the_way);
     RUN_TEST(test_a_fault_falls_on_any_instruction);
     RUN_TEST(test_a_fault_does_not_split_conditional_instructions);
     RUN_TEST(test_power_cut_forgets_memory_and_keeps_flash);

@@ -381,6 +381,24 @@ static void test_an_erase_that_a_reset_ends_leaves_a_page_in_between(void)
     b->verdict[0] = '\0';
 }
 
+static void test_an_erase_that_ends_early_leaves_most_bits_as_they_were(void)
+{
+    unlock();
+    for (uint32_t at = 0x400; at < 0x800; at += 2)
+        program(at, 0);
+    put_ok(FLASH_CR, FLASH_CR_PER);
+    put_ok(FLASH_AR, STORED + PLACE);
+    put_ok(FLASH_CR, FLASH_CR_PER | FLASH_CR_STRT);
+    pass(4000000); /* of 40 ms */
+    restart(RESET_PIN);
+    unsigned ones = 0;
+    for (uint32_t at = 0x400; at < 0x800; at += 2)
+        ones += (unsigned)__builtin_popcount(stored_flash_read(b, at, 2));
+    TEST_ASSERT_GREATER_THAN_UINT(0, ones);
+    TEST_ASSERT_LESS_THAN_UINT(0x800, ones); /* a quarter of 8192 bits */
+    b->verdict[0] = '\0';
+}
+
 static void test_a_half_word_that_a_reset_ends_reads_differently_each_time(void)
 {
     unlock();
@@ -466,6 +484,7 @@ int main(void)
     RUN_TEST(test_a_half_word_that_is_not_erased_takes_only_zero);
     RUN_TEST(test_an_erase_takes_one_page);
     RUN_TEST(test_an_erase_that_a_reset_ends_leaves_a_page_in_between);
+    RUN_TEST(test_an_erase_that_ends_early_leaves_most_bits_as_they_were);
     RUN_TEST(test_a_half_word_that_a_reset_ends_reads_differently_each_time);
     RUN_TEST(test_a_cut_comes_anywhere_within_a_half_word);
     RUN_TEST(test_what_the_flash_refuses);

@@ -205,6 +205,26 @@ static void test_a_cache_is_emptied_while_it_is_off(void)
     expect_verdict("cache of the flash emptied while it is on");
 }
 
+/* The processor library then reads the bytes without the model. */
+static void test_what_is_stored_is_plain_memory_while_a_read_has_no_other_effect(void)
+{
+    TEST_ASSERT_EQUAL_PTR(stored_flash(b)->bytes, stored_flash_plain(b));
+    unlock();
+    TEST_ASSERT_NULL(stored_flash_plain(b));
+    put_ok(FLASH_CR, FLASH_CR_PG | FLASH_CR_PSIZE32);
+    store(PLACE, 0);
+    put_ok(FLASH_CR, FLASH_CR_LOCK);
+    TEST_ASSERT_NULL(stored_flash_plain(b)); /* the cache is old */
+    put_ok(FLASH_ACR, FLASH_ACR_DCRST);
+    TEST_ASSERT_NOT_NULL(stored_flash_plain(b));
+    unlock();
+    put_ok(FLASH_CR, FLASH_CR_PG | FLASH_CR_PSIZE32);
+    b->chip->store(b, PLACE + 4u, 4, 0);
+    restart(RESET_PIN); /* within the word */
+    TEST_ASSERT_NULL(stored_flash_plain(b));
+    b->verdict[0] = '\0';
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -216,6 +236,7 @@ int main(void)
     RUN_TEST(test_words_need_their_supply);
     RUN_TEST(test_option_bytes);
     RUN_TEST(test_a_cache_is_emptied_while_it_is_off);
+    RUN_TEST(test_what_is_stored_is_plain_memory_while_a_read_has_no_other_effect);
     board_free(b);
     return UNITY_END();
 }
