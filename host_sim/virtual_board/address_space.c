@@ -77,10 +77,9 @@ bool address_map_memory(struct board *b, struct processor *p)
                 UC_ERR_OK)
                 return false;
         }
-        /* The chip fetches from the SRAM as well, and not from the memory next to the core (RM0090 Rev 21 2.1.2, 2.1.3, 2.3.1). */
-        uint32_t rights = m->kind == MEMORY_FLASH ? UC_PROT_READ | UC_PROT_EXEC
-                          : m->kind == MEMORY_RAM ? UC_PROT_ALL
-                                                  : UC_PROT_READ | UC_PROT_WRITE;
+        /* SRAM from which nothing has been fetched is mapped as data: the library need not look for code at each store. */
+        uint32_t rights =
+            UC_PROT_READ | (m->kind == MEMORY_FLASH ? UC_PROT_EXEC : UC_PROT_WRITE);
         if (uc_mem_map_ptr(p->uc, m->base, size, rights, p->memory[i]) != UC_ERR_OK)
             return false;
     }
@@ -154,6 +153,18 @@ void address_protect(struct processor *p)
     }
     if (!ok)
         board_verdict(b, "the processor library did not protect the first %u bytes", mapped);
+}
+
+bool address_code_in_ram(struct processor *p, uint32_t address)
+{
+    uint32_t page = address & ~0xFFFu;
+    for (size_t i = 0; i < p->board->chip->n_memory; i++) {
+        const struct chip_memory *m = &p->board->chip->memory[i];
+        /* The chip fetches from the SRAM as well, and not from the memory next to the core (RM0090 Rev 21 2.1.2, 2.1.3, 2.3.1). */
+        if (m->kind == MEMORY_RAM && address - m->base < m->size)
+            return uc_mem_protect(p->uc, page, 0x1000, UC_PROT_ALL) == UC_ERR_OK;
+    }
+    return false;
 }
 
 void processor_protection_changed(struct board *b)

@@ -109,6 +109,8 @@ void exception_of_access(struct processor *p);
 bool address_map_memory(struct board *b, struct processor *p);
 bool address_map_windows(struct board *b, struct processor *p);
 void address_protect(struct processor *p);
+/* Lets a page of the SRAM hold code, the first time that some is fetched from there; false: the address is not in the SRAM. */
+bool address_code_in_ram(struct processor *p, uint32_t address);
 /* Maps the stored flash as memory, which is fast, or as a window to its model. */
 void address_map_stored(struct processor *p);
 bool address_forbidden(const struct processor *p, uint32_t address);

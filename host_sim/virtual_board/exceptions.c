@@ -138,6 +138,8 @@ void exception_of_access(struct processor *p)
                         fetch ? at : pc);
     } else if (p->failed_type == UC_MEM_WRITE_PROT) {
         board_verdict(b, "write to 0x%08x, flash that holds the program or is locked", at);
+    } else if (p->failed_type == UC_MEM_FETCH_PROT && address_code_in_ram(p, at)) {
+        core_set(p, UC_ARM_REG_PC, at | 1u);
     } else if (p->failed_type == UC_MEM_FETCH_PROT) {
         board_verdict(b, "jump to 0x%08x, which is memory for data", at);
     } else {
