@@ -1,0 +1,99 @@
+/* What a device on a bus is: a sensor chip, read step by step by the board clock, whose codes the tick turns into numbers.
+ *
+ * Board clock, once a millisecond (nothing here waits or computes with float):
+ *     kind->step(d) does the next thing: it looks at the transfer that it began the last time, and may begin another. It returns the
+ *     milliseconds until its next turn, at least 1. In that time the transfer must have ended; step() stops one that has not, which counts as
+ *     a failure of the bus. Times do not depend on how fast a bus is, so that host and chip read alike.
+ * Tick:
+ *     device_read() takes the newest result; kind->value() turns it into a number.
+ *
+ * A reading that does not come, or that the chip or its checksum calls wrong, has a fault and no value. Chips without a checksum are read
+ * twice in a row, and believed when both agree.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_DEVICES_DEVICE_H
+#define REFLUX_DEVICES_DEVICE_H
+
+#include "base/channel.h"
+#include "hal/i2c.h"
+#include "hal/onewire.h"
+#include "hal/spi.h"
+
+/* What is wrong with a reading, as bits. */
+enum device_fault {
+    DEVICE_NO_CHIP = 1u << 0, /* nothing answers */
+    DEVICE_WRONG_CHIP =
+        1u
+        << 1, /* what answers is another chip, or one that has lost its settings and does not take them */
+    DEVICE_CHECKSUM = 1u << 2,      /* or two reads that differ */
+    DEVICE_OPEN = 1u << 3,          /* sensor or its wire broken */
+    DEVICE_SHORT = 1u << 4,         /* sensor shorted */
+    DEVICE_VOLTAGE = 1u << 5,       /* over- or undervoltage at an input, short to a rail */
+    DEVICE_RANGE = 1u << 6,         /* beyond what the chip or the sensor can have */
+    DEVICE_COLD_JUNCTION = 1u << 7, /* its temperature is out of range */
+    DEVICE_POWER_ON = 1u << 8,      /* the value of power-on, which is no measurement */
+    DEVICE_BUS = 1u << 9            /* the transfer failed or did not end */
+};
+
+#define DEVICE_CODES  3u
+#define DEVICE_BUFFER 32u
+
+struct device_settings {
+    uint8_t bus;
+    hal_pin select;  /* SPI */
+    uint8_t address; /* I2C */
+    uint8_t input;   /* of a chip with several */
+    uint8_t type;    /* of a sensor, as its kind says: wires, letter of a thermocouple, range */
+    bool mains_60;   /* rejects 60 Hz instead of 50 */
+    uint8_t rom[ONEWIRE_ROM_BYTES];
+    float reference; /* as its kind says: ohm, V */
+    float nominal;   /* as its kind says: ohm at 0 degC */
+};
+
+struct device_result {
+    int32_t code[DEVICE_CODES]; /* as the kind says */
+    uint16_t faults;            /* enum device_fault */
+    uint32_t stamp_ms;          /* when the conversion was begun */
+    uint32_t number;            /* of the result, from 1; 0: none yet */
+};
+
+struct device;
+
+struct device_kind {
+    const char *name;     /* at the console */
+    const char *unit;     /* of value(): "degC", "Pa", "V" */
+    uint16_t interval_ms; /* shortest one between two results */
+    /* ERR_RANGE where a setting is none of this chip's. Makes the bus ready. */
+    enum err (*open)(struct device *d);
+    uint16_t (*step)(struct device *d, uint32_t now_ms);
+    /* From the codes of a result without a fault. False: the value is none that this sensor can have. */
+    bool (*value)(const struct device_settings *s, const int32_t code[DEVICE_CODES], float *value);
+};
+
+struct device {
+    const struct device_kind *kind;
+    struct device_settings settings;
+    uint16_t interval_ms;
+    /* The kind's own, in the board clock: */
+    struct transfer transfer;
+    struct spi_device spi;
+    uint8_t bytes[DEVICE_BUFFER];
+    uint8_t stage, tries;
+    bool ready;      /* the chip has its settings */
+    int32_t kept[4]; /* calibration of the chip, or the read before */
+    uint32_t began_ms, due_ms;
+    /* Written by the board clock, read by the tick: */
+    struct device_result result;
+};
+
+/* Board clock. Runs the steps that are due. */
+void device_clock(struct device *d, uint32_t now_ms);
+
+/* For kinds: publishes a result with these codes, or with faults. */
+void device_publish(struct device *d, const int32_t code[DEVICE_CODES], uint16_t faults);
+
+/* Tick. The newest result; the board clock may interrupt it. */
+void device_read(const struct device *d, struct device_result *result);
+
+#endif

@@ -1,0 +1,82 @@
+/* Chips around the board, bit by bit as their data sheets have them: behind the buses of the host and behind those of the virtual board.
+ * A chip knows nothing of who asks. Time comes with each call, ns of the board; it does not go backwards.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_CHIPS_CHIP_H
+#define REFLUX_CHIPS_CHIP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum chip_bus { CHIP_SPI, CHIP_I2C, CHIP_ONEWIRE };
+
+struct chip;
+
+/* What the world does to a chip, by name: a quantity that it measures, in the unit of the name's list, or a fault, which is there while its
+ * value is not 0. */
+struct chip_input {
+    const char *name; /* "temperature", "open" */
+    const char *unit; /* "degC", "" of a fault */
+    double lo, hi;
+    double at_first;
+    const char *what; /* for people */
+};
+
+/* A property of how it is wired, fixed when it is made: "reference" 430 ohm. */
+struct chip_property {
+    const char *name, *unit;
+    double lo, hi, at_first;
+};
+
+struct chip_kind {
+    const char *name; /* "max31865" */
+    enum chip_bus bus;
+    const struct chip_property *properties;
+    size_t n_properties;
+    const struct chip_input *inputs;
+    size_t n_inputs;
+    size_t size; /* of its state, bytes; struct chip is at the beginning */
+    void (*power_on)(struct chip *c, uint64_t now_ns);
+
+    /* SPI: the line of select, and a byte each way. The bus has this mode (0..3) at the moment; a chip that cannot take it answers rubbish. */
+    void (*select)(struct chip *c, uint64_t now_ns, bool low);
+    uint8_t (*exchange)(struct chip *c, uint64_t now_ns, unsigned mode, uint8_t out);
+
+    /* I2C: after start or start again the address is on the bus; true: it is acknowledged. */
+    bool (*address)(struct chip *c, uint64_t now_ns, uint8_t address, bool read);
+    bool (*write)(struct chip *c, uint64_t now_ns, uint8_t byte);
+    uint8_t (*read)(struct chip *c, uint64_t now_ns, bool acknowledged);
+    void (*stop)(struct chip *c, uint64_t now_ns);
+
+    /* 1-wire: a reset pulse, true: presence; then bits. A wire with several chips is low where one of them pulls. */
+    bool (*presence)(struct chip *c, uint64_t now_ns);
+    void (*bit_out)(struct chip *c, uint64_t now_ns, bool bit);
+    bool (*bit_in)(struct chip *c, uint64_t now_ns);
+};
+
+#define CHIP_INPUTS_MAX 16u
+
+struct chip {
+    const struct chip_kind *kind;
+    double property[CHIP_INPUTS_MAX];
+    double input[CHIP_INPUTS_MAX];
+    uint64_t random; /* state of noise */
+};
+
+/* All kinds there are; n: how many. */
+const struct chip_kind *const *chip_kinds(size_t *n);
+
+/* A chip of the kind with this name, with its properties as in "reference=400 wires=3"; it has no power yet. NULL, with a sentence in err. */
+struct chip *chip_new(const char *kind, const char *properties, uint64_t seed, char *err,
+                      size_t err_size);
+void chip_free(struct chip *c);
+
+/* A fault of the chip, too, that every kind has: "dead": it does not answer. */
+bool chip_set(struct chip *c, const char *input, double value, char *err, size_t err_size);
+
+/* What the world does is taken over by chips at their own pace: call when it has changed. */
+void chip_power(struct chip *c, uint64_t now_ns, bool on);
+
+#endif
