@@ -29,6 +29,10 @@ struct operate *app_door(struct app *app);
 /* Handles link input, the tick when a sample is due, and silence of the link. Short and never waits. */
 void app_tick(struct app *app);
 
+/* The board clock: what is at the board's pins goes on by a millisecond. Called once for each, above the tick context, which it may ask for.
+ * Short and never waits. Boards without HAL_BOARD_CLOCK (hal/tick.h) have none. */
+void app_clock(struct app *app, uint32_t now_ms);
+
 /* Writes the next frame that keeps the plant link alive, for a port that sends it while it erases flash and no tick can run. Returns its
  * bytes, 0 if no plant is there. For the main loop, with the tick held off. */
 #define APP_KEEP_ALIVE_BYTES 9

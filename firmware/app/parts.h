@@ -7,6 +7,7 @@
 #include "base/job.h"
 #include "base/workspace.h"
 #include "console/console.h"
+#include "io/board_io.h"
 #include "io/sample_gate.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
@@ -36,6 +37,7 @@ struct tick_context {
 struct app {
     struct supervisor supervisor;
     struct plant_link link;
+    struct board_io board_io; /* its devices and outputs: the board clock steps them */
     struct service service;
     struct operate operate;
     struct console console;
@@ -58,6 +60,15 @@ void binding_bind(struct app *app);
 /* Announces a plan that has come into force, and binds its channels before anything else acts. It announces several
  * plans that came between two ticks once. */
 void binding_announce(struct app *app);
+#if CONFIG_DEVICES
+/* Has the plant where the plan in force says it is: at the link or at the board's pins. */
+void binding_take_source(struct app *app);
+#else
+static inline void binding_take_source(struct app *app)
+{
+    (void)app;
+}
+#endif
 /* Follows the plant: if it has come, gone or changed, all bindings to the old one are void. Returns false if the
  * plan cannot change yet, because a piece of a block's work is under way, or because the main loop must fit the
  * plan to the plant's tick first. */

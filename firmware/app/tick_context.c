@@ -18,6 +18,7 @@ void tick_context_init(struct app *app)
 {
     supervisor_init(&app->supervisor, &app->service.tick_events);
     plant_link_init(&app->link, &app->service.tick_events, &app->supervisor.time_ms);
+    board_io_init(&app->board_io, &app->service.tick_events, &app->supervisor.time_ms);
     app->service.io = plant_link_port(&app->link);
     supervisor_take_plan(&app->supervisor, service_in_force(&app->service));
     supervisor_tell_plan(&app->supervisor);
@@ -46,6 +47,7 @@ static void take_requests(struct app *app, bool up_to_last_plan)
         spsc_read_done(&q->index);
         if (r.kind == REQUEST_APPLY) {
             service_take_pending(&app->service);
+            binding_take_source(app);
             app->binding.announce_pending = true;
         } else {
             binding_announce(app);
@@ -62,6 +64,7 @@ void tick_context_activate(void *app)
 void tick_context_take_plan(struct app *app)
 {
     supervisor_take_plan(&app->supervisor, service_in_force(&app->service));
+    binding_take_source(app);
     app->binding.announce_pending = true;
     binding_announce(app);
 }

@@ -17,7 +17,7 @@
 #include "base/text.h"
 
 #ifndef WORKSPACE_BYTES
-#define WORKSPACE_BYTES 58000 /* 0: the board has none */
+#define WORKSPACE_BYTES 60000 /* 0: the board has none */
 #endif
 
 #if WORKSPACE_BYTES

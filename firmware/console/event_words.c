@@ -4,6 +4,7 @@
 #include "console/block_words.h"
 #include "console/loop_guard_words.h"
 #include "console/phrases.h"
+#include "console/sensor_words.h"
 #include "console/sequence_words.h"
 #include "console/startup_words.h"
 #include "exchange/alarm_names.h"
@@ -16,6 +17,7 @@ void event_reasons(const struct event *e, struct text *line)
     if (e->code == EVENT_PLANT_REFUSED) {
         put_reason(line, plant_fault_text(e->detail));
     }
+    sensor_event_words(e, line);
     sequence_event_words(e, line);
     startup_event_words(e, line);
     block_event_words(e, line);

@@ -37,5 +37,10 @@
 #else
 #define CALIBRATION_ROWS ROWS_NOWHERE
 #endif
+#if CONFIG_DEVICES
+#define DEVICE_ROWS ROWS_HERE
+#else
+#define DEVICE_ROWS ROWS_NOWHERE
+#endif
 
 #endif

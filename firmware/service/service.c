@@ -11,6 +11,7 @@
 #include "hal/self_check.h"
 #include "hal/tick.h"
 #include "plan/plan_build.h"
+#include "service/pins_check.h"
 #include "settings/parameters.h"
 
 _Static_assert(EVENT_HISTORY * sizeof(struct event_record) <= HAL_RETAINED_EVENTS_BYTES,
@@ -151,11 +152,15 @@ static enum err build_next(struct service *s, const struct config *config,
     release_rows(s);
     struct plan *plan = &s->plan[other(s)];
     enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
+    if (!err)
+        err = pins_check(&plan->config, fault);
     if (err)
         return err;
     /* A table that is in force already keeps its place, so that pointers to it stay valid. */
     tables_share(&plan->config, &service_plan(s)->config);
-    if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
+    /* At its own pins the board samples at whatever base tick it gets. */
+    if (s->io.state(s->io.context) == IO_READY && !pins_are_source(&plan->config.pins) &&
+        !service_tick_fits(s, plan)) {
         *fault =
             (struct config_fault){.code = ERR_CONFLICT,
                                   .group = "tick",

@@ -159,7 +159,7 @@ uint32_t parameter_id(const struct parameter *p)
 
 enum err parameter_find_id(const struct config *config, uint32_t id, struct parameter *p)
 {
-    if (CONFIG_BLOCKS && id >> 16)
+    if (CONFIG_BLOCKS && id >> 24)
         return find_block_id(config, id, p);
     for (unsigned g = 0; g < parameter_group_count; g++) {
         const struct parameter_group *group = &parameter_groups[g];

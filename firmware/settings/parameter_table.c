@@ -15,7 +15,7 @@
     V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
-    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x) V(31, 1.5f, x)
+    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x) V(31, 1.5f, x) V(32, 7.0f, x)
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
@@ -325,6 +325,55 @@ OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
       "dead time and time constant together, as far as known; 0 = unknown"),
     F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"))};
 
+/* The words of `device`, `bus`, `type` and `kind` are stored by their place: new ones go to the end. */
+OPTIONAL_FIELDS io_fields[] = {DEVICE_ROWS(
+    W(config, pins.source, 1, "source", "link|board", IO_SOURCE_LINK,
+      "where the plant is: at the other end of the link, or at the board's own pins (chan, out)"),
+    W(config, pins.mains_60, 2, "mains", "50Hz|60Hz", 0, "frequency that inputs reject"),
+    N(config, pins.enable, 3, "enable",
+      "pin of the contactor in series with all heaters, on while all is well; - = none"))};
+
+OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
+    N(device_config, name, 1, "name", "measurement that it gives; - = unused"),
+    ROW(2, PARAMETER_UNIT, offsetof(struct device_config, unit), "unit", "", 0, 0, 0,
+        "engineering unit of that"),
+    W(device_config, device, 3, "device",
+      "-|max31865|max31856|ds18b20|ads1115|bme280|xgzp6897|adc|pulse|level", 0,
+      "what is at the pins"),
+    W(device_config, bus, 4, "bus", "-|spi1|spi2|spi3|i2c1|i2c2|wire1|wire2", 0,
+      "bus that it is on; - = none"),
+    N(device_config, select, 5, "select",
+      "its pin (PA4), address (0x48), or number on a wire (28000005e2fdc3)"),
+    ROW(6, PARAMETER_U16, offsetof(struct device_config, input), "input", "", 0, 7, 0,
+        "which input of a chip with several"),
+    W(device_config, type, 7, "type", "-|2wire|3wire|4wire|B|E|J|K|N|R|S|T|4-20mA|0-10V|volt|ntc",
+      0, "of the sensor"),
+    F(device_config, lo, 8, "lo", "EU", -BIG, BIG, 0, "value at the lower end of the signal"),
+    F(device_config, hi, 9, "hi", "EU", -BIG, BIG, 100, "value at the upper end of the signal"),
+    F(device_config, reference, 10, "reference", "ohm", 0, 1e6f, 0,
+      "reference or shunt resistor; 0 = what such boards usually have"),
+    F(device_config, nominal, 11, "nominal", "ohm", 0, 1e6f, 0,
+      "of the sensor at 0 degC, of an ntc at 25 degC; 0 = usual"))};
+
+OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
+    N(output_config, name, 1, "name", "manipulated variable that it is; - = unused"),
+    ROW(2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0,
+        "engineering unit of that"),
+    W(output_config, kind, 3, "kind", "-|window|burst|relay|pwm|analog|stepper|motor_valve", 0,
+      "what is done with the pin"),
+    N(output_config, pin, 4, "pin", "its pin (PB0)"),
+    N(output_config, second, 5, "pin2", "pin of the direction, or the one that closes a valve"),
+    F(output_config, lo, 6, "lo", "EU", -BIG, BIG, 0, "value where it is off"),
+    F(output_config, hi, 7, "hi", "EU", -BIG, BIG, 100, "value where it is on all the time"),
+    W(output_config, active, 8, "active", "high|low", 0, "level of the pin that switches it on"),
+    F(output_config, period_s, 9, "period", "s", 0.1f, 3600, 2, "length of a window"),
+    F(output_config, least_on_s, 10, "least_on", "s", 0, 3600, 0.1f, "on for at least this long"),
+    F(output_config, least_off_s, 11, "least_off", "s", 0, 3600, 0.1f,
+      "off for at least this long"),
+    F(output_config, dead_s, 12, "dead", "s", 0.5f, 60, 2,
+      "without a command for this long it goes off, or to its safe place"),
+    W(output_config, heater, 13, "heater", "off|on", 0, "needs the contactor of io.enable"))};
+
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */
 #define GROUP(id, name, member, type, count, most, fields)                                         \
@@ -351,7 +400,10 @@ const struct parameter_group parameter_groups[] = {
                       GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields))
     /* A board without sequences has the names only, so that it refuses them with ERR_UNSUPPORTED. */
     GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 32, step_fields),
-};
+    DEVICE_ROWS(
+        {17, 1, COUNT(io_fields), false, 0, 0, "io", io_fields, 1},
+        GROUP(18, "chan", pins.device, struct device_config, CONFIG_DEVICES, 16, device_fields),
+        GROUP(19, "out", pins.output, struct output_config, CONFIG_OUTPUTS, 8, output_fields))};
 const unsigned parameter_group_count = COUNT(parameter_groups);
 
 #define B(member, id, type, name, help)                                                            \

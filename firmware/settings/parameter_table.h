@@ -47,7 +47,7 @@ struct parameter_field {
 };
 
 struct parameter_group {
-    uint8_t id; /* 1..15; 16 for blocks */
+    uint8_t id; /* 1..15; 16 for blocks; 17.. with ids of more than 16 bits */
     uint8_t count;
     uint8_t n_fields;
     bool indexed;

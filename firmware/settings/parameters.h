@@ -2,7 +2,7 @@
  * storage use that declaration.
  *
  * A parameter is named group[index].field: "loop1.gain", "meas3.lo", "tick.base". Its id never changes
- * meaning: group << 12 | field << 6 | index (0-based) of groups up to 15, else group << 24 | field << 16 | row << 6 | index.
+ * meaning: group << 12 | field << 6 | index (0-based), of blocks group << 24 | field << 16 | row << 6 | index.
  * The fields of a block up to 63 are those of parameter_table.c. The fields from 64 on are the rows of its kind, which
  * differ from kind to kind (block/block.h).
  */

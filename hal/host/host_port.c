@@ -15,6 +15,7 @@
 
 #include "app/app.h"
 #include "base/assertion.h"
+#include "buses.h"
 #include "flash_model.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
@@ -30,7 +31,7 @@
 
 static struct line lines[HAL_UART_COUNT];
 static bool tick_asked;
-static uint64_t ticked_ms, start_ns;
+static uint64_t ticked_ms, clocked_ms, start_ns;
 static uint32_t boot_id;
 static enum hal_reset cause = HAL_RESET_POWER_ON;
 static sigjmp_buf reset_vector;
@@ -126,10 +127,14 @@ void host_port_run(void)
             flow_look(&lines[i].flow, &lines[i].rx); /* who was asked to wait goes on */
         }
     }
+    buses_reset();
     app_init(app_instance());
     tick_asked = true;
+    clocked_ms = hal_clock_ms();
     while (!stopping) {
         uint64_t now = hal_clock_ms();
+        while (clocked_ms < now)
+            app_clock(app_instance(), (uint32_t)++clocked_ms);
         if (tick_asked || now - ticked_ms >= HAL_TICK_PERIOD_MS) {
             tick_asked = false;
             ticked_ms = now;

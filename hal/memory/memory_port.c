@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "buses.h"
 #include "flash_model.h"
 #include "hal/clock.h"
 #include "hal/flow.h"
@@ -57,6 +58,7 @@ static void power_up(uint64_t now)
     tick_locks = 0;
     tick_asked = true;
     boot_id++;
+    buses_reset();
     app_init(app_instance());
 }
 
@@ -72,8 +74,8 @@ void memory_port_start(void)
 
 void memory_port_set_clock(uint64_t ms)
 {
-    if (ms > clock_ms)
-        clock_ms = ms;
+    while (clock_ms < ms)
+        app_clock(app_instance(), (uint32_t)++clock_ms);
 }
 
 size_t memory_port_give(enum hal_uart port, const void *data, size_t n)

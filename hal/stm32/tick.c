@@ -19,6 +19,8 @@ void interrupt_systick(void)
         ms_high = ms_high + 1u;
     }
     ms_low = low;
+    if (HAL_BOARD_CLOCK)
+        app_clock(app_instance(), low);
     work = true;
     if (until_tick > 1u) {
         until_tick = until_tick - 1u;

@@ -18,6 +18,7 @@
 #define JOBS_MAX            0
 #define WORKSPACE_BYTES     0
 #define CONFIG_STEPS        0
+#define CONFIG_DEVICES      0
 #define CONFIG_LOOP_GUARD   0
 #define EVENT_LOG_JOINS     0
 #define PLAN_ARENA_BYTES    1280

@@ -9,6 +9,7 @@
 #define REFLUX_STM32F405_LIMITS_BASE_H
 
 #define CONFIG_STEPS        0
+#define CONFIG_DEVICES      0
 #define CONFIG_LOOP_GUARD   0
 #define EVENT_LOG_JOINS     0
 #define COMMISSION_CHANNELS 0

@@ -39,6 +39,12 @@ void app_background(struct app *app)
     (void)app;
 }
 
+void app_clock(struct app *app, uint32_t now_ms)
+{
+    (void)app;
+    (void)now_ms;
+}
+
 void app_tick(struct app *app)
 {
     (void)app;

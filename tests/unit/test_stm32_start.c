@@ -17,6 +17,12 @@ struct app *app_instance(void)
     return NULL;
 }
 
+void app_clock(struct app *app, uint32_t now_ms)
+{
+    (void)app;
+    (void)now_ms;
+}
+
 void app_tick(struct app *app)
 {
     (void)app;

@@ -25,7 +25,7 @@ endfunction()
 
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
-set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_PEOPLE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
+set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_DEVICES CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_PEOPLE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
   REFLUX_ASSERTIONS WORKSPACE_BYTES)
 set(probe "#include \"exchange/config.h\"\n")
 foreach(header base/job.h base/workspace.h service/event_log.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "console/sensor_words.h"
+
+#include "console/phrases.h"
+#include "io/sensor_fault.h"
+
+void sensor_event_words(const struct event *e, struct text *line)
+{
+    if (e->code == EVENT_SENSOR_FAULT)
+        put_reason(line, sensor_fault_text(e->detail));
+}

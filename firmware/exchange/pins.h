@@ -1,0 +1,112 @@
+/* Settings of devices and outputs at the board's own pins (docs/reference/parameters.md: chan, out, io).
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_EXCHANGE_PINS_H
+#define REFLUX_EXCHANGE_PINS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/channel.h"
+#include "base/error.h"
+
+/* Words of chan.device and chan.bus in settings/parameter_table.c, in their order. */
+enum device_word {
+    DEVICE_NONE,
+    DEVICE_MAX31865,
+    DEVICE_MAX31856,
+    DEVICE_DS18B20,
+    DEVICE_ADS1115,
+    DEVICE_BME280,
+    DEVICE_XGZP6897,
+    DEVICE_ADC,
+    DEVICE_PULSE,
+    DEVICE_LEVEL,
+    DEVICE_WORDS
+};
+enum bus_word {
+    BUS_NONE,
+    BUS_SPI1,
+    BUS_SPI2,
+    BUS_SPI3,
+    BUS_I2C1,
+    BUS_I2C2,
+    BUS_WIRE1,
+    BUS_WIRE2,
+    BUS_WORDS
+};
+enum bus_family { BUS_FAMILY_PINS, BUS_FAMILY_SPI, BUS_FAMILY_I2C, BUS_FAMILY_WIRE };
+
+enum io_source { IO_SOURCE_LINK, IO_SOURCE_BOARD };
+
+struct device_config {
+    char name[CHANNEL_NAME_SIZE];   /* of the measurement that it gives; empty: unused */
+    char select[CHANNEL_NAME_SIZE]; /* pin, address or ROM, as its bus has it */
+    char unit[CHANNEL_UNIT_SIZE];
+    float lo, hi;    /* EU at the ends of its signal, or span that is announced */
+    float reference; /* ohm or V; 0: what its board usually has */
+    float nominal;   /* ohm; 0: usual */
+    uint16_t input;  /* of a chip with several */
+    uint8_t device;  /* word of the table */
+    uint8_t bus;     /* word of the table */
+    uint8_t type;    /* of the sensor: word of the table */
+};
+
+struct output_config {
+    char name[CHANNEL_NAME_SIZE]; /* of the manipulated variable; empty: unused */
+    char pin[CHANNEL_NAME_SIZE];
+    char second[CHANNEL_NAME_SIZE]; /* pin of direction, or that closes a valve */
+    char unit[CHANNEL_UNIT_SIZE];
+    float lo, hi;   /* EU where it is off and where it is on all the time */
+    float period_s; /* of a window */
+    float least_on_s, least_off_s;
+    float dead_s;   /* without a command for this long it goes to its safe place */
+    uint8_t kind;   /* word of the table */
+    uint8_t active; /* 1: on when the pin is low */
+    uint8_t heater; /* 1: needs the output `enable` */
+};
+
+/* Where CONFIG_DEVICES is 0 the board takes its plant from the link only. */
+#if CONFIG_DEVICES
+#define CONFIG_OUTPUTS 8
+struct pins_config {
+    struct device_config device[CONFIG_DEVICES];
+    struct output_config output[CONFIG_OUTPUTS];
+    char enable
+        [CHANNEL_NAME_SIZE]; /* pin of the contactor in series with all heaters; empty: none */
+    uint8_t source;          /* enum io_source */
+    uint8_t mains_60;        /* 1: 60 Hz */
+};
+#else
+struct pins_config {
+};
+#endif
+
+/* Whether the plant is at the board's pins. */
+#if CONFIG_DEVICES
+static inline bool pins_are_source(const struct pins_config *pins)
+{
+    return pins->source == IO_SOURCE_BOARD;
+}
+#else
+static inline bool pins_are_source(const struct pins_config *pins)
+{
+    (void)pins;
+    return false;
+}
+#endif
+
+/* The family of buses that a device needs, and that a bus belongs to with its number in the family, from 1. */
+enum bus_family pins_device_family(enum device_word device);
+enum bus_family pins_bus_family(enum bus_word bus, uint8_t *number);
+
+#define PINS_ROM_BYTES 8u
+
+/* Read what chan.select and the pins of out have: "PA4" (16 x port + number, hal/pin.h), "0x48", and "28000005e2fdc3": the family of a 1-wire
+ * device and its serial number, most significant byte first, as Linux names it; the checksum at the end of the ROM is computed. ERR_PARSE. */
+MUST_CHECK enum err pins_parse_pin(const char *text, uint8_t *pin);
+MUST_CHECK enum err pins_parse_address(const char *text, uint8_t *address);
+MUST_CHECK enum err pins_parse_rom(const char *text, uint8_t rom[PINS_ROM_BYTES]);
+
+#endif

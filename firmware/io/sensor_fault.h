@@ -1,0 +1,15 @@
+/* The fault of a sensor that people are told: the detail of EVENT_SENSOR_FAULT.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_IO_SENSOR_FAULT_H
+#define REFLUX_IO_SENSOR_FAULT_H
+
+#include <stdint.h>
+
+/* Number of the first of these bits of enum device_fault, from 1; 0: none. The first ones say more: where nothing answers, nothing else
+ * is known. */
+uint8_t sensor_fault_of(uint16_t faults);
+const char *sensor_fault_text(uint8_t fault);
+
+#endif

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "service/pins_check.h"
+
+#include <string.h>
+
+#include "hal/i2c.h"
+#include "hal/onewire.h"
+#include "hal/spi.h"
+
+/* Select or address, three pins of a bus, of each device; two pins of each output; enable. */
+#define CLAIMS_MAX (4u * CONFIG_DEVICES + 2u * CONFIG_OUTPUTS + 1u)
+
+/* Pins that are taken so far. */
+struct claims {
+    hal_pin pin[CLAIMS_MAX];
+    uint8_t bus
+        [CLAIMS_MAX]; /* enum bus_word: a pin of that bus, which its devices share; BUS_NONE: of one device alone */
+    unsigned n;
+};
+
+static enum err refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
+                       const char *field, const char *subject, const char *wanted)
+{
+    *fault = (struct config_fault){
+        .code = code, .group = group, .index = (uint8_t)index, .field = field, .wanted = wanted};
+    strncpy(fault->subject, subject, sizeof fault->subject - 1);
+    return code;
+}
+
+static bool claim(struct claims *c, hal_pin pin, uint8_t bus)
+{
+    for (unsigned i = 0; i < c->n; i++)
+        if (c->pin[i] == pin)
+            return bus != BUS_NONE && c->bus[i] == bus;
+    c->pin[c->n] = pin;
+    c->bus[c->n++] = bus;
+    return true;
+}
+
+#define PIN_WANTED                                                                                 \
+    "must be a free pin, PA4 say; the console, the debugger and the boot loader keep theirs"
+#define PIN_TWICE   "is taken by another device, output or bus"
+#define BUS_WANTED  "must be a bus that the device speaks: spi, i2c or wire; - for one at a pin"
+#define BUS_LACKING "is none of this board's"
+
+static enum err claim_pin(struct claims *claims, const char *group, unsigned index,
+                          const char *field, const char *text, struct config_fault *fault)
+{
+    hal_pin pin;
+    if (pins_parse_pin(text, &pin) != ERR_OK || !hal_pin_is_free(pin))
+        return refuse(fault, ERR_RANGE, group, index, field, text, PIN_WANTED);
+    if (!claim(claims, pin, BUS_NONE))
+        return refuse(fault, ERR_CONFLICT, group, index, field, text, PIN_TWICE);
+    return ERR_OK;
+}
+
+/* Pins of the bus of a device; how many. 0: the board has no such bus. */
+static unsigned bus_pins(enum bus_word bus, hal_pin pins[3])
+{
+    uint8_t number;
+    switch (pins_bus_family(bus, &number)) {
+    case BUS_FAMILY_SPI:
+        return hal_spi_pins(number, pins) ? 3u : 0u;
+    case BUS_FAMILY_I2C:
+        return hal_i2c_pins(number, pins) ? 2u : 0u;
+    case BUS_FAMILY_WIRE:
+        return hal_onewire_pin(number, pins) ? 1u : 0u;
+    default:
+        return 0;
+    }
+}
+
+static enum err check_select(const struct config *config, unsigned i, struct claims *claims,
+                             enum bus_family family, struct config_fault *fault)
+{
+    const struct device_config *d = &config->pins.device[i];
+    uint8_t address, rom[PINS_ROM_BYTES];
+    switch (family) {
+    case BUS_FAMILY_I2C:
+        if (pins_parse_address(d->select, &address) != ERR_OK)
+            return refuse(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
+                          "must be its address on the bus, 0x08 to 0x77");
+        break;
+    case BUS_FAMILY_WIRE:
+        if (pins_parse_rom(d->select, rom) != ERR_OK)
+            return refuse(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
+                          "must be family and serial number, 14 digits: 28000005e2fdc3");
+        break;
+    default:
+        return claim_pin(claims, "chan", i + 1, "select", d->select, fault);
+    }
+    /* Several inputs of one chip may be read, each once. */
+    for (unsigned k = 0; k < i; k++) {
+        const struct device_config *other = &config->pins.device[k];
+        if (other->name[0] == '\0' || other->bus != d->bus || strcmp(other->select, d->select) != 0)
+            continue;
+        if (other->device != d->device)
+            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "select", d->select,
+                          "is the address of another chip as well");
+        if (other->input == d->input)
+            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "input", d->name,
+                          "is read by another channel already");
+    }
+    return ERR_OK;
+}
+
+static enum err check_device(const struct config *config, unsigned i, struct claims *claims,
+                             struct config_fault *fault)
+{
+    const struct device_config *d = &config->pins.device[i];
+    hal_pin pins[3];
+    uint8_t number;
+    for (unsigned k = 0; k < i; k++)
+        if (strcmp(config->pins.device[k].name, d->name) == 0)
+            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "name", d->name, "is used twice");
+    if (d->device == DEVICE_NONE)
+        return refuse(fault, ERR_EMPTY, "chan", i + 1, "device", d->name,
+                      "must say what is at the pins");
+    enum bus_family family = pins_device_family((enum device_word)d->device);
+    if (pins_bus_family((enum bus_word)d->bus, &number) != family)
+        return refuse(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name, BUS_WANTED);
+    unsigned n = family == BUS_FAMILY_PINS ? 0 : bus_pins((enum bus_word)d->bus, pins);
+    if (family != BUS_FAMILY_PINS && n == 0)
+        return refuse(fault, ERR_UNKNOWN, "chan", i + 1, "bus", d->name, BUS_LACKING);
+    for (unsigned k = 0; k < n; k++)
+        if (!claim(claims, pins[k], d->bus))
+            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name,
+                          "needs a pin that is taken by another device or output");
+    if (!(d->lo < d->hi))
+        return refuse(fault, ERR_RANGE, "chan", i + 1, "lo", d->name, "must be below hi");
+    return check_select(config, i, claims, family, fault);
+}
+
+static enum err check_output(const struct config *config, unsigned i, struct claims *claims,
+                             struct config_fault *fault)
+{
+    const struct output_config *o = &config->pins.output[i];
+    for (unsigned k = 0; k < i; k++)
+        if (strcmp(config->pins.output[k].name, o->name) == 0)
+            return refuse(fault, ERR_CONFLICT, "out", i + 1, "name", o->name, "is used twice");
+    if (o->kind == 0)
+        return refuse(fault, ERR_EMPTY, "out", i + 1, "kind", o->name,
+                      "must say what is done with the pin");
+    enum err err = claim_pin(claims, "out", i + 1, "pin", o->pin, fault);
+    if (err == ERR_OK && o->second[0] != '\0')
+        err = claim_pin(claims, "out", i + 1, "pin2", o->second, fault);
+    if (err != ERR_OK)
+        return err;
+    if (!(o->lo < o->hi))
+        return refuse(fault, ERR_RANGE, "out", i + 1, "lo", o->name, "must be below hi");
+    if (o->least_on_s + o->least_off_s > o->period_s)
+        return refuse(fault, ERR_RANGE, "out", i + 1, "period", o->name,
+                      "must be at least least_on and least_off together");
+    if (o->heater && config->pins.enable[0] == '\0')
+        return refuse(fault, ERR_EMPTY, "out", i + 1, "heater", o->name,
+                      "needs a contactor: set io.enable to its pin");
+    return ERR_OK;
+}
+
+enum err pins_check(const struct config *config, struct config_fault *fault)
+{
+    struct claims claims = {.n = 0};
+    enum err err = ERR_OK;
+    for (unsigned i = 0; err == ERR_OK && i < CONFIG_DEVICES; i++)
+        if (config->pins.device[i].name[0] != '\0')
+            err = check_device(config, i, &claims, fault);
+    for (unsigned i = 0; err == ERR_OK && i < CONFIG_OUTPUTS; i++)
+        if (config->pins.output[i].name[0] != '\0')
+            err = check_output(config, i, &claims, fault);
+    if (err == ERR_OK && config->pins.enable[0] != '\0')
+        err = claim_pin(&claims, "io", 0, "enable", config->pins.enable, fault);
+    return err;
+}

@@ -1,0 +1,388 @@
+/* Buses and pins of the host: each transfer is done when it is begun. As many as the STM32F405 has, at the same pins.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include "buses.h"
+
+#include <string.h>
+
+#include "hal/analog.h"
+#include "hal/clock.h"
+#include "hal/i2c.h"
+#include "hal/onewire.h"
+#include "hal/output.h"
+#include "hal/pulse.h"
+#include "hal/spi.h"
+
+#define PINS        256u
+#define SEARCH_BITS 64u
+#define REFERENCE_V 3.3f
+#define NS_PER_MS   UINT64_C(1000000)
+
+static struct world outside;
+static struct {
+    bool output, low, pulled, on;
+    enum pin_level level;
+    uint32_t pulses;
+} pins[PINS];
+
+void buses_set_world(const struct world *world)
+{
+    outside = world != NULL ? *world : (struct world){.context = NULL};
+}
+
+static uint64_t now_ns(void)
+{
+    return hal_clock_ms() * NS_PER_MS;
+}
+
+/* ---- pins ---- */
+
+/* As the STM32F405 in a package of 64 pins has them (hal/stm32f405/pin_map.c). */
+bool hal_pin_is_free(hal_pin pin)
+{
+    static const hal_pin taken[] = {HAL_PIN('A', 2),  HAL_PIN('A', 3),  HAL_PIN('A', 9),
+                                    HAL_PIN('A', 10), HAL_PIN('A', 13), HAL_PIN('A', 14),
+                                    HAL_PIN('A', 15), HAL_PIN('B', 2),  HAL_PIN('B', 3),
+                                    HAL_PIN('B', 4),  HAL_PIN('C', 14), HAL_PIN('C', 15)};
+    for (size_t i = 0; i < sizeof(taken) / sizeof(taken[0]); i++)
+        if (taken[i] == pin)
+            return false;
+    return pin < HAL_PIN('D', 0) || pin == HAL_PIN('D', 2);
+}
+
+static void drive(unsigned pin, enum pin_drive drive)
+{
+    if (outside.pin_driven != NULL)
+        outside.pin_driven(outside.context, now_ns(), pin, drive);
+}
+
+static void drive_level(unsigned pin)
+{
+    drive(pin, pins[pin].on != pins[pin].low ? PIN_HIGH : PIN_LOW);
+}
+
+void hal_pin_use(hal_pin pin, enum hal_pin_use use)
+{
+    pins[pin].output = use == HAL_PIN_OUTPUT;
+    pins[pin].pulled = use == HAL_PIN_INPUT_PULLED;
+    pins[pin].on = pins[pin].low = false;
+    if (pins[pin].output)
+        drive_level(pin);
+    else
+        drive(pin, pins[pin].pulled ? PIN_PULLED_UP : PIN_FLOATS);
+}
+
+bool hal_pin_read(hal_pin pin)
+{
+    if (pins[pin].output)
+        return pins[pin].on != pins[pin].low;
+    return pins[pin].level == PIN_LEVEL_OPEN ? pins[pin].pulled : pins[pin].level == PIN_LEVEL_HIGH;
+}
+
+void hal_pin_write(hal_pin pin, bool high)
+{
+    hal_output_set(pin, high);
+}
+
+void buses_set_pin(unsigned pin, enum pin_level level)
+{
+    bool before = hal_pin_read((hal_pin)pin);
+    pins[pin].level = level;
+    pins[pin].pulses += before && !hal_pin_read((hal_pin)pin);
+}
+
+void buses_reset(void)
+{
+    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+        hal_pin_use((hal_pin)pin, HAL_PIN_CLOSED);
+}
+
+/* ---- outputs ---- */
+
+enum err hal_output_open(hal_pin pin, bool low)
+{
+    if (!hal_pin_is_free(pin))
+        return ERR_RANGE;
+    pins[pin].output = true;
+    pins[pin].low = low;
+    pins[pin].on = false;
+    drive_level(pin);
+    return ERR_OK;
+}
+
+void hal_output_set(hal_pin pin, bool on)
+{
+    if (!pins[pin].output || pins[pin].on == on)
+        return;
+    pins[pin].on = on;
+    drive_level(pin);
+}
+
+static uint32_t pulse_hz[PINS];
+
+enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
+{
+    pulse_hz[pin] = hz;
+    return hz == 0 ? ERR_RANGE : hal_output_open(pin, low);
+}
+
+void hal_pwm_set(hal_pin pin, uint16_t part)
+{
+    double on = (double)part / HAL_PWM_FULL;
+    if (!pins[pin].output)
+        return;
+    pins[pin].on = part != 0;
+    if (outside.pin_pulses != NULL)
+        outside.pin_pulses(outside.context, now_ns(), pin, pulse_hz[pin],
+                           pins[pin].low ? 1.0 - on : on);
+}
+
+void hal_output_safe(void)
+{
+    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+        hal_output_set((hal_pin)pin, false);
+}
+
+/* ---- SPI ---- */
+
+uint8_t hal_spi_buses(void)
+{
+    return 3;
+}
+
+bool hal_spi_pins(uint8_t bus, hal_pin at[3])
+{
+    static const hal_pin of[3][3] = {{HAL_PIN('A', 5), HAL_PIN('A', 6), HAL_PIN('A', 7)},
+                                     {HAL_PIN('B', 13), HAL_PIN('B', 14), HAL_PIN('B', 15)},
+                                     {HAL_PIN('C', 10), HAL_PIN('C', 11), HAL_PIN('C', 12)}};
+    if (bus < 1 || bus > 3)
+        return false;
+    (void)memcpy(at, of[bus - 1u], sizeof(of[0]));
+    return true;
+}
+
+enum err hal_spi_open(const struct spi_device *device)
+{
+    if (device->bus < 1 || device->bus > 3)
+        return ERR_RANGE;
+    drive(device->select, PIN_HIGH);
+    return ERR_OK;
+}
+
+static uint8_t exchange(const struct spi_device *d, uint8_t out)
+{
+    return outside.spi_exchange != NULL
+               ? outside.spi_exchange(outside.context, now_ns(), d->bus, d->mode, out)
+               : 0xFFu;
+}
+
+enum err hal_spi_start(const struct spi_device *device, struct transfer *t)
+{
+    drive(device->select, PIN_LOW);
+    for (unsigned i = 0; i < t->n_out; i++)
+        (void)exchange(device, t->out[i]);
+    for (unsigned i = 0; i < t->n_in; i++)
+        t->in[i] = exchange(device, 0);
+    drive(device->select, PIN_HIGH);
+    t->state = TRANSFER_DONE;
+    return ERR_OK;
+}
+
+void hal_spi_stop(uint8_t bus)
+{
+    (void)bus; /* nothing is ever under way */
+}
+
+/* ---- I2C ---- */
+
+uint8_t hal_i2c_buses(void)
+{
+    return 2;
+}
+
+bool hal_i2c_pins(uint8_t bus, hal_pin at[2])
+{
+    static const hal_pin of[2][2] = {{HAL_PIN('B', 8), HAL_PIN('B', 9)},
+                                     {HAL_PIN('B', 10), HAL_PIN('B', 11)}};
+    if (bus < 1 || bus > 2)
+        return false;
+    (void)memcpy(at, of[bus - 1u], sizeof(of[0]));
+    return true;
+}
+
+enum err hal_i2c_open(uint8_t bus)
+{
+    return bus < 1 || bus > 2 ? ERR_RANGE : ERR_OK;
+}
+
+static bool address(uint8_t bus, uint8_t at, bool read)
+{
+    return outside.i2c_address != NULL &&
+           outside.i2c_address(outside.context, now_ns(), bus, at, read);
+}
+
+static enum transfer_state i2c(uint8_t bus, uint8_t at, const struct transfer *t)
+{
+    if (outside.i2c_held != NULL && outside.i2c_held(outside.context, now_ns(), bus) != 0)
+        return TRANSFER_FAILED;
+    if ((t->n_out != 0 || t->n_in == 0) && !address(bus, at, false))
+        return TRANSFER_NO_ANSWER;
+    for (unsigned i = 0; i < t->n_out; i++)
+        if (!outside.i2c_write(outside.context, now_ns(), bus, t->out[i]))
+            return TRANSFER_FAILED;
+    if (t->n_in != 0 && !address(bus, at, true))
+        return TRANSFER_NO_ANSWER;
+    for (unsigned i = 0; i < t->n_in; i++)
+        t->in[i] = outside.i2c_read(outside.context, now_ns(), bus, i + 1u < t->n_in);
+    return TRANSFER_DONE;
+}
+
+void hal_i2c_stop(uint8_t bus)
+{
+    if (outside.i2c_stop != NULL)
+        outside.i2c_stop(outside.context, now_ns(), bus);
+}
+
+enum err hal_i2c_start(uint8_t bus, uint8_t at, struct transfer *t)
+{
+    t->state = (uint8_t)i2c(bus, at, t);
+    hal_i2c_stop(bus);
+    return ERR_OK;
+}
+
+/* ---- 1-wire ---- */
+
+uint8_t hal_onewire_buses(void)
+{
+    return 2;
+}
+
+bool hal_onewire_pin(uint8_t bus, hal_pin *pin)
+{
+    if (bus < 1 || bus > 2)
+        return false;
+    *pin = bus == 1 ? HAL_PIN('C', 6) : HAL_PIN('A', 0); /* transmitters of USART6 and UART4 */
+    return true;
+}
+
+enum err hal_onewire_open(uint8_t bus)
+{
+    return bus < 1 || bus > 2 ? ERR_RANGE : ERR_OK;
+}
+
+/* A bit written, or with true a bit read. */
+static bool slot(uint8_t bus, bool out)
+{
+    return outside.wire_bit != NULL ? outside.wire_bit(outside.context, now_ns(), bus, out) : out;
+}
+
+static enum transfer_state wire_reset(uint8_t bus)
+{
+    enum wire_answer answer = outside.wire_reset != NULL
+                                  ? outside.wire_reset(outside.context, now_ns(), bus)
+                                  : WIRE_SILENT;
+    return answer == WIRE_SILENT    ? TRANSFER_NO_ANSWER
+           : answer == WIRE_PRESENT ? TRANSFER_DONE
+                                    : TRANSFER_FAILED;
+}
+
+static void byte_out(uint8_t bus, uint8_t byte)
+{
+    for (unsigned bit = 0; bit < 8; bit++)
+        (void)slot(bus, (byte >> bit & 1u) != 0);
+}
+
+enum err hal_onewire_start(uint8_t bus, struct transfer *t)
+{
+    t->state = (uint8_t)wire_reset(bus);
+    if (t->state != TRANSFER_DONE)
+        return ERR_OK;
+    for (unsigned i = 0; i < t->n_out; i++)
+        byte_out(bus, t->out[i]);
+    for (unsigned i = 0; i < t->n_in; i++) {
+        t->in[i] = 0;
+        for (unsigned bit = 0; bit < 8; bit++)
+            t->in[i] |= (uint8_t)((slot(bus, true) ? 1u : 0u) << bit);
+    }
+    return ERR_OK;
+}
+
+enum err hal_onewire_search(uint8_t bus, struct transfer *t, volatile uint8_t *branch)
+{
+    uint8_t last = *branch, next = 0;
+    t->state = (uint8_t)wire_reset(bus);
+    if (t->state != TRANSFER_DONE)
+        return ERR_OK;
+    t->state = TRANSFER_NO_ANSWER;
+    byte_out(bus, 0xF0u);
+    for (unsigned k = 0; k < SEARCH_BITS; k++) {
+        uint8_t *at = &t->in[k / 8u], mask = (uint8_t)(1u << k % 8u);
+        bool one = slot(bus, true), zero = slot(bus, true);
+        if (one && zero)
+            return ERR_OK; /* nobody there any more */
+        bool take = one;
+        if (!one && !zero)
+            take = k + 1u < last ? (*at & mask) != 0 : k + 1u == last;
+        if (!one && !zero && !take)
+            next = (uint8_t)(k + 1u);
+        *at = (uint8_t)(take ? *at | mask : *at & ~mask);
+        (void)slot(bus, take);
+    }
+    *branch = next;
+    t->state = TRANSFER_DONE;
+    return ERR_OK;
+}
+
+void hal_onewire_stop(uint8_t bus)
+{
+    (void)bus;
+}
+
+/* ---- inputs of the chip ---- */
+
+bool hal_analog_has(hal_pin pin)
+{
+    return pin < HAL_PIN('A', 8) || pin == HAL_PIN('B', 0) || pin == HAL_PIN('B', 1) ||
+           (pin >= HAL_PIN('C', 0) && pin < HAL_PIN('C', 6));
+}
+
+enum err hal_analog_open(hal_pin pin)
+{
+    return hal_analog_has(pin) ? ERR_OK : ERR_RANGE;
+}
+
+bool hal_analog_read(hal_pin pin, uint16_t *code)
+{
+    double part = outside.pin_volts != NULL
+                      ? outside.pin_volts(outside.context, now_ns(), pin) / (double)REFERENCE_V
+                      : 0.0;
+    unsigned steps = part <= 0.0 ? 0 : part >= 1.0 ? 4095u : (unsigned)(part * 4095.0 + 0.5);
+    *code = (uint16_t)(steps * 16u + steps / 256u); /* 12 bits, as the chip has */
+    return true;
+}
+
+float hal_analog_reference(void)
+{
+    return REFERENCE_V;
+}
+
+enum err hal_pulse_open(hal_pin pin)
+{
+    if (!hal_pin_is_free(pin))
+        return ERR_RANGE;
+    hal_pin_use(pin, HAL_PIN_INPUT_PULLED);
+    pins[pin].pulses = 0;
+    return ERR_OK;
+}
+
+uint32_t hal_pulse_count(hal_pin pin)
+{
+    return pins[pin].pulses;
+}
+
+void hal_pulse_set_dead_time(hal_pin pin, uint8_t dead_ms)
+{
+    (void)pin;
+    (void)dead_ms; /* contacts of the host do not bounce */
+}
