@@ -1,0 +1,248 @@
+/* What all devices share: when they have their turn, who has the bus, and how a result reaches the tick. The device here reads two bytes of
+ * a chip in each cycle.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include <string.h>
+
+#include "devices/line.h"
+#include "scripted_bus.h"
+#include "unity.h"
+
+static struct device a, b;
+static unsigned steps;
+
+static enum err two_bytes_open(struct device *d)
+{
+    d->spi = (struct spi_device){.bus = d->settings.bus, .select = d->settings.select};
+    return hal_spi_open(&d->spi);
+}
+
+static uint16_t two_bytes_step(struct device *d, uint32_t now_ms)
+{
+    int32_t code[DEVICE_CODES] = {0};
+    steps++;
+    if (device_has_begun(d)) {
+        uint16_t faults = device_ended(d);
+        code[0] = d->bytes[1] << 8 | d->bytes[2];
+        d->ready = true;
+        return device_finish(d, now_ms, code, faults);
+    }
+    d->began_ms = now_ms;
+    d->bytes[0] = 0x11;
+    return device_begin(d, now_ms, 1, 2, 4);
+}
+
+static const struct device_kind two_bytes = {.name = "two",
+                                             .line = DEVICE_SPI,
+                                             .interval_ms = 20,
+                                             .open = two_bytes_open,
+                                             .step = two_bytes_step};
+
+static void begin(struct device *d, uint16_t interval_ms)
+{
+    struct device_settings s = {.bus = 1, .select = HAL_PIN('B', 0)};
+    TEST_ASSERT_EQUAL(ERR_OK, device_open(d, &two_bytes, &s, interval_ms));
+}
+
+void setUp(void)
+{
+    script_clear();
+    steps = 0;
+    begin(&a, 100);
+    begin(&b, 100);
+}
+void tearDown(void) {}
+
+static void a_device_has_no_result_at_first(void)
+{
+    TEST_ASSERT_EQUAL(0, script_result(&a).number);
+}
+
+static void results_come_in_the_interval(void)
+{
+    for (unsigned k = 0; k < 4; k++)
+        script("11", "12 34");
+    script_run(&a, 320);
+    script_is_done();
+    for (unsigned k = 1; k < 4; k++)
+        TEST_ASSERT_EQUAL(100 * k, script_began_ms(k) - script_began_ms(0));
+    struct device_result r = script_result(&a);
+    TEST_ASSERT_EQUAL(4, r.number);
+    TEST_ASSERT_EQUAL(0x1234, r.code[0]);
+    TEST_ASSERT_EQUAL(script_began_ms(3), r.stamp_ms);
+}
+
+static void an_interval_is_not_shorter_than_the_kind_can(void)
+{
+    begin(&a, 3);
+    for (unsigned k = 0; k < 3; k++)
+        script("11", "12 34");
+    script_run(&a, 50);
+    script_is_done();
+    TEST_ASSERT_EQUAL(20, script_began_ms(1) - script_began_ms(0));
+}
+
+static void nothing_is_stepped_between_its_turns(void)
+{
+    script("11", "12 34");
+    script_run(&a, 100);
+    TEST_ASSERT_EQUAL(2, steps);
+}
+
+/* The clock wraps after 49.7 days. */
+static void the_wrap_of_the_clock_changes_nothing(void)
+{
+    script_board.now_ms = UINT32_MAX - 150;
+    for (unsigned k = 0; k < 4; k++)
+        script("11", "12 34");
+    script_run(&a, 320);
+    script_is_done();
+    for (unsigned k = 1; k < 4; k++)
+        TEST_ASSERT_EQUAL(100 * k, script_began_ms(k) - script_began_ms(0));
+}
+
+static void a_device_that_is_opened_late_in_the_life_of_the_clock_begins_at_once(void)
+{
+    script_board.now_ms = 3000000000u;
+    script("11", "12 34");
+    script_run(&a, 10);
+    script_is_done();
+}
+
+static void two_devices_take_turns_on_one_bus(void)
+{
+    struct device *both[] = {&a, &b};
+    for (unsigned k = 0; k < 4; k++)
+        script("11", "12 34");
+    script_run_several(both, 2, 150);
+    script_is_done();
+    TEST_ASSERT_EQUAL(1, script_began_ms(1) - script_began_ms(0));
+    TEST_ASSERT_EQUAL(2, script_result(&a).number);
+    TEST_ASSERT_EQUAL(2, script_result(&b).number);
+}
+
+static void a_busy_bus_is_asked_again(void)
+{
+    script_board.busy = 7;
+    script("11", "12 34");
+    script_run(&a, 50);
+    script_is_done();
+    TEST_ASSERT_EQUAL(1007, script_began_ms(0));
+    TEST_ASSERT_EQUAL_HEX16(0, script_result(&a).faults);
+}
+
+static void a_bus_that_stays_busy_is_a_fault(void)
+{
+    script_board.busy = 1000000;
+    script_run(&a, 300);
+    TEST_ASSERT_EQUAL(1, script_result(&a).number);
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, script_result(&a).faults);
+    TEST_ASSERT_EQUAL(0, script_seen.stops); /* it is not this device's transfer */
+    script_board.busy = 0;
+    script("11", "12 34");
+    script_run(&a, 50);
+    TEST_ASSERT_EQUAL_HEX16(0, script_result(&a).faults);
+}
+
+static void ends_of_transfers_are_told_apart(void)
+{
+    script_fails("11", 2, TRANSFER_NO_ANSWER);
+    script_fails("11", 2, TRANSFER_FAILED);
+    script_fails("11", 2, SCRIPT_NEVER_ENDS);
+    script_run(&a, 100);
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_NO_CHIP, script_result(&a).faults);
+    TEST_ASSERT_FALSE(a.ready);
+    script_run(&a, 100);
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, script_result(&a).faults);
+    TEST_ASSERT_EQUAL(0, script_seen.stops);
+    script_run(&a, 100);
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, script_result(&a).faults);
+    TEST_ASSERT_EQUAL(1, script_seen.stops);
+}
+
+static void a_cycle_that_is_late_does_not_pile_up(void)
+{
+    begin(&a, 20);
+    script_board.busy = 45;
+    for (unsigned k = 0; k < 3; k++)
+        script("11", "12 34");
+    script_run(&a, 90);
+    script_is_done();
+    TEST_ASSERT_EQUAL(1045, script_began_ms(0));
+    TEST_ASSERT_EQUAL(6, script_began_ms(1) - script_began_ms(0)); /* at once */
+    TEST_ASSERT_EQUAL(20, script_began_ms(2) - script_began_ms(1));
+}
+
+static void the_number_of_a_result_is_never_0_again(void)
+{
+    int32_t code[DEVICE_CODES] = {0};
+    a.result.number = UINT32_MAX;
+    device_publish(&a, code, 0);
+    TEST_ASSERT_EQUAL(1, script_result(&a).number);
+}
+
+static void an_open_device_forgets_what_it_was(void)
+{
+    script("11", "12 34");
+    script_run(&a, 50);
+    begin(&a, 50);
+    TEST_ASSERT_EQUAL(0, script_result(&a).number);
+    TEST_ASSERT_FALSE(a.ready);
+}
+
+/* ---- claims ---- */
+
+static void a_claim_keeps_others_off_until_it_ends(void)
+{
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &a, 100, 10));
+    TEST_ASSERT_FALSE(line_claim(1, 1, 5, &b, 109, 10));
+    TEST_ASSERT_TRUE(line_claim(1, 1, 6, &b, 109, 10)); /* another chip, bus, kind of bus */
+    TEST_ASSERT_TRUE(line_claim(1, 2, 5, &b, 109, 10));
+    TEST_ASSERT_TRUE(line_claim(2, 1, 5, &b, 109, 10));
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &b, 110, 10));
+    TEST_ASSERT_FALSE(line_claim(1, 1, 5, &a, 111, 10));
+    line_release(&b);
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &a, 111, 10));
+    line_release(&a);
+}
+
+static void a_holder_renews_its_claim(void)
+{
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &a, 100, 10));
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &a, 105, 10));
+    TEST_ASSERT_FALSE(line_claim(1, 1, 5, &b, 112, 10));
+    line_release(&a);
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &b, 112, 10));
+    line_release(&b);
+}
+
+static void more_claims_than_there_are_places_are_refused(void)
+{
+    for (uint8_t k = 0; k < LINE_CLAIMS_MAX; k++)
+        TEST_ASSERT_TRUE(line_claim(1, k, 5, &a, 100, 10));
+    TEST_ASSERT_FALSE(line_claim(1, 99, 5, &a, 100, 10));
+    TEST_ASSERT_TRUE(line_claim(1, 99, 5, &a, 110, 10));
+    line_release(&a);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_device_has_no_result_at_first);
+    RUN_TEST(results_come_in_the_interval);
+    RUN_TEST(an_interval_is_not_shorter_than_the_kind_can);
+    RUN_TEST(nothing_is_stepped_between_its_turns);
+    RUN_TEST(the_wrap_of_the_clock_changes_nothing);
+    RUN_TEST(a_device_that_is_opened_late_in_the_life_of_the_clock_begins_at_once);
+    RUN_TEST(two_devices_take_turns_on_one_bus);
+    RUN_TEST(a_busy_bus_is_asked_again);
+    RUN_TEST(a_bus_that_stays_busy_is_a_fault);
+    RUN_TEST(ends_of_transfers_are_told_apart);
+    RUN_TEST(a_cycle_that_is_late_does_not_pile_up);
+    RUN_TEST(the_number_of_a_result_is_never_0_again);
+    RUN_TEST(an_open_device_forgets_what_it_was);
+    RUN_TEST(a_claim_keeps_others_off_until_it_ends);
+    RUN_TEST(a_holder_renews_its_claim);
+    RUN_TEST(more_claims_than_there_are_places_are_refused);
+    return UNITY_END();
+}
