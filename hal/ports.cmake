@@ -2,11 +2,12 @@
 # port and firmware call each other, which archives linked in one order would not resolve.
 if(REFLUX_BOARD STREQUAL "host")
   add_library(reflux_hal_memory OBJECT hal/memory/memory_port.c hal/host/flash_model.c hal/host/process.c hal/host/buses.c)
-  target_include_directories(reflux_hal_memory PUBLIC hal/memory PRIVATE hal/host)
+  target_include_directories(reflux_hal_memory PUBLIC hal/memory hal/host PRIVATE host_sim)
   target_link_libraries(reflux_hal_memory PUBLIC reflux_app reflux_hal PRIVATE reflux_options)
 
   add_executable(reflux-host hal/host/main.c hal/host/host_port.c hal/host/line.c hal/host/hold.c hal/host/flash_model.c
     hal/host/process.c hal/host/buses.c)
+  target_include_directories(reflux-host PRIVATE host_sim)
   target_link_libraries(reflux-host PRIVATE reflux_app reflux_hal reflux_options)
   set_target_properties(reflux-host PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 endif()

@@ -2,10 +2,10 @@
 #include "console/sensor_words.h"
 
 #include "console/phrases.h"
-#include "io/sensor_fault.h"
+#include "io/fault_words.h"
 
 void sensor_event_words(const struct event *e, struct text *line)
 {
     if (e->code == EVENT_SENSOR_FAULT)
-        put_reason(line, sensor_fault_text(e->detail));
+        put_reason(line, fault_word_text(e->detail));
 }

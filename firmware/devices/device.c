@@ -24,6 +24,8 @@ enum err device_open(struct device *d, const struct device_kind *kind,
 void device_clock(struct device *d, uint32_t now_ms)
 {
     if (!d->running) {
+        if (now_ms % d->interval_ms != 0)
+            return;
         d->running = true;
         d->cycle_ms = now_ms;
         d->due_ms = now_ms;
@@ -155,9 +157,9 @@ uint16_t device_finish(struct device *d, uint32_t now_ms, const int32_t code[DEV
         d->ready = false;
     d->cycle_ms += d->interval_ms;
     uint32_t wait = d->cycle_ms - now_ms;
-    if (wait == 0 || wait > d->interval_ms) { /* late: the next one begins at once */
-        d->cycle_ms = now_ms + 1u;
-        wait = 1;
+    if (wait == 0 || wait > d->interval_ms) { /* late */
+        d->cycle_ms = now_ms - now_ms % d->interval_ms + d->interval_ms;
+        wait = d->cycle_ms - now_ms;
     }
     return (uint16_t)wait;
 }

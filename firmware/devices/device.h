@@ -106,7 +106,7 @@ struct device {
 enum err device_open(struct device *d, const struct device_kind *kind,
                      const struct device_settings *settings, uint16_t interval_ms);
 
-/* Board clock. Runs the steps that are due. */
+/* Board clock. Runs the steps that are due. Cycles begin at whole multiples of the interval of this clock. */
 void device_clock(struct device *d, uint32_t now_ms);
 
 /* For kinds: publishes a result with these codes, or with faults. */

@@ -7,11 +7,12 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
-#include "devices/devices.h"
-#include "io/sensor_fault.h"
+#include "io/board_devices.h"
+#include "io/fault_words.h"
 
 /* A reading older than so many intervals of its device is none. */
 #define READINGS_MISSED 3u
+#define INTERVAL_MAX_MS 1000u
 
 void board_io_init(struct board_io *b, struct event_queue *events, const uint64_t *plant_time)
 {
@@ -23,28 +24,10 @@ void board_io_init(struct board_io *b, struct event_queue *events, const uint64_
 
 /* ---- settings ---- */
 
-static struct device_settings settings_of(const struct pins_config *pins,
-                                          const struct device_config *d)
+/* Some readings come between two samples, on a grid of their own that the samples are on, too. */
+static uint16_t interval_of(const struct board_io *b)
 {
-    struct device_settings s = {.input = (uint8_t)d->input,
-                                .type = d->type,
-                                .mains_60 = pins->mains_60 != 0,
-                                .select = HAL_PIN_NONE,
-                                .reference = d->reference,
-                                .nominal = d->nominal};
-    /* service/pins_check.c has seen that they can be read. */
-    switch (pins_bus_family((enum bus_word)d->bus, &s.bus)) {
-    case BUS_FAMILY_I2C:
-        (void)!pins_parse_address(d->select, &s.address);
-        break;
-    case BUS_FAMILY_WIRE:
-        (void)!pins_parse_rom(d->select, s.rom);
-        break;
-    default:
-        (void)!pins_parse_pin(d->select, &s.select);
-        break;
-    }
-    return s;
+    return (uint16_t)(b->tick_ms / 2u < INTERVAL_MAX_MS ? b->tick_ms / 2u : INTERVAL_MAX_MS);
 }
 
 static void open_devices(struct board_io *b)
@@ -52,18 +35,15 @@ static void open_devices(struct board_io *b)
     b->n_devices = 0;
     for (uint8_t i = 0; i < CONFIG_DEVICES; i++) {
         const struct device_config *c = &b->settings->device[i];
-        const struct device_kind *kind = devices_kind((enum device_word)c->device);
+        const struct device_kind *kind = board_device_kind(c);
         if (c->name[0] == '\0' || kind == NULL)
             continue;
-        struct device *d = &b->device[b->n_devices];
-        memset(d, 0, sizeof *d);
-        d->kind = kind;
-        d->settings = settings_of(b->settings, c);
-        d->interval_ms = kind->interval_ms;
+        struct device_settings s = board_device_settings(b->settings, c);
         b->told[b->n_devices] = 0;
-        b->row[b->n_devices++] = i;
-        if (kind->open(d) != ERR_OK)
-            device_publish(d, NULL, DEVICE_WRONG_CHIP);
+        b->row[b->n_devices] = i;
+        b->works[b->n_devices] =
+            device_open(&b->device[b->n_devices], kind, &s, interval_of(b)) == ERR_OK;
+        b->n_devices++;
     }
 }
 
@@ -77,15 +57,13 @@ void board_io_take(struct board_io *b, const struct config *config)
     if (identity == b->identity && tick_ms == b->tick_ms)
         return;
     b->open = false;
+    b->tick_ms = tick_ms;
     atomic_signal_fence(memory_order_seq_cst);
-    if (identity != b->identity) {
-        b->n_devices = b->n_outputs = 0;
-        if (pins_are_source(&config->pins))
-            open_devices(b);
-    }
+    b->n_devices = b->n_outputs = 0;
+    if (pins_are_source(&config->pins))
+        open_devices(b);
     b->generation++;
     b->identity = identity;
-    b->tick_ms = tick_ms;
     b->due_ms = 0;
     atomic_signal_fence(memory_order_seq_cst);
     b->open = pins_are_source(&config->pins);
@@ -98,7 +76,8 @@ bool board_io_clock(struct board_io *b, uint32_t now_ms)
     if (!b->open)
         return false;
     for (unsigned i = 0; i < b->n_devices; i++)
-        device_clock(&b->device[i], now_ms);
+        if (b->works[i])
+            device_clock(&b->device[i], now_ms);
     return (uint32_t)b->due_ms == now_ms;
 }
 
@@ -106,7 +85,7 @@ bool board_io_clock(struct board_io *b, uint32_t now_ms)
 
 static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
 {
-    uint8_t fault = sensor_fault_of(faults);
+    uint8_t fault = fault_word(faults);
     if (fault == b->told[i])
         return;
     b->told[i] = fault;

@@ -22,7 +22,8 @@ struct board_io {
     struct device device[CONFIG_DEVICES];
     uint8_t row[CONFIG_DEVICES]; /* of each device in settings->device */
     uint8_t
-        told[CONFIG_DEVICES]; /* fault of each device that an event has told (io/sensor_fault.h) */
+        told[CONFIG_DEVICES]; /* fault of each device that an event has told (io/fault_words.h) */
+    bool works[CONFIG_DEVICES]; /* false: its kind has refused its settings */
     uint8_t n_devices;
     uint8_t output_row[CONFIG_OUTPUTS]; /* of each output in settings->output */
     uint8_t n_outputs;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
-#include "io/sensor_fault.h"
+#include "io/fault_words.h"
 
 #define FAULTS 11u
 
-uint8_t sensor_fault_of(uint16_t faults)
+uint8_t fault_word(uint16_t faults)
 {
     for (uint8_t i = 0; i + 1u < FAULTS; i++)
         if ((faults >> i & 1u) != 0)
@@ -11,7 +11,7 @@ uint8_t sensor_fault_of(uint16_t faults)
     return 0;
 }
 
-const char *sensor_fault_text(uint8_t fault)
+const char *fault_word_text(uint8_t fault)
 {
     /* In the order of enum device_fault (devices/device.h). */
     static const char *const texts[FAULTS] = {

@@ -2,14 +2,14 @@
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
-#ifndef REFLUX_IO_SENSOR_FAULT_H
-#define REFLUX_IO_SENSOR_FAULT_H
+#ifndef REFLUX_IO_FAULT_WORDS_H
+#define REFLUX_IO_FAULT_WORDS_H
 
 #include <stdint.h>
 
 /* Number of the first of these bits of enum device_fault, from 1; 0: none. The first ones say more: where nothing answers, nothing else
  * is known. */
-uint8_t sensor_fault_of(uint16_t faults);
-const char *sensor_fault_text(uint8_t fault);
+uint8_t fault_word(uint16_t faults);
+const char *fault_word_text(uint8_t fault);
 
 #endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "io/board_devices.h"
+
+#include "devices/max31865/max31865.h"
+
+/* Words of chan.type in settings/parameter_table.c, in their order. */
+enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE };
+
+#define RTD_WIRES     3u
+#define RTD_NOMINAL   100.0f
+#define RTD_REFERENCE 430.0f
+
+const struct device_kind *board_device_kind(const struct device_config *row)
+{
+    static const struct device_kind *const kinds[DEVICE_WORDS] = {
+        [DEVICE_MAX31865] = &max31865_kind,
+    };
+    return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
+}
+
+static void platinum(const struct device_config *row, struct device_settings *s)
+{
+    s->type = row->type >= SENSOR_2WIRE && row->type <= SENSOR_4WIRE
+                  ? (uint8_t)(row->type - SENSOR_2WIRE + 2u)
+                  : RTD_WIRES;
+    if (s->nominal == 0.0f)
+        s->nominal = RTD_NOMINAL;
+    if (s->reference == 0.0f)
+        s->reference = s->nominal * (RTD_REFERENCE / RTD_NOMINAL);
+}
+
+struct device_settings board_device_settings(const struct pins_config *pins,
+                                             const struct device_config *row)
+{
+    struct device_settings s = {.input = (uint8_t)row->input,
+                                .type = row->type,
+                                .mains_60 = pins->mains_60 != 0,
+                                .select = HAL_PIN_NONE,
+                                .reference = row->reference,
+                                .nominal = row->nominal};
+    switch (pins_bus_family((enum bus_word)row->bus, &s.bus)) {
+    case BUS_FAMILY_I2C:
+        (void)!pins_parse_address(row->select, &s.address);
+        break;
+    case BUS_FAMILY_WIRE:
+        (void)!pins_parse_rom(row->select, s.rom);
+        break;
+    default:
+        (void)!pins_parse_pin(row->select, &s.select);
+        break;
+    }
+    if (row->device == DEVICE_MAX31865)
+        platinum(row, &s);
+    return s;
+}

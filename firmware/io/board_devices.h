@@ -1,0 +1,18 @@
+/* Which device a row of chan is, and what its kind is given.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_IO_BOARD_DEVICES_H
+#define REFLUX_IO_BOARD_DEVICES_H
+
+#include "devices/device.h"
+#include "exchange/config.h"
+
+/* NULL: none. */
+const struct device_kind *board_device_kind(const struct device_config *row);
+
+/* The settings of a row that service/pins_check.c has accepted. */
+struct device_settings board_device_settings(const struct pins_config *pins,
+                                             const struct device_config *row);
+
+#endif
