@@ -3,29 +3,17 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/secret.h"
 #include "bench/text.h"
+#include "lockstep_parts.h"
 
-#define CONSOLE_RETRY_MS  500 /* a board that starts swallows what came too early */
-#define CONSOLE_SETTLE_MS 200 /* late replies to repeated greetings of the console */
-
-enum outcome {
-    GOT_IT,
-    TOO_LATE,
-    REGREETED, /* the link was greeted anew meanwhile; which means the controller may have restarted */
-    STOPPED    /* interrupted, or failed with k->error */
-};
-
-typedef bool (*condition)(const struct lockstep *k);
-
-static enum outcome stop(struct lockstep *k, const char *reason)
+enum outcome lockstep_stop(struct lockstep *k, const char *reason)
 {
     (void)sim_fail(k->error, sizeof(k->error), "%s", reason);
     return STOPPED;
 }
 
 /* Lets link and console work until done() holds, for at most span_ms. */
-static enum outcome wait_for(struct lockstep *k, condition done, uint64_t span_ms)
+enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
 {
     struct transport *list[2] = {k->link->transport, NULL};
     size_t n = 1;
@@ -36,10 +24,10 @@ static enum outcome wait_for(struct lockstep *k, condition done, uint64_t span_m
     uint64_t began = transport_now_ms(list[0]);
     for (;;) {
         if (!link_server_turn(k->link)) {
-            return stop(k, k->link->error);
+            return lockstep_stop(k, k->link->error);
         }
         if (k->console != NULL && !console_turn(k->console)) {
-            return stop(k, k->console->error);
+            return lockstep_stop(k, k->console->error);
         }
         if (*k->interrupted != 0) {
             return STOPPED;
@@ -59,7 +47,7 @@ static enum outcome wait_for(struct lockstep *k, condition done, uint64_t span_m
     }
 }
 
-static enum outcome late(struct lockstep *k, const char *what)
+enum outcome lockstep_late(struct lockstep *k, const char *what)
 {
     (void)sim_fail(k->error, sizeof(k->error),
                    "at plant time %.3f s: no %s within %.3f s (link %s: %u good frames, %s)",
@@ -86,22 +74,6 @@ static bool row_here(const struct lockstep *k)
     return !console_row_missing(k->console, k->number);
 }
 
-static bool replied(const struct lockstep *k)
-{
-    return k->console != NULL && k->console->reply != REPLY_NONE;
-}
-
-static bool replied_ok(const struct lockstep *k)
-{
-    return k->console != NULL && k->console->reply == REPLY_OK;
-}
-
-static bool never(const struct lockstep *k)
-{
-    (void)k;
-    return false;
-}
-
 /* Returns the time that --speed counts by: the virtual board's own, else that of this computer. */
 static double pace_clock_s(const struct lockstep *k)
 {
@@ -120,10 +92,10 @@ static enum outcome meet(struct lockstep *k, bool *restarted)
 {
     bool met_before = k->met;
     k->met = false; /* READY is what is waited for here, not an interruption */
-    enum outcome r = wait_for(k, sampling, k->timeout_ms);
+    enum outcome r = lockstep_wait(k, sampling, k->timeout_ms);
     k->met = met_before;
     if (r == TOO_LATE) {
-        return late(k, "READY from the controller");
+        return lockstep_late(k, "READY from the controller");
     }
     if (r != GOT_IT) {
         return r;
@@ -143,58 +115,8 @@ static enum outcome meet(struct lockstep *k, bool *restarted)
     return GOT_IT;
 }
 
-static enum outcome console_line(struct lockstep *k, const char *line)
-{
-    if (!console_send(k->console, line)) {
-        (void)console_turn(k->console);
-        return stop(k, k->console->error);
-    }
-    return GOT_IT;
-}
-
-/* Puts the console into machine mode, and telemetry back on if log_line says so. Never interrupted by a greeting:
- * the caller looks at that afterwards. */
-static enum outcome start_console(struct lockstep *k)
-{
-    char log_line[sizeof(k->console->log_line)];
-    (void)memcpy(log_line, k->console->log_line, sizeof(log_line));
-    bool log_on = k->console->log_on;
-    console_forget(k->console);
-    uint64_t began = transport_now_ms(k->link->transport);
-    uint32_t before = k->console->replies;
-    uint32_t asked = 0;
-    enum outcome r = TOO_LATE;
-    while (r == TOO_LATE) {
-        if (transport_now_ms(k->link->transport) - began >= k->timeout_ms) {
-            return late(k, "reply ok to \"mode machine\" on the console");
-        }
-        (void)transport_write(k->console->transport, "\r\n", 2);
-        if (console_line(k, "mode machine") == STOPPED) {
-            return STOPPED;
-        }
-        asked++;
-        r = wait_for(k, replied_ok, CONSOLE_RETRY_MS);
-    }
-    while (r == GOT_IT && k->console->replies - before < asked) {
-        k->console->reply = REPLY_NONE;
-        if (wait_for(k, replied, CONSOLE_SETTLE_MS) == TOO_LATE) {
-            break;
-        }
-    }
-    if (r == GOT_IT && log_on && log_line[0] != '\0') {
-        if (console_line(k, log_line) == STOPPED) {
-            return STOPPED;
-        }
-        r = wait_for(k, replied, k->timeout_ms);
-        if (r == TOO_LATE) {
-            return late(k, "reply to \"log on\" after a restart");
-        }
-    }
-    return r;
-}
-
 /* After REGREETED: everything back to where samples can flow. */
-static enum outcome recover(struct lockstep *k, bool *restarted)
+enum outcome lockstep_recover(struct lockstep *k, bool *restarted)
 {
     bool any = false;
     enum outcome r;
@@ -203,113 +125,11 @@ static enum outcome recover(struct lockstep *k, bool *restarted)
         r = meet(k, &once);
         any = any || once;
         if (r == GOT_IT && any && k->console != NULL) {
-            r = start_console(k);
+            r = lockstep_start_console(k);
         }
     } while (r == REGREETED);
     *restarted = any;
     return r;
-}
-
-static bool is_reboot(const char *line)
-{
-    return strncmp(line, "reboot", 6) == 0 && (line[6] == '\0' || line[6] == ' ');
-}
-
-/* Sends one scripted line and waits for what it leads to. */
-static enum outcome scripted_line(struct lockstep *k, const struct script_line *x)
-{
-    char what[SCRIPT_LINE_SIZE + 64];
-    int shown = (int)secret_from(x->text);
-    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%.*s\",", x->line, shown,
-                   x->text);
-    console_watch(k->console);
-    if (console_line(k, x->text) == STOPPED) {
-        return STOPPED;
-    }
-    bool restarted = false;
-    for (;;) {
-        enum outcome r = wait_for(k, replied, k->timeout_ms);
-        if (r == TOO_LATE) {
-            return late(k, what);
-        }
-        if (r == GOT_IT) {
-            break;
-        }
-        if (r == STOPPED || (r = recover(k, &restarted)) != GOT_IT) {
-            return r;
-        }
-        if (restarted && (x->may_be_cut || is_reboot(x->text))) {
-            return GOT_IT; /* its ok was lost with the transmit ring */
-        }
-        if (restarted) {
-            (void)sim_fail(k->error, sizeof(k->error),
-                           "the controller restarted before its %s came", what);
-            return STOPPED;
-        }
-    }
-    if (k->console->reply == REPLY_ERR && !x->may_fail) {
-        (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%.*s\" was answered \"%s\"",
-                       k->script->file, x->line, shown, x->text, k->console->reply_text);
-        return STOPPED;
-    }
-    if (k->console->reply == REPLY_OK && is_reboot(x->text)) {
-        while (!restarted) { /* no sample goes to the firmware that is about to end */
-            enum outcome r = wait_for(k, never, k->timeout_ms);
-            if (r == TOO_LATE) {
-                return late(k, "HELLO from the rebooted controller");
-            }
-            if (r != REGREETED || (r = recover(k, &restarted)) != GOT_IT) {
-                return r;
-            }
-        }
-    }
-    return GOT_IT;
-}
-
-/* Is what this line waits for there? */
-static enum outcome until(struct lockstep *k, struct script_line *x, double time_s, bool *there)
-{
-    *there = console_announced(k->console, x->text);
-    if (*there) {
-        return GOT_IT;
-    }
-    if (x->waiting_s < 0.0) {
-        x->waiting_s = time_s;
-    }
-    if (x->limit_s < 0.0 || time_s - x->waiting_s <= x->limit_s) {
-        return GOT_IT;
-    }
-    (void)sim_fail(k->error, sizeof(k->error),
-                   "at plant time %.3f s: %s:%u: no event %.120s within %g s", time_s,
-                   k->script->file, x->line, x->text, x->limit_s);
-    return STOPPED;
-}
-
-static enum outcome scripted_lines(struct lockstep *k, double time_s)
-{
-    if (k->console == NULL) {
-        return GOT_IT;
-    }
-    for (; k->script->next < k->script->n; k->script->next++) {
-        struct script_line *x = &k->script->list[k->script->next];
-        if (x->time_s > time_s) {
-            break;
-        }
-        if (x->kind == SCRIPT_END) {
-            k->ended = true;
-            break;
-        }
-        bool there = true;
-        enum outcome r =
-            x->kind == SCRIPT_UNTIL ? until(k, x, time_s, &there) : scripted_line(k, x);
-        if (r != GOT_IT) {
-            return r;
-        }
-        if (!there) {
-            break;
-        }
-    }
-    return GOT_IT;
 }
 
 /* Sends the sample and waits until it is answered in full, through restarts if need be. */
@@ -317,23 +137,23 @@ static enum outcome exchange(struct lockstep *k, const struct link_sample *sampl
 {
     (void)link_server_sample(k->link, sample);
     for (;;) {
-        enum outcome r = wait_for(k, answered, k->timeout_ms);
+        enum outcome r = lockstep_wait(k, answered, k->timeout_ms);
         if (r == TOO_LATE) {
-            return late(k, "COMMAND for the sample");
+            return lockstep_late(k, "COMMAND for the sample");
         }
         if (r == GOT_IT && k->console != NULL) {
-            r = wait_for(k, row_here, k->timeout_ms);
+            r = lockstep_wait(k, row_here, k->timeout_ms);
             if (r == TOO_LATE) {
                 char what[64];
                 (void)snprintf(what, sizeof(what), "telemetry row of sample %u", k->number);
-                return late(k, what);
+                return lockstep_late(k, what);
             }
         }
         if (r != REGREETED) {
             return r;
         }
         bool restarted = false;
-        r = recover(k, &restarted);
+        r = lockstep_recover(k, &restarted);
         if (r != GOT_IT) {
             return r;
         }
@@ -362,10 +182,10 @@ static enum outcome pace(struct lockstep *k)
 {
     while (k->speed > 0.0 && !pace_reached(k)) {
         enum outcome r =
-            wait_for(k, pace_reached, (uint64_t)fmax(ceil(pace_left(k) * 1000.0), 1.0));
+            lockstep_wait(k, pace_reached, (uint64_t)fmax(ceil(pace_left(k) * 1000.0), 1.0));
         bool restarted;
         if (r == REGREETED) {
-            r = recover(k, &restarted);
+            r = lockstep_recover(k, &restarted);
         }
         if (r == STOPPED) {
             return r;
@@ -384,7 +204,7 @@ static enum outcome one_sample(struct lockstep *k)
     if (!events_apply(k->events, time_s, k->plant, k->instruments, k->error, sizeof(k->error))) {
         return STOPPED;
     }
-    enum outcome r = scripted_lines(k, time_s);
+    enum outcome r = lockstep_lines(k, time_s);
     if (r != GOT_IT) {
         return r;
     }
@@ -423,7 +243,7 @@ static enum outcome greet(struct lockstep *k)
         bool restarted;
         r = meet(k, &restarted);
         if (r == GOT_IT && k->console != NULL) {
-            r = start_console(k);
+            r = lockstep_start_console(k);
         }
     } while (r == REGREETED);
     k->wall_began = sim_clock_s();
@@ -482,7 +302,7 @@ enum lockstep_result lockstep_line(struct lockstep *k, const char *text)
     }
     (void)snprintf(x.text, sizeof(x.text), "%s", text);
     k->console->plant_time_s = (double)k->time_ms / 1000.0;
-    return result_of(k, scripted_line(k, &x));
+    return result_of(k, lockstep_one_line(k, &x));
 }
 
 enum lockstep_result lockstep_step(struct lockstep *k)
