@@ -61,7 +61,7 @@ enum outcome lockstep_late(struct lockstep *k, const char *what)
 
 static bool sampling(const struct lockstep *k)
 {
-    return k->link->state == LINK_SAMPLING;
+    return k->pins != NULL || k->link->state == LINK_SAMPLING;
 }
 
 static bool answered(const struct lockstep *k)
@@ -130,6 +130,25 @@ enum outcome lockstep_recover(struct lockstep *k, bool *restarted)
     } while (r == REGREETED);
     *restarted = any;
     return r;
+}
+
+static bool tick_is_over(const struct lockstep *k)
+{
+    return pins_side_left(k->pins) == 0;
+}
+
+/* The same at the board's own pins: its clock goes on by a tick. */
+static enum outcome run_board(struct lockstep *k, const struct link_sample *sample)
+{
+    pins_side_begin(k->pins, sample);
+    uint64_t left_ms;
+    while ((left_ms = pins_side_left(k->pins)) > 0) {
+        if (lockstep_wait(k, tick_is_over, left_ms) == STOPPED) {
+            return STOPPED;
+        }
+    }
+    return pins_side_end(k->pins, &k->link->command) ? GOT_IT
+                                                     : lockstep_stop(k, "the board is gone");
 }
 
 /* Sends the sample and waits until it is answered in full, through restarts if need be. */
@@ -210,7 +229,7 @@ static enum outcome one_sample(struct lockstep *k)
     }
     struct link_sample sample = {.number = k->number, .time_ms = k->time_ms};
     instruments_measure(k->instruments, k->plant, (double)k->tick_ms / 1000.0, &sample);
-    r = exchange(k, &sample);
+    r = k->pins != NULL ? run_board(k, &sample) : exchange(k, &sample);
     if (r != GOT_IT) {
         return r;
     }

@@ -6,6 +6,9 @@
  *   4. one row of the log
  *   5. actuators move under the command, the plant goes on by one tick
  *
+ * With a plant at the board's own pins (pins_side.h) sensors have sample T over the tick from T on, and the command is what the loads were in it.
+ * The board's clock goes on by a tick between one sample and the next.
+ *
  * Nothing but the order of these steps decides the result, so the same run gives the same log however fast the
  * controller is. A controller that restarts is greeted again, its console put back into machine mode, telemetry
  * switched on again if it was on, and the sample under way repeated: plant time stands still meanwhile.
@@ -21,6 +24,7 @@
 #include "bench/script.h"
 #include "bench/sim_log.h"
 #include "link_server.h"
+#include "pins_side.h"
 
 enum lockstep_result { RUN_DONE, RUN_FAILED, RUN_INTERRUPTED };
 
@@ -31,6 +35,7 @@ struct lockstep {
     struct instruments *instruments;
     struct events *events;
     struct link_server *link;
+    struct pins_side *pins;  /* NULL: the plant is at the link */
     struct console *console; /* NULL: none */
     struct script *script;
     struct sim_log *log;

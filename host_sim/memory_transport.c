@@ -1,13 +1,17 @@
 #include "memory_transport.h"
 
 #include "bench/text.h"
+#include "buses.h"
+#include "chips/wired.h"
 #include "hal/memory/memory_port.h"
 
 #define IDLE_STEP_MS 1
+#define NS_PER_MS    UINT64_C(1000000)
 
 static uint64_t clock_ms;
 static bool moved; /* bytes crossed since the firmware last ran */
 static bool in_use[HAL_UART_COUNT];
+static struct wired *wired;
 
 static enum hal_uart line_of(const struct transport *t)
 {
@@ -46,12 +50,46 @@ static uint64_t memory_now(struct transport *t)
 static void memory_close(struct transport *t)
 {
     in_use[line_of(t)] = false;
+    if (line_of(t) == HAL_UART_LINK) {
+        buses_set_world(NULL);
+        wired_close(wired);
+        wired = NULL;
+    }
+}
+
+static bool memory_wire(struct transport *t, const char *wiring, uint64_t seed, char *err,
+                        size_t err_size)
+{
+    (void)t;
+    wired = wired_open(wiring, seed, err, err_size);
+    if (wired == NULL) {
+        return false;
+    }
+    buses_set_world(wired_world(wired));
+    return true;
+}
+
+static void memory_measure(struct transport *t, const char *sensor, double value)
+{
+    (void)t;
+    wired_measure(wired, clock_ms * NS_PER_MS, sensor, value);
+}
+
+static bool memory_loads(struct transport *t, double *ns, size_t n)
+{
+    (void)t;
+    (void)n;
+    wired_loads(wired, clock_ms * NS_PER_MS, ns);
+    return true;
 }
 
 static const struct transport_ops memory_ops = {.read = memory_read,
                                                 .write = memory_write,
                                                 .turn = memory_turn,
                                                 .now_ms = memory_now,
+                                                .wire = memory_wire,
+                                                .measure = memory_measure,
+                                                .loads = memory_loads,
                                                 .close = memory_close};
 
 /* The first one opened is the link, the second the console: so reflux_sim() opens them. */

@@ -51,6 +51,7 @@ void options_print_help(void)
         "  --telemetry FILE       telemetry header and rows\n"
         "  --log FILE             the run as the simulator saw it, CSV\n"
         "  --outputs FILE         commands to the outputs, in the time of the port, CSV\n"
+        "  --wiring FILE          the plant is at the board's own pins, wired as this file says\n"
         "  --duration S           plant time of the last sample (default: without end)\n"
         "  --tick S               interval of samples in plant time (default: the plant's)\n"
         "  --speed max|X          as fast as it goes, or X times the clock on the wall, of a "
@@ -151,7 +152,7 @@ static bool take_value(struct sim_options *o, const char *name, const char *text
     } texts[] = {{"--port", &o->port},           {"--console", &o->console},
                  {"--script", &o->script},       {"--transcript", &o->transcript},
                  {"--telemetry", &o->telemetry}, {"--log", &o->log},
-                 {"--outputs", &o->outputs}};
+                 {"--outputs", &o->outputs},     {"--wiring", &o->wiring}};
     if (strcmp(name, "--plant") == 0) {
         return take_plant(o, text, err, err_size);
     }

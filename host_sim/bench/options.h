@@ -11,7 +11,7 @@
 
 struct sim_options {
     const struct plant_class *class;
-    const char *port, *console, *script, *transcript, *telemetry, *log, *outputs;
+    const char *port, *console, *script, *transcript, *telemetry, *log, *outputs, *wiring;
     double speed; /* 0 = max */
     uint64_t seed;
     double noise;

@@ -123,7 +123,12 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
         return false;
     }
     p->link.outputs = &p->outputs;
-    return true;
+    if (o->wiring == NULL) {
+        return true;
+    }
+    p->run.pins = &p->pins;
+    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
+                          err_size);
 }
 
 static bool close_file(FILE *file)
@@ -133,6 +138,7 @@ static bool close_file(FILE *file)
 
 bool run_parts_close(struct run_parts *p)
 {
+    pins_side_close(&p->pins);
     if (p->console_open) {
         transport_close(&p->console_port);
     }

@@ -22,6 +22,7 @@ struct run_parts {
     struct transport port, console_port;
     bool port_open, console_open;
     struct link_server link;
+    struct pins_side pins; /* with --wiring */
     struct console console;
     FILE *transcript, *telemetry;
     struct output_log outputs;

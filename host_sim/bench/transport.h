@@ -33,6 +33,11 @@ struct transport_ops {
     void (*close)(struct transport *t);
     /* A fault of the hardware (virtual_board/fault_table.h); NULL: that hardware is real, or there is none. */
     bool (*fault)(struct transport *t, const char *name, double value);
+    /* Of a board with wired pins (chips/wired.h): connects them (NULL: they are), gives a sensor its quantity, reads its loads. NULL: none. */
+    bool (*wire)(struct transport *t, const char *wiring, uint64_t seed, char *err,
+                 size_t err_size);
+    void (*measure)(struct transport *t, const char *sensor, double value);
+    bool (*loads)(struct transport *t, double *ns, size_t n);
 };
 
 struct transport {

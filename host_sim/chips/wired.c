@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "chips/wired.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/text.h"
+
+#define NS_PER_S 1e9
+
+/* What the pins of an output say. */
+struct load {
+    enum pin_drive drive[2]; /* of pin and close_pin */
+    double pulses;     /* part of the time that the pin is high; negative: it has no pulse width */
+    double position;   /* of a valve with two pins, 0..1 */
+    double sum_ns;     /* integral of what the load was */
+    uint64_t since_ns; /* up to here the sum is */
+};
+
+struct wired {
+    struct wiring *wiring;
+    struct world world;
+    struct load load[WIRED_OUTPUTS_MAX];
+    size_t n_outputs;
+    uint64_t talked_ns;
+};
+
+/* ---- loads ---- */
+
+/* A pin that nobody drives is held off by a resistor. */
+static bool is_on(const struct wiring_output *o, enum pin_drive drive)
+{
+    bool driven = drive == PIN_HIGH || drive == PIN_LOW;
+    return driven && (drive == PIN_HIGH) != o->low_active;
+}
+
+static double part_on(const struct wiring_output *o, const struct load *l)
+{
+    if (o->shorted || o->broken)
+        return o->shorted ? 1.0 : 0.0;
+    if (l->pulses >= 0.0)
+        return o->low_active ? 1.0 - l->pulses : l->pulses;
+    return is_on(o, l->drive[0]) ? 1.0 : 0.0;
+}
+
+/* Brings the sum of an output up to now. */
+static void pass(struct wired *w, size_t i, uint64_t now_ns)
+{
+    const struct wiring_output *o = wiring_output(w->wiring, i);
+    struct load *l = &w->load[i];
+    double ns = now_ns > l->since_ns ? (double)(now_ns - l->since_ns) : 0.0;
+    if (o->close_pin == HAL_PIN_NONE) {
+        l->sum_ns += ns * part_on(o, l);
+    } else {
+        double way = (is_on(o, l->drive[0]) ? 1.0 : 0.0) - (is_on(o, l->drive[1]) ? 1.0 : 0.0);
+        double before = l->position;
+        l->position += o->broken ? 0.0 : way * ns / NS_PER_S / o->travel_s;
+        l->position = fmin(fmax(l->position, 0.0), 1.0);
+        l->sum_ns += ns * (before + l->position) / 2.0;
+    }
+    l->since_ns = now_ns;
+}
+
+static void pin_driven(void *context, uint64_t now_ns, unsigned pin, enum pin_drive drive)
+{
+    struct wired *w = context;
+    for (unsigned bus = 1; bus <= 3; bus++) {
+        struct chips *b = wiring_bus(w->wiring, CHIP_SPI, bus);
+        if (b != NULL)
+            chips_select(b, now_ns, (hal_pin)pin, drive == PIN_LOW);
+    }
+    for (size_t i = 0; i < w->n_outputs; i++) {
+        const struct wiring_output *o = wiring_output(w->wiring, i);
+        if (o->pin != pin && o->close_pin != pin)
+            continue;
+        pass(w, i, now_ns);
+        w->load[i].drive[o->pin == pin ? 0 : 1] = drive;
+        w->load[i].pulses = -1.0;
+    }
+}
+
+static void pin_pulses(void *context, uint64_t now_ns, unsigned pin, double hz, double high)
+{
+    struct wired *w = context;
+    (void)hz;
+    for (size_t i = 0; i < w->n_outputs; i++)
+        if (wiring_output(w->wiring, i)->pin == pin) {
+            pass(w, i, now_ns);
+            w->load[i].pulses = high;
+        }
+}
+
+/* ---- buses ---- */
+
+static struct chips *bus_of(struct wired *w, enum chip_bus kind, unsigned number, uint64_t now_ns)
+{
+    w->talked_ns = now_ns;
+    return wiring_bus(w->wiring, kind, number);
+}
+
+static uint8_t spi_exchange(void *context, uint64_t now_ns, unsigned bus, unsigned mode,
+                            uint8_t out)
+{
+    struct chips *b = bus_of(context, CHIP_SPI, bus, now_ns);
+    return b == NULL ? 0xFFu : chips_exchange(b, now_ns, mode, out);
+}
+
+static bool i2c_address(void *context, uint64_t now_ns, unsigned bus, uint8_t address, bool read)
+{
+    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    return b != NULL && chips_start(b, now_ns, address, read) == CHIPS_ANSWER;
+}
+
+static bool i2c_write(void *context, uint64_t now_ns, unsigned bus, uint8_t byte)
+{
+    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    return b != NULL && chips_write(b, now_ns, byte);
+}
+
+static uint8_t i2c_read(void *context, uint64_t now_ns, unsigned bus, bool acknowledged)
+{
+    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    return b == NULL ? 0xFFu : chips_read(b, now_ns, acknowledged);
+}
+
+static void i2c_stop(void *context, uint64_t now_ns, unsigned bus)
+{
+    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    if (b != NULL)
+        chips_stop(b, now_ns);
+}
+
+static enum wire_answer wire_reset(void *context, uint64_t now_ns, unsigned bus)
+{
+    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
+    enum chips_answer answer = b == NULL ? CHIPS_SILENT : chips_reset(b, now_ns);
+    return answer == CHIPS_ANSWER     ? WIRE_PRESENT
+           : answer == CHIPS_HELD_LOW ? WIRE_SHORTED
+                                      : WIRE_SILENT;
+}
+
+static bool wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out)
+{
+    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
+    return b == NULL ? out : chips_slot(b, now_ns, out);
+}
+
+/* ---- the whole ---- */
+
+struct wired *wired_open(const char *path, uint64_t seed, char *err, size_t err_size)
+{
+    struct wired *w = calloc(1, sizeof(*w));
+    if (w == NULL)
+        return NULL;
+    w->wiring = wiring_read(path, seed, err, err_size);
+    if (w->wiring == NULL || wiring_n_outputs(w->wiring) > WIRED_OUTPUTS_MAX) {
+        if (w->wiring != NULL)
+            (void)sim_fail(err, err_size, "%s: more than %u outputs", path, WIRED_OUTPUTS_MAX);
+        wired_close(w);
+        return NULL;
+    }
+    w->n_outputs = wiring_n_outputs(w->wiring);
+    for (size_t i = 0; i < w->n_outputs; i++)
+        w->load[i] = (struct load){.drive = {PIN_FLOATS, PIN_FLOATS}, .pulses = -1.0};
+    w->world = (struct world){.context = w,
+                              .pin_driven = pin_driven,
+                              .pin_pulses = pin_pulses,
+                              .spi_exchange = spi_exchange,
+                              .i2c_address = i2c_address,
+                              .i2c_write = i2c_write,
+                              .i2c_read = i2c_read,
+                              .i2c_stop = i2c_stop,
+                              .wire_reset = wire_reset,
+                              .wire_bit = wire_bit};
+    wiring_power(w->wiring, 0, true);
+    return w;
+}
+
+void wired_close(struct wired *w)
+{
+    if (w == NULL)
+        return;
+    wiring_free(w->wiring);
+    free(w);
+}
+
+const struct world *wired_world(struct wired *w)
+{
+    return &w->world;
+}
+
+const struct wiring *wired_wiring(const struct wired *w)
+{
+    return w->wiring;
+}
+
+void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value)
+{
+    wiring_at(w->wiring, now_ns);
+    for (size_t i = 0; i < wiring_n_sensors(w->wiring); i++)
+        if (strcmp(wiring_sensor(w->wiring, i)->name, sensor) == 0)
+            wiring_measure(w->wiring, i, value);
+}
+
+bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char *what, double value,
+                 char *err, size_t err_size)
+{
+    wiring_at(w->wiring, now_ns);
+    for (size_t i = 0; i < w->n_outputs; i++)
+        pass(w, i, now_ns);
+    return wiring_set(w->wiring, name, what, value, err, err_size);
+}
+
+void wired_loads(struct wired *w, uint64_t now_ns, double *ns)
+{
+    for (size_t i = 0; i < w->n_outputs; i++) {
+        pass(w, i, now_ns);
+        ns[i] = w->load[i].sum_ns;
+    }
+}
+
+uint64_t wired_last_talk(const struct wired *w)
+{
+    return w->talked_ns;
+}

@@ -1,0 +1,37 @@
+/* The world of a board (chips/world.h) made of a wiring file: chips on its buses, loads at its outputs.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_CHIPS_WIRED_H
+#define REFLUX_CHIPS_WIRED_H
+
+#include "chips/wiring.h"
+#include "chips/world.h"
+
+#define WIRED_OUTPUTS_MAX 16u
+
+struct wired;
+
+/* Reads the file and connects its chips, which have power from the first moment on. NULL, with a sentence in err. */
+struct wired *wired_open(const char *path, uint64_t seed, char *err, size_t err_size);
+void wired_close(struct wired *w);
+
+/* For the port or the model of the board. */
+const struct world *wired_world(struct wired *w);
+const struct wiring *wired_wiring(const struct wired *w);
+
+/* Gives the sensor of this name the value of its quantity from this moment on. */
+void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value);
+
+/* Sets a fault from this moment on: as wiring_set(). */
+bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char *what, double value,
+                 char *err, size_t err_size);
+
+/* How long each load has been on since the beginning, ns; of a valve with two pins the integral of its position, 0 to 1. ns: one number for each
+ * output of the wiring. */
+void wired_loads(struct wired *w, uint64_t now_ns, double *ns);
+
+/* When the board last began to talk to a chip, ns; 0: never. */
+uint64_t wired_last_talk(const struct wired *w);
+
+#endif

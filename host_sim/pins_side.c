@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include "pins_side.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bench/text.h"
+
+#define NS_PER_MS 1e6
+
+/* The line of the wiring for a quantity of the plant. */
+static uint8_t line_of(const struct wiring *w, bool mv, const char *quantity)
+{
+    size_t n = mv ? wiring_n_outputs(w) : wiring_n_sensors(w);
+    for (size_t i = 0; i < n; i++) {
+        const char *name = mv ? wiring_output(w, i)->quantity : wiring_sensor(w, i)->quantity;
+        if (strcmp(name, quantity) == 0)
+            return (uint8_t)i;
+    }
+    return PINS_NONE;
+}
+
+static bool find_lines(struct pins_side *p, const struct plant_class *class, const char *path,
+                       char *err, size_t err_size)
+{
+    size_t wired[2] = {0, 0};
+    for (size_t i = 0; i < class->n_channels; i++) {
+        const struct plant_channel *c = &class->channels[i];
+        bool mv = c->kind == PLANT_MV;
+        size_t *n = mv ? &p->n_outputs : &p->n_measurements;
+        if ((!mv && c->kind != PLANT_MEASUREMENT) || *n == LINK_CHANNELS_MAX)
+            continue;
+        uint8_t line = line_of(p->wiring, mv, c->name);
+        (mv ? p->output_of : p->sensor_of)[(*n)++] = line;
+        wired[mv] += line != PINS_NONE;
+    }
+    if (wired[0] == 0)
+        return sim_fail(err, err_size, "%s: no line has the name of a measurement of the plant",
+                        path);
+    return wired[1] != 0 ||
+           sim_fail(err, err_size,
+                    "%s: no line has the name of a manipulated variable of the plant", path);
+}
+
+bool pins_side_open(struct pins_side *p, struct transport *port, const char *wiring,
+                    const struct plant_class *class, uint32_t tick_ms, uint64_t seed, char *err,
+                    size_t err_size)
+{
+    *p = (struct pins_side){.port = port, .tick_ms = tick_ms};
+    if (port->ops->measure == NULL)
+        return sim_fail(err, err_size, "--wiring %s: what is at %s has no pins", wiring,
+                        port->where);
+    p->wiring = wiring_read(wiring, seed, err, err_size);
+    return p->wiring != NULL && find_lines(p, class, wiring, err, err_size) &&
+           (port->ops->wire == NULL || port->ops->wire(port, wiring, seed, err, err_size));
+}
+
+void pins_side_close(struct pins_side *p)
+{
+    if (p->wiring != NULL)
+        wiring_free(p->wiring);
+    p->wiring = NULL;
+}
+
+void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
+{
+    for (size_t i = 0; i < p->n_measurements; i++)
+        if (p->sensor_of[i] != PINS_NONE)
+            p->port->ops->measure(p->port, wiring_sensor(p->wiring, p->sensor_of[i])->name,
+                                  (double)sample->measurement[i].value);
+    (void)p->port->ops->loads(p->port, p->loads_ns, wiring_n_outputs(p->wiring));
+    p->begin_ms = transport_now_ms(p->port);
+}
+
+uint64_t pins_side_left(const struct pins_side *p)
+{
+    uint64_t now_ms = transport_now_ms(p->port);
+    uint64_t end_ms = p->begin_ms - p->begin_ms % p->tick_ms + p->tick_ms;
+    return now_ms < end_ms ? end_ms - now_ms : 0;
+}
+
+bool pins_side_end(struct pins_side *p, struct link_command *command)
+{
+    double ns[LINK_CHANNELS_MAX];
+    if (!p->port->ops->loads(p->port, ns, wiring_n_outputs(p->wiring)))
+        return false;
+    double ms = (double)(transport_now_ms(p->port) - p->begin_ms);
+    command->n_outputs = (uint8_t)p->n_outputs;
+    for (size_t i = 0; i < p->n_outputs; i++) {
+        uint8_t line = p->output_of[i];
+        command->output[i].drive = line != PINS_NONE;
+        if (line == PINS_NONE)
+            continue;
+        const struct wiring_output *o = wiring_output(p->wiring, line);
+        /* Whole milliseconds, so that a board that takes microseconds to switch and one that takes none give the same numbers. */
+        double on_ms = round((ns[line] - p->loads_ns[line]) / NS_PER_MS);
+        double part = ms > 0.0 ? fmin(on_ms / ms, 1.0) : 0.0;
+        command->output[i].value = (float)(o->lo + (o->hi - o->lo) * part);
+    }
+    return true;
+}

@@ -1,0 +1,45 @@
+/* The plant's side of a board's own pins: what the sensors of a wiring file measure, and what its loads do to the plant.
+ *
+ * A tick of the plant is a tick of the board's clock: what sensors measure holds over it, and the plant then goes on with the mean of what each
+ * load was. Ticks begin at whole multiples of the tick of the board's clock.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_HOST_SIM_PINS_SIDE_H
+#define REFLUX_HOST_SIM_PINS_SIDE_H
+
+#include "bench/transport.h"
+#include "chips/wiring.h"
+#include "link/messages.h"
+#include "plants/plant.h"
+
+#define PINS_NONE 0xFFu
+
+struct pins_side {
+    struct transport *port;
+    struct wiring *wiring;
+    uint8_t
+        sensor_of[LINK_CHANNELS_MAX]; /* line of the wiring for each measurement; PINS_NONE: none */
+    uint8_t output_of[LINK_CHANNELS_MAX]; /* likewise for each manipulated variable */
+    size_t n_measurements, n_outputs;
+    double loads_ns[LINK_CHANNELS_MAX]; /* at the beginning of the tick */
+    uint64_t tick_ms, begin_ms;
+};
+
+/* Reads the wiring and has the board at the port connected so. False, with a sentence in err: the wiring has nothing of the plant, or the board
+ * has no pins. */
+bool pins_side_open(struct pins_side *p, struct transport *port, const char *wiring,
+                    const struct plant_class *class, uint32_t tick_ms, uint64_t seed, char *err,
+                    size_t err_size);
+void pins_side_close(struct pins_side *p);
+
+/* Begins a tick with these readings. */
+void pins_side_begin(struct pins_side *p, const struct link_sample *sample);
+
+/* Ms that are left of the tick; 0: it is over. */
+uint64_t pins_side_left(const struct pins_side *p);
+
+/* Ends it: what the loads were, as commands in the plant's units. False: the board is gone. */
+bool pins_side_end(struct pins_side *p, struct link_command *command);
+
+#endif
