@@ -23,7 +23,9 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
     }
     uint64_t began = transport_now_ms(list[0]);
     for (;;) {
-        if (!link_server_turn(k->link)) {
+        if (k->pins != NULL) {
+            pins_side_turn(k->pins);
+        } else if (!link_server_turn(k->link)) {
             return lockstep_stop(k, k->link->error);
         }
         if (k->console != NULL && !console_turn(k->console)) {
@@ -42,7 +44,7 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
         if (spent >= span_ms) {
             return TOO_LATE;
         }
-        uint64_t due = link_server_due(k->link);
+        uint64_t due = k->pins == NULL ? link_server_due(k->link) : span_ms;
         transport_wait(list, n, due < span_ms - spent ? due : span_ms - spent);
     }
 }

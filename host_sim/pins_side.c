@@ -62,6 +62,13 @@ void pins_side_close(struct pins_side *p)
     p->wiring = NULL;
 }
 
+void pins_side_turn(struct pins_side *p)
+{
+    uint8_t bytes[256];
+    while (transport_read(p->port, bytes, sizeof(bytes)) > 0) {
+    }
+}
+
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
 {
     for (size_t i = 0; i < p->n_measurements; i++)

@@ -33,6 +33,9 @@ bool pins_side_open(struct pins_side *p, struct transport *port, const char *wir
                     size_t err_size);
 void pins_side_close(struct pins_side *p);
 
+/* Drops what the board says on the link, where nobody listens. */
+void pins_side_turn(struct pins_side *p);
+
 /* Begins a tick with these readings. */
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample);
 

@@ -1,0 +1,1 @@
+set_target_properties(reflux_chips PROPERTIES POSITION_INDEPENDENT_CODE ON)
