@@ -10,9 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum chip_bus { CHIP_SPI, CHIP_I2C, CHIP_ONEWIRE };
-
-struct chip;
+#include "chips/bus.h"
 
 /* What the world does to a chip, by name: a quantity that it measures, in the unit of the name's list, or a fault, which is there while its
  * value is not 0. */
@@ -24,10 +22,13 @@ struct chip_input {
     const char *what; /* for people */
 };
 
-/* A property of how it is wired, fixed when it is made: "reference" 430 ohm. */
+/* A property of how it is wired, fixed when it is made: "reference" 430 ohm. One that is no number has a parser, and words for what it takes;
+ * NAN at first: made from the seed. */
 struct chip_property {
     const char *name, *unit;
     double lo, hi, at_first;
+    bool (*parse)(const char *text, double *value);
+    const char *form; /* "a letter of BEJKNRST" */
 };
 
 struct chip_kind {
@@ -40,7 +41,11 @@ struct chip_kind {
     size_t size; /* of its state, bytes; struct chip is at the beginning */
     void (*power_on)(struct chip *c, uint64_t now_ns);
 
-    /* SPI: the line of select, and a byte each way. The bus has this mode (0..3) at the moment; a chip that cannot take it answers rubbish. */
+    /* Ends the conversions that are due, with the inputs as they are. NULL: the kind has none that run by themselves. */
+    void (*catch_up)(struct chip *c, uint64_t now_ns);
+
+    /* SPI: the line of select, and a byte each way. The bus has this mode (0..3) at the moment; a chip that cannot take it answers rubbish.
+     * exchange() is called when the last bit has been clocked. */
     void (*select)(struct chip *c, uint64_t now_ns, bool low);
     uint8_t (*exchange)(struct chip *c, uint64_t now_ns, unsigned mode, uint8_t out);
 
@@ -50,19 +55,27 @@ struct chip_kind {
     uint8_t (*read)(struct chip *c, uint64_t now_ns, bool acknowledged);
     void (*stop)(struct chip *c, uint64_t now_ns);
 
-    /* 1-wire: a reset pulse, true: presence; then bits. A wire with several chips is low where one of them pulls. */
+    /* 1-wire: a reset pulse, true: presence; then time slots. bit_in() says what the chip does to the line in the slot that begins, false: it
+     * pulls low, and changes nothing; bit_out() ends the slot, with the line as the chip samples it. A wire with several chips is low where
+     * one of them pulls. */
     bool (*presence)(struct chip *c, uint64_t now_ns);
     void (*bit_out)(struct chip *c, uint64_t now_ns, bool bit);
     bool (*bit_in)(struct chip *c, uint64_t now_ns);
 };
 
 #define CHIP_INPUTS_MAX 16u
+#define CHIP_WRONG_SIZE 200u
 
 struct chip {
     const struct chip_kind *kind;
     double property[CHIP_INPUTS_MAX];
     double input[CHIP_INPUTS_MAX];
     uint64_t random; /* state of noise */
+    bool powered, dead;
+    unsigned stray_bits; /* SPI: bits of a byte that has not been clocked whole */
+    char wrong
+        [CHIP_WRONG_SIZE]; /* the first rule of the data sheet that was broken: chip, register, rule; "" none */
+    unsigned wrongs; /* broken rules so far */
 };
 
 /* All kinds there are; n: how many. */
@@ -73,10 +86,21 @@ struct chip *chip_new(const char *kind, const char *properties, uint64_t seed, c
                       size_t err_size);
 void chip_free(struct chip *c);
 
-/* A fault of the chip, too, that every kind has: "dead": it does not answer. */
+/* Sets an input, as the world has it from now on. False, with a sentence in err: the kind has no such input, or the value is beyond its range.
+ * A fault that every kind has is "dead": the chip does not answer. Where the moment matters, chip_at() comes first. */
 bool chip_set(struct chip *c, const char *input, double value, char *err, size_t err_size);
 
-/* What the world does is taken over by chips at their own pace: call when it has changed. */
+/* Index of an input by name, or -1. */
+int chip_input_index(const struct chip_kind *kind, const char *name);
+
+/* What the world does is taken over by chips at their own pace. Conversions that end by this time are done with the inputs as they are: call
+ * before inputs change. */
+void chip_at(struct chip *c, uint64_t now_ns);
+
+/* Turns the supply on, with everything as at power-on, or off. */
 void chip_power(struct chip *c, uint64_t now_ns, bool on);
+
+/* The chip has power and is not dead. */
+bool chip_answers(const struct chip *c);
 
 #endif
