@@ -13,7 +13,8 @@ enum { T1, T2, T3, P1, P2, P3, P4, P5, P6, P7, P8, P9 };
 
 static int64_t calibration_word(const uint8_t *calibration, unsigned word)
 {
-    int32_t w = calibration[2u * word] | calibration[2u * word + 1u] << 8;
+    const uint8_t *from = &calibration[(uint8_t)(2u * word)];
+    int32_t w = from[0] | from[1] << 8;
     return word == T1 || word == P1 ? w : (int16_t)w;
 }
 
