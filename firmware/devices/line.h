@@ -11,7 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define LINE_CLAIMS_MAX 16u
+/* More than all buses of a board and all chips that sixteen channels can share. */
+#define LINE_CLAIMS_MAX 28u
 #define LINE_WHOLE      0xFFu /* in place of an address: the bus itself */
 
 /* Claims a bus (unit LINE_WHOLE) or a chip on it (unit: its address) for this time from now; a claim that the holder has is renewed. line:

@@ -7,6 +7,7 @@
 
 #include "hal/analog.h"
 #include "hal/pulse.h"
+#include "random_source.h"
 #include "unity.h"
 
 #define LINES_MAX 256u
@@ -23,6 +24,8 @@ struct line_of_script {
 static struct line_of_script lines[LINES_MAX];
 static uint32_t began_ms[LINES_MAX];
 static unsigned written, made;
+static bool noise;
+static struct random_source noise_source;
 
 struct script_seen script_seen;
 struct script_board script_board;
@@ -30,6 +33,7 @@ struct script_board script_board;
 void script_clear(void)
 {
     written = made = 0;
+    noise = false;
     script_seen = (struct script_seen){0};
     script_board = (struct script_board){.now_ms = 1000};
 }
@@ -113,6 +117,32 @@ struct device_result script_result(const struct device *d)
     return result;
 }
 
+void script_noise(uint64_t seed)
+{
+    noise = true;
+    noise_source.state = seed;
+}
+
+static enum err make_noise(struct transfer *t)
+{
+    static uint8_t before[BYTES_MAX];
+    static const uint8_t ends[] = {TRANSFER_NO_ANSWER, TRANSFER_FAILED, TRANSFER_RUNS};
+    uint32_t choice = random_below(&noise_source, 100);
+    script_seen.transfers++;
+    if (choice < 3)
+        return ERR_STATE;
+    t->state = choice < 9 ? ends[choice % 3] : TRANSFER_DONE;
+    uint32_t how = random_below(&noise_source, 4);
+    for (unsigned k = 0; k < t->n_in; k++) {
+        if (how > 1)
+            before[k] = (uint8_t)random_next(&noise_source);
+        if (how == 1)
+            before[k] = (choice & 1) != 0 ? 0xFF : 0x00;
+        t->in[k] = before[k];
+    }
+    return ERR_OK;
+}
+
 static void hex_of(const uint8_t *bytes, unsigned n, char text[3 * BYTES_MAX + 1])
 {
     text[0] = '\0';
@@ -142,6 +172,8 @@ static struct line_of_script *follow(enum device_line bus_line, uint8_t bus,
 
 static enum err start(enum device_line bus_line, uint8_t bus, struct transfer *t)
 {
+    if (noise)
+        return make_noise(t);
     if (script_board.busy > 0) {
         script_board.busy--;
         return ERR_STATE;
@@ -205,6 +237,10 @@ enum err hal_onewire_start(uint8_t bus, struct transfer *transfer)
 
 enum err hal_onewire_search(uint8_t bus, struct transfer *transfer, volatile uint8_t *branch)
 {
+    if (noise) {
+        *branch = (uint8_t)random_below(&noise_source, 65);
+        return make_noise(transfer);
+    }
     if (script_board.busy > 0) {
         script_board.busy--;
         return ERR_STATE;

@@ -22,6 +22,10 @@ void script_fails(const char *out, unsigned n_in, enum transfer_state end);
 /* The next transfer is a pass of a search that begins with this branch, finds this address and has this branch then. */
 void script_search(uint8_t branch, const char *rom, uint8_t next_branch);
 
+/* From now on there is no script: any transfer may be sent, gets random bytes, all alike bytes or an echo of the bytes before, and ends in any
+ * way. */
+void script_noise(uint64_t seed);
+
 /* Fails the test if transfers of the script have not been made. */
 void script_is_done(void);
 
@@ -56,7 +60,7 @@ struct script_board {
 };
 extern struct script_board script_board;
 
-/* A bus of the board has this. The newest result of a device. */
+/* The newest result of a device. */
 struct device_result script_result(const struct device *d);
 
 #endif

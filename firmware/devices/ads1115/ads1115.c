@@ -19,14 +19,14 @@
 
 /* 16 a second, 10 % slow, are 69 ms. */
 #define ADS1115_MS 72u
-#define PAIRS_MAX  4u
+#define TRIES_MAX  4u
 /* From the start of a conversion to the first read, and some more. Each transfer renews it. */
 #define CHIP_MS 100u
 
-enum ads1115_stage { REST, CONVERT, READ, COMPARE, CHECK };
+enum ads1115_stage { REST, CONVERT, STARTED, READ, COMPARE, CHECK };
 
 /* Places in kept[]. */
-enum { KEPT_FIRST, KEPT_PAIRS_DIFFER };
+enum { KEPT_FIRST, KEPT_DIFFERENT };
 
 static uint16_t ads1115_config(const struct device_settings *s)
 {
@@ -50,61 +50,89 @@ static uint16_t ads1115_send(struct device *d, uint32_t now_ms)
     }
     if (d->stage == REST)
         d->stage = CONVERT;
-    if (d->stage != CONVERT) {
-        d->bytes[0] = d->stage == CHECK ? AT_CONFIG : AT_CONVERSION;
+    uint16_t config = ads1115_config(&d->settings);
+    switch (d->stage) {
+    case CONVERT:
+        d->began_ms = now_ms;
+        d->bytes[0] = AT_CONFIG;
+        d->bytes[1] = (uint8_t)(config >> 8);
+        d->bytes[2] = (uint8_t)config;
+        return device_begin(d, now_ms, 3, 0, 0);
+    case STARTED:
+        d->bytes[0] = AT_CONFIG;
+        return device_begin(d, now_ms, 1, 2, ADS1115_MS);
+    case CHECK:
+        d->bytes[0] = AT_CONFIG;
+        return device_begin(d, now_ms, 1, 2, 0);
+    default: /* READ, COMPARE */
+        d->bytes[0] = AT_CONVERSION;
         return device_begin(d, now_ms, 1, 2, 0);
     }
-    uint16_t config = ads1115_config(&d->settings);
-    d->began_ms = now_ms;
-    d->bytes[0] = AT_CONFIG;
-    d->bytes[1] = (uint8_t)(config >> 8);
-    d->bytes[2] = (uint8_t)config;
-    return device_begin(d, now_ms, 3, 0, ADS1115_MS);
 }
 
+/* Compares what the configuration should be with what it is. */
+static uint16_t ads1115_differs(uint16_t wanted, uint16_t config)
+{
+    if (config == wanted)
+        return 0;
+    return config == POWER_ON ? DEVICE_POWER_ON : DEVICE_WRONG_CHIP;
+}
+
+/* Judges a conversion when all has been read. */
 static uint16_t ads1115_check(const struct device *d, uint16_t config)
 {
-    if (d->kept[KEPT_PAIRS_DIFFER] != 0)
+    if (d->kept[KEPT_DIFFERENT] != 0)
         return DEVICE_CHECKSUM;
-    if (config != ads1115_config(&d->settings))
-        return config == POWER_ON ? DEVICE_POWER_ON : DEVICE_WRONG_CHIP;
-    if (d->kept[KEPT_FIRST] == INT16_MAX || d->kept[KEPT_FIRST] == INT16_MIN)
-        return DEVICE_RANGE;
-    return 0;
+    uint16_t faults = ads1115_differs(ads1115_config(&d->settings), config);
+    if (faults == 0 && (d->kept[KEPT_FIRST] == INT16_MAX || d->kept[KEPT_FIRST] == INT16_MIN))
+        faults = DEVICE_RANGE;
+    return faults;
+}
+
+/* Takes what came. True: the cycle is over. */
+static bool ads1115_took(struct device *d, int32_t code[DEVICE_CODES], uint16_t *faults)
+{
+    uint16_t word = (uint16_t)(d->bytes[1] << 8 | d->bytes[2]);
+    switch (d->stage) {
+    case STARTED:
+        /* A write that was disturbed may have begun nothing: then the chip still has the voltage of another input. */
+        *faults = ads1115_differs(ads1115_config(&d->settings) ^ START_OR_IDLE, word);
+        if (*faults == 0) {
+            d->tries = 0;
+            break;
+        }
+        d->stage = CONVERT;
+        return ++d->tries == TRIES_MAX;
+    case READ:
+        d->kept[KEPT_FIRST] = (int16_t)word;
+        break;
+    case COMPARE:
+        d->kept[KEPT_DIFFERENT] = d->kept[KEPT_FIRST] != (int16_t)word;
+        break;
+    case CHECK:
+        if (((word & START_OR_IDLE) != 0 && d->kept[KEPT_DIFFERENT] == 0) ||
+            ++d->tries == TRIES_MAX) {
+            code[0] = d->kept[KEPT_FIRST];
+            code[1] = word;
+            *faults = ads1115_check(d, word);
+            return true;
+        }
+        d->stage = READ;
+        return false;
+    default: /* CONVERT */
+        break;
+    }
+    d->stage++;
+    return false;
 }
 
 static uint16_t ads1115_step(struct device *d, uint32_t now_ms)
 {
     int32_t code[DEVICE_CODES] = {0};
-    if (!device_has_begun(d))
-        return ads1115_send(d, now_ms);
-    uint16_t faults = device_ended(d);
-    if (faults != 0)
-        return device_finish(d, now_ms, code, faults);
-    uint16_t word = (uint16_t)(d->bytes[1] << 8 | d->bytes[2]);
-    switch (d->stage) {
-    case READ:
-        d->kept[KEPT_FIRST] = (int16_t)word;
-        d->stage = COMPARE;
-        break;
-    case COMPARE:
-        d->kept[KEPT_PAIRS_DIFFER] = d->kept[KEPT_FIRST] != (int16_t)word;
-        d->stage = CHECK;
-        break;
-    case CHECK: {
-        bool idle = (word & START_OR_IDLE) != 0;
-        if ((!idle || d->kept[KEPT_PAIRS_DIFFER] != 0) && ++d->tries < PAIRS_MAX) {
-            d->stage = READ;
-            break;
-        }
-        code[0] = d->kept[KEPT_FIRST];
-        code[1] = word;
-        d->ready = true;
-        return device_finish(d, now_ms, code, ads1115_check(d, word));
-    }
-    default: /* CONVERT */
-        d->stage++;
-        break;
+    if (device_has_begun(d)) {
+        uint16_t faults = device_ended(d);
+        if (faults != 0 || ads1115_took(d, code, &faults))
+            return device_finish(d, now_ms, code, faults);
     }
     return ads1115_send(d, now_ms);
 }

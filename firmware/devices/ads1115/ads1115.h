@@ -5,11 +5,12 @@
  * itself must stay within the chip's supply.
  * Codes: the conversion, 32768 at the range; the configuration that was read back.
  *
- * Each reading is one conversion of 62.5 ms (16 a second: three periods of mains are averaged). The chip is this device's until it has been read
- * twice and its configuration once: then the input was the right one, and the chip was not without power in between.
+ * Each reading is one conversion of 62.5 ms (16 a second: three periods of mains are averaged). The chip is this device's until it is over. Its
+ * configuration is read at the beginning, where it must say that a conversion runs: otherwise the voltage of another input could be taken for
+ * this one's. It is read again at the end, after two reads of the conversion: then the chip was not without power in between.
  *
- * What a reading can say: no chip: no acknowledgement; power on: the configuration is that of power-on; wrong chip: it is another, or the
- * conversion does not end; checksum: reads that differ; range: the code is at an end of the range.
+ * What a reading can say: no chip: no acknowledgement; power on: the configuration is that of power-on; wrong chip: it is another, or a
+ * conversion does not begin or end; checksum: reads that differ; range: the code is at an end of the range.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

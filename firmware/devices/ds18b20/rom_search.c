@@ -22,13 +22,13 @@ enum err rom_search_begin(struct rom_search *s, uint8_t bus)
     return err;
 }
 
-static void end_search(struct rom_search *s, enum rom_search_state state)
+static void end_rom_search(struct rom_search *s, enum rom_search_state state)
 {
     line_release(s);
     s->state = (uint8_t)state;
 }
 
-static void begin_pass(struct rom_search *s, uint32_t now_ms)
+static void begin_rom_pass(struct rom_search *s, uint32_t now_ms)
 {
     s->branch = s->last_branch;
     memset(s->pass_rom, 0, sizeof s->pass_rom);
@@ -44,25 +44,25 @@ static void begin_pass(struct rom_search *s, uint32_t now_ms)
     }
     s->transfer.state = TRANSFER_IDLE;
     if (++s->refusals == PASS_REFUSALS)
-        end_search(s, ROM_SEARCH_FAILED);
+        end_rom_search(s, ROM_SEARCH_FAILED);
 }
 
 /* Takes over the address of a pass that is complete. */
-static void end_pass(struct rom_search *s)
+static void end_rom_pass(struct rom_search *s)
 {
     bool zeros = device_all(s->pass_rom, ONEWIRE_ROM_BYTES, 0);
     if (zeros || crc8_onewire(s->pass_rom, ONEWIRE_ROM_BYTES) != 0) {
         if (++s->tries == PASS_TRIES)
-            end_search(s, zeros ? ROM_SEARCH_FAILED : ROM_SEARCH_CHECKSUM);
+            end_rom_search(s, zeros ? ROM_SEARCH_FAILED : ROM_SEARCH_CHECKSUM);
         return;
     }
     s->tries = 0;
     s->last_branch = s->branch;
     memcpy(s->rom[s->found++], s->pass_rom, ONEWIRE_ROM_BYTES);
     if (s->last_branch == 0)
-        end_search(s, ROM_SEARCH_DONE);
+        end_rom_search(s, ROM_SEARCH_DONE);
     else if (s->found == ROM_SEARCH_MAX)
-        end_search(s, ROM_SEARCH_FULL);
+        end_rom_search(s, ROM_SEARCH_FULL);
 }
 
 void rom_search_clock(struct rom_search *s, uint32_t now_ms)
@@ -75,21 +75,21 @@ void rom_search_clock(struct rom_search *s, uint32_t now_ms)
     }
     switch (s->transfer.state) {
     case TRANSFER_DONE:
-        end_pass(s);
+        end_rom_pass(s);
         break;
     case TRANSFER_RUNS:
         hal_onewire_stop(s->bus);
-        end_search(s, ROM_SEARCH_FAILED);
+        end_rom_search(s, ROM_SEARCH_FAILED);
         break;
     case TRANSFER_NO_ANSWER:
-        end_search(s, s->found == 0 ? ROM_SEARCH_DONE : ROM_SEARCH_FAILED);
+        end_rom_search(s, s->found == 0 ? ROM_SEARCH_DONE : ROM_SEARCH_FAILED);
         break;
     case TRANSFER_FAILED:
-        end_search(s, ROM_SEARCH_FAILED);
+        end_rom_search(s, ROM_SEARCH_FAILED);
         break;
     default:
         break;
     }
     if (s->state == ROM_SEARCH_RUNS)
-        begin_pass(s, now_ms);
+        begin_rom_pass(s, now_ms);
 }

@@ -20,10 +20,17 @@ static void begin(void)
     TEST_ASSERT_EQUAL(ERR_OK, device_open(&d, &ads1115_kind, &settings, 500));
 }
 
+/* The write, and the configuration that says that a conversion runs. */
+static void start(void)
+{
+    script("01 C5 23", "");
+    script("01", "45 23");
+}
+
 /* Input 0, 2.048 V, 16 samples a second, one conversion: C523h. */
 static void reading(const char *code, const char *config)
 {
-    script("01 C5 23", "");
+    start();
     script("00", code);
     script("00", code);
     script("01", config);
@@ -49,7 +56,7 @@ static void a_reading_is_one_conversion_read_twice_and_checked(void)
     TEST_ASSERT_EQUAL_FLOAT(0.4f, volt);
     TEST_ASSERT_EQUAL_HEX8(0x48, script_seen.address);
     TEST_ASSERT_EQUAL(DEVICE_I2C, script_seen.line);
-    TEST_ASSERT_GREATER_OR_EQUAL(69, script_began_ms(1) - script_began_ms(0));
+    TEST_ASSERT_GREATER_OR_EQUAL(69, script_began_ms(2) - script_began_ms(0));
     TEST_ASSERT_EQUAL(script_began_ms(0), r.stamp_ms);
 }
 
@@ -59,6 +66,7 @@ static void input_and_range_are_bits_of_the_configuration(void)
     settings.type = 0;
     settings.address = 0x4B;
     script("01 F1 23", "");
+    script("01", "71 23");
     script("00", "40 00");
     script("00", "40 00");
     script("01", "F1 23");
@@ -100,6 +108,33 @@ static void a_chip_that_lost_power_during_the_conversion_is_told(void)
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
 }
 
+/* The bit that starts was lost on its way: the conversion register may hold another input's voltage. */
+static void a_conversion_that_has_not_begun_is_begun_again(void)
+{
+    script("01 C5 23", "");
+    script("01", "C5 23");
+    reading("19 00", "C5 23");
+    begin();
+    struct device_result r = after_cycle();
+    TEST_ASSERT_EQUAL_HEX16(0, r.faults);
+    TEST_ASSERT_EQUAL(script_began_ms(2), r.stamp_ms);
+}
+
+static void a_conversion_that_never_begins_is_a_wrong_chip(void)
+{
+    for (unsigned k = 0; k < 4; k++) {
+        script("01 C5 23", "");
+        script("01", "C5 23");
+    }
+    begin();
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
+    for (unsigned k = 0; k < 4; k++) {
+        script("01 C5 23", "");
+        script("01", "85 83");
+    }
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_POWER_ON, after_cycle().faults);
+}
+
 static void another_configuration_is_a_wrong_chip(void)
 {
     reading("19 00", "D5 23"); /* another input */
@@ -116,7 +151,7 @@ static void a_chip_that_is_not_there_is_told(void)
 
 static void a_transfer_that_does_not_end_is_stopped(void)
 {
-    script("01 C5 23", "");
+    start();
     script_fails("00", 2, SCRIPT_NEVER_ENDS);
     begin();
     TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, after_cycle().faults);
@@ -125,7 +160,7 @@ static void a_transfer_that_does_not_end_is_stopped(void)
 
 static void reads_that_differ_are_read_again(void)
 {
-    script("01 C5 23", "");
+    start();
     script("00", "19 00");
     script("00", "59 00");
     script("01", "C5 23");
@@ -140,7 +175,7 @@ static void reads_that_differ_are_read_again(void)
 
 static void reads_that_never_agree_are_a_checksum_fault(void)
 {
-    script("01 C5 23", "");
+    start();
     for (unsigned k = 0; k < 4; k++) {
         script("00", "19 00");
         script("00", "59 00");
@@ -152,7 +187,7 @@ static void reads_that_never_agree_are_a_checksum_fault(void)
 
 static void a_slow_conversion_is_waited_for(void)
 {
-    script("01 C5 23", "");
+    start();
     script("00", "11 11"); /* of the conversion before */
     script("00", "11 11");
     script("01", "45 23");
@@ -167,7 +202,7 @@ static void a_slow_conversion_is_waited_for(void)
 
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
-    script("01 C5 23", "");
+    start();
     for (unsigned k = 0; k < 4; k++) {
         script("00", "11 11");
         script("00", "11 11");
@@ -188,6 +223,7 @@ static void two_inputs_of_a_chip_are_measured_one_after_the_other(void)
     for (unsigned k = 0; k < 2; k++) {
         reading("19 00", "C5 23");
         script("01 D5 23", "");
+        script("01", "55 23");
         script("00", "32 00");
         script("00", "32 00");
         script("01", "D5 23");
@@ -241,6 +277,8 @@ int main(void)
     RUN_TEST(voltages_below_ground_have_a_sign);
     RUN_TEST(codes_at_an_end_are_out_of_range);
     RUN_TEST(a_chip_that_lost_power_during_the_conversion_is_told);
+    RUN_TEST(a_conversion_that_has_not_begun_is_begun_again);
+    RUN_TEST(a_conversion_that_never_begins_is_a_wrong_chip);
     RUN_TEST(another_configuration_is_a_wrong_chip);
     RUN_TEST(a_chip_that_is_not_there_is_told);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);
