@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "hal/i2c.h"
+#include "hal/onewire.h"
 #include "hal/output.h"
 #include "hal/spi.h"
 #include "mailbox.h"
@@ -13,6 +15,7 @@ static struct transfer transfer;
 static struct spi_device spi;
 static uint8_t out[256], in[256];
 static uint32_t waited_ms;
+static volatile uint8_t branch;
 static bool runs;
 
 static void finish(enum err err)
@@ -21,6 +24,9 @@ static void finish(enum err err)
     box.err = err;
     box.state = transfer.state;
     box.took_ms = waited_ms;
+    if (box.command == IO_WIRE_SEARCH) {
+        box.result = branch;
+    }
     for (unsigned i = 0; i < sizeof(in); i++) {
         box.in[i] = in[i];
     }
@@ -31,6 +37,10 @@ static void stop_bus(void)
 {
     if (box.command == IO_SPI) {
         hal_spi_stop((uint8_t)box.bus);
+    } else if (box.command == IO_I2C) {
+        hal_i2c_stop((uint8_t)box.bus);
+    } else {
+        hal_onewire_stop((uint8_t)box.bus);
     }
 }
 
@@ -47,6 +57,15 @@ static void prepare(void)
                               .mode = (uint8_t)box.mode,
                               .hz = box.hz};
     waited_ms = 0;
+}
+
+static enum err search(void)
+{
+    branch = (uint8_t)box.value;
+    for (unsigned i = 0; i < ONEWIRE_ROM_BYTES; i++) {
+        in[i] = out[i];
+    }
+    return hal_onewire_search((uint8_t)box.bus, &transfer, &branch);
 }
 
 static void begin(enum err err)
@@ -90,6 +109,21 @@ static void obey(void)
     case IO_OUTPUT_SAFE:
         hal_output_safe();
         break;
+    case IO_WIRE_OPEN:
+        err = hal_onewire_open((uint8_t)box.bus);
+        break;
+    case IO_WIRE:
+        begin(hal_onewire_start((uint8_t)box.bus, &transfer));
+        return;
+    case IO_WIRE_SEARCH:
+        begin(search());
+        return;
+    case IO_I2C_OPEN:
+        err = hal_i2c_open((uint8_t)box.bus);
+        break;
+    case IO_I2C:
+        begin(hal_i2c_start((uint8_t)box.bus, (uint8_t)box.mode, &transfer));
+        return;
     default:
         err = ERR_UNKNOWN;
         break;

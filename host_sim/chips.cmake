@@ -1,1 +1,0 @@
-set_target_properties(reflux_chips PROPERTIES POSITION_INDEPENDENT_CODE ON)
