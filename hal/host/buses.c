@@ -274,7 +274,9 @@ enum err hal_onewire_open(uint8_t bus)
 /* A bit written, or with true a bit read. */
 static bool slot(uint8_t bus, bool out)
 {
-    return outside.wire_bit != NULL ? outside.wire_bit(outside.context, now_ns(), bus, out) : out;
+    if (outside.wire_bit == NULL)
+        return out;
+    return outside.wire_bit(outside.context, now_ns(), bus, out) == WIRE_SILENT && out;
 }
 
 static enum transfer_state wire_reset(uint8_t bus)
@@ -282,9 +284,9 @@ static enum transfer_state wire_reset(uint8_t bus)
     enum wire_answer answer = outside.wire_reset != NULL
                                   ? outside.wire_reset(outside.context, now_ns(), bus)
                                   : WIRE_SILENT;
-    return answer == WIRE_SILENT    ? TRANSFER_NO_ANSWER
-           : answer == WIRE_PRESENT ? TRANSFER_DONE
-                                    : TRANSFER_FAILED;
+    return answer == WIRE_SILENT   ? TRANSFER_NO_ANSWER
+           : answer == WIRE_PULLED ? TRANSFER_DONE
+                                   : TRANSFER_FAILED;
 }
 
 static void byte_out(uint8_t bus, uint8_t byte)

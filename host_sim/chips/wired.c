@@ -135,15 +135,15 @@ static enum wire_answer wire_reset(void *context, uint64_t now_ns, unsigned bus)
 {
     struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
     enum chips_answer answer = b == NULL ? CHIPS_SILENT : chips_reset(b, now_ns);
-    return answer == CHIPS_ANSWER     ? WIRE_PRESENT
+    return answer == CHIPS_ANSWER     ? WIRE_PULLED
            : answer == CHIPS_HELD_LOW ? WIRE_SHORTED
                                       : WIRE_SILENT;
 }
 
-static bool wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out)
+static enum wire_answer wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out)
 {
     struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
-    return b == NULL ? out : chips_slot(b, now_ns, out);
+    return b == NULL || chips_slot(b, now_ns, out) ? WIRE_SILENT : WIRE_PULLED;
 }
 
 /* ---- the whole ---- */
