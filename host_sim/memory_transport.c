@@ -78,9 +78,14 @@ static void memory_measure(struct transport *t, const char *sensor, double value
 static bool memory_loads(struct transport *t, double *ns, size_t n)
 {
     (void)t;
-    (void)n;
-    wired_loads(wired, clock_ms * NS_PER_MS, ns);
-    return true;
+    return wired_loads(wired, clock_ms * NS_PER_MS, ns) == n;
+}
+
+static void memory_clock(struct transport *t, uint64_t *now_ns, uint64_t *began_ns)
+{
+    (void)t;
+    *now_ns = clock_ms * NS_PER_MS;
+    *began_ns = 0; /* a reset does not set it back */
 }
 
 static const struct transport_ops memory_ops = {.read = memory_read,
@@ -90,6 +95,7 @@ static const struct transport_ops memory_ops = {.read = memory_read,
                                                 .wire = memory_wire,
                                                 .measure = memory_measure,
                                                 .loads = memory_loads,
+                                                .clock = memory_clock,
                                                 .close = memory_close};
 
 /* The first one opened is the link, the second the console: so reflux_sim() opens them. */

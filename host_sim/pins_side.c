@@ -7,6 +7,10 @@
 #include "bench/text.h"
 
 #define NS_PER_MS 1e6
+#define MS_NS     UINT64_C(1000000)
+#define DONE_NS                                                                                    \
+    UINT64_C(                                                                                      \
+        200000) /* what a board does in a millisecond of its clock it has done so long after it */
 
 /* The line of the wiring for a quantity of the plant. */
 static uint8_t line_of(const struct wiring *w, bool mv, const char *quantity)
@@ -76,14 +80,26 @@ void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
             p->port->ops->measure(p->port, wiring_sensor(p->wiring, p->sensor_of[i])->name,
                                   (double)sample->measurement[i].value);
     (void)p->port->ops->loads(p->port, p->loads_ns, wiring_n_outputs(p->wiring));
-    p->begin_ms = transport_now_ms(p->port);
+    uint64_t began_ns;
+    p->port->ops->clock(p->port, &p->begin_ns, &began_ns);
+    /* Just before the millisecond of the firmware's clock that is a whole multiple of the tick. */
+    uint64_t passed = p->begin_ns - began_ns + MS_NS, tick_ns = p->tick_ms * MS_NS;
+    p->end_ns = began_ns + passed - passed % tick_ns + tick_ns - MS_NS + DONE_NS;
+    if (p->port->ops->limit != NULL)
+        p->port->ops->limit(p->port, p->end_ns);
+}
+
+static uint64_t now_of(const struct pins_side *p)
+{
+    uint64_t now_ns, began_ns;
+    p->port->ops->clock(p->port, &now_ns, &began_ns);
+    return now_ns;
 }
 
 uint64_t pins_side_left(const struct pins_side *p)
 {
-    uint64_t now_ms = transport_now_ms(p->port);
-    uint64_t end_ms = p->begin_ms - p->begin_ms % p->tick_ms + p->tick_ms;
-    return now_ms < end_ms ? end_ms - now_ms : 0;
+    uint64_t now_ns = now_of(p), left_ns = now_ns < p->end_ns ? p->end_ns - now_ns : 0;
+    return (left_ns + (p->port->ops->limit != NULL ? MS_NS - 1u : 0)) / MS_NS;
 }
 
 bool pins_side_end(struct pins_side *p, struct link_command *command)
@@ -91,7 +107,9 @@ bool pins_side_end(struct pins_side *p, struct link_command *command)
     double ns[LINK_CHANNELS_MAX];
     if (!p->port->ops->loads(p->port, ns, wiring_n_outputs(p->wiring)))
         return false;
-    double ms = (double)(transport_now_ms(p->port) - p->begin_ms);
+    double ms = round((double)(now_of(p) - p->begin_ns) / NS_PER_MS);
+    if (p->port->ops->limit != NULL)
+        p->port->ops->limit(p->port, 0);
     command->n_outputs = (uint8_t)p->n_outputs;
     for (size_t i = 0; i < p->n_outputs; i++) {
         uint8_t line = p->output_of[i];

@@ -1,7 +1,7 @@
 /* The plant's side of a board's own pins: what the sensors of a wiring file measure, and what its loads do to the plant.
  *
  * A tick of the plant is a tick of the board's clock: what sensors measure holds over it, and the plant then goes on with the mean of what each
- * load was. Ticks begin at whole multiples of the tick of the board's clock.
+ * load was. Ticks begin just before whole multiples of the tick of the firmware's clock, where it takes its sample.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -23,7 +23,7 @@ struct pins_side {
     uint8_t output_of[LINK_CHANNELS_MAX]; /* likewise for each manipulated variable */
     size_t n_measurements, n_outputs;
     double loads_ns[LINK_CHANNELS_MAX]; /* at the beginning of the tick */
-    uint64_t tick_ms, begin_ms;
+    uint64_t tick_ms, begin_ns, end_ns;
 };
 
 /* Reads the wiring and has the board at the port connected so. False, with a sentence in err: the wiring has nothing of the plant, or the board

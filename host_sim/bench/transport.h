@@ -38,6 +38,10 @@ struct transport_ops {
                  size_t err_size);
     void (*measure)(struct transport *t, const char *sensor, double value);
     bool (*loads)(struct transport *t, double *ns, size_t n);
+    /* The board's time, ns, and where in it the firmware's clock was 0. */
+    void (*clock)(struct transport *t, uint64_t *now_ns, uint64_t *began_ns);
+    /* Time does not go beyond this; 0: it may. NULL: it goes in whole milliseconds. */
+    void (*limit)(struct transport *t, uint64_t ns);
 };
 
 struct transport {

@@ -15,6 +15,7 @@
 #define STEP_MS   1000u /* at most, when nobody has anything to say */
 #define AGAIN_US  10000u
 #define FAULTS    4096u
+#define LOADS_MAX 256u
 
 enum { LINE_CONSOLE, LINE_LINK, LINES };
 
@@ -24,6 +25,9 @@ static struct {
     bool open[LINES], gone;
     uint8_t faults[FAULTS]; /* lines for the next step */
     size_t n_faults;
+    uint64_t limit_ns, began_ns; /* time does not go beyond; the firmware's clock was 0 */
+    uint64_t load_ns[LOADS_MAX];
+    size_t n_loads;
     struct half {
         uint8_t bytes[FRAME_MOST];
         size_t n, taken;
@@ -58,8 +62,11 @@ static long board_write(struct transport *t, const void *data, size_t n)
 /* One step: what was written goes there, what came back waits to be read. What was not read yet stays in front. */
 static bool step(uint64_t ms)
 {
-    uint8_t head[REQUEST_BYTES];
-    frame_put(head, ms * NS_PER_MS, 8);
+    uint8_t head[REPLY_BYTES];
+    uint64_t ns = ms * NS_PER_MS;
+    if (board.limit_ns > board.now_ns && board.limit_ns - board.now_ns < ns)
+        ns = board.limit_ns - board.now_ns;
+    frame_put(head, ns, 8);
     frame_put(head + 8, board.to[LINE_CONSOLE].n, 2);
     frame_put(head + 10, board.to[LINE_LINK].n, 2);
     frame_put(head + 12, board.n_faults, 2);
@@ -76,6 +83,9 @@ static bool step(uint64_t ms)
     if (!frame_whole(board.fd, head, REPLY_BYTES, false))
         return false;
     board.now_ns = frame_number(head, 8);
+    board.began_ns = frame_number(head + 13, 8);
+    board.n_loads = head[21];
+    bool ended = head[12] != 0;
     for (unsigned line = 0; line < LINES; line++) {
         struct half *h = &board.from[line];
         size_t n = frame_number(head + 8 + (size_t)2 * line, 2);
@@ -86,7 +96,13 @@ static bool step(uint64_t ms)
             return false;
         h->n += n;
     }
-    return head[12] == 0;
+    for (size_t i = 0; i < board.n_loads; i++) {
+        uint8_t load[LOAD_BYTES];
+        if (!frame_whole(board.fd, load, LOAD_BYTES, false))
+            return false;
+        board.load_ns[i] = frame_number(load, LOAD_BYTES);
+    }
+    return !ended;
 }
 
 static void board_turn(struct transport *t, uint64_t timeout_ms)
@@ -111,6 +127,34 @@ static bool board_fault(struct transport *t, const char *name, double value)
     return true;
 }
 
+static void board_measure(struct transport *t, const char *sensor, double value)
+{
+    char name[64];
+    (void)snprintf(name, sizeof(name), "pins.%s", sensor);
+    (void)board_fault(t, name, value);
+}
+
+static bool board_loads(struct transport *t, double *ns, size_t n)
+{
+    (void)t;
+    for (size_t i = 0; i < n && i < board.n_loads; i++)
+        ns[i] = (double)board.load_ns[i];
+    return n == board.n_loads && !board.gone;
+}
+
+static void board_clock(struct transport *t, uint64_t *now_ns, uint64_t *began_ns)
+{
+    (void)t;
+    *now_ns = board.now_ns;
+    *began_ns = board.began_ns;
+}
+
+static void board_limit(struct transport *t, uint64_t ns)
+{
+    (void)t;
+    board.limit_ns = ns;
+}
+
 static uint64_t board_now(struct transport *t)
 {
     (void)t;
@@ -131,6 +175,10 @@ static const struct transport_ops board_ops = {.read = board_read,
                                                .turn = board_turn,
                                                .now_ms = board_now,
                                                .fault = board_fault,
+                                               .measure = board_measure,
+                                               .loads = board_loads,
+                                               .clock = board_clock,
+                                               .limit = board_limit,
                                                .close = board_close};
 
 static bool connect_to(const char *path, uint64_t until_ms)

@@ -2,12 +2,15 @@
 #include "chips/wired.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bench/text.h"
 
-#define NS_PER_S 1e9
+#define NS_PER_S  1e9
+#define PREFIX    "pins."
+#define LINE_SIZE 96u
 
 /* What the pins of an output say. */
 struct load {
@@ -23,7 +26,6 @@ struct wired {
     struct world world;
     struct load load[WIRED_OUTPUTS_MAX];
     size_t n_outputs;
-    uint64_t talked_ns;
 };
 
 /* ---- loads ---- */
@@ -93,47 +95,46 @@ static void pin_pulses(void *context, uint64_t now_ns, unsigned pin, double hz, 
 
 /* ---- buses ---- */
 
-static struct chips *bus_of(struct wired *w, enum chip_bus kind, unsigned number, uint64_t now_ns)
+static struct chips *bus_of(const struct wired *w, enum chip_bus kind, unsigned number)
 {
-    w->talked_ns = now_ns;
     return wiring_bus(w->wiring, kind, number);
 }
 
 static uint8_t spi_exchange(void *context, uint64_t now_ns, unsigned bus, unsigned mode,
                             uint8_t out)
 {
-    struct chips *b = bus_of(context, CHIP_SPI, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_SPI, bus);
     return b == NULL ? 0xFFu : chips_exchange(b, now_ns, mode, out);
 }
 
 static bool i2c_address(void *context, uint64_t now_ns, unsigned bus, uint8_t address, bool read)
 {
-    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_I2C, bus);
     return b != NULL && chips_start(b, now_ns, address, read) == CHIPS_ANSWER;
 }
 
 static bool i2c_write(void *context, uint64_t now_ns, unsigned bus, uint8_t byte)
 {
-    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_I2C, bus);
     return b != NULL && chips_write(b, now_ns, byte);
 }
 
 static uint8_t i2c_read(void *context, uint64_t now_ns, unsigned bus, bool acknowledged)
 {
-    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_I2C, bus);
     return b == NULL ? 0xFFu : chips_read(b, now_ns, acknowledged);
 }
 
 static void i2c_stop(void *context, uint64_t now_ns, unsigned bus)
 {
-    struct chips *b = bus_of(context, CHIP_I2C, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_I2C, bus);
     if (b != NULL)
         chips_stop(b, now_ns);
 }
 
 static enum wire_answer wire_reset(void *context, uint64_t now_ns, unsigned bus)
 {
-    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus);
     enum chips_answer answer = b == NULL ? CHIPS_SILENT : chips_reset(b, now_ns);
     return answer == CHIPS_ANSWER     ? WIRE_PULLED
            : answer == CHIPS_HELD_LOW ? WIRE_SHORTED
@@ -142,7 +143,7 @@ static enum wire_answer wire_reset(void *context, uint64_t now_ns, unsigned bus)
 
 static enum wire_answer wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out)
 {
-    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus, now_ns);
+    struct chips *b = bus_of(context, CHIP_ONEWIRE, bus);
     return b == NULL || chips_slot(b, now_ns, out) ? WIRE_SILENT : WIRE_PULLED;
 }
 
@@ -212,15 +213,50 @@ bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char 
     return wiring_set(w->wiring, name, what, value, err, err_size);
 }
 
-void wired_loads(struct wired *w, uint64_t now_ns, double *ns)
+size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns)
 {
     for (size_t i = 0; i < w->n_outputs; i++) {
         pass(w, i, now_ns);
         ns[i] = w->load[i].sum_ns;
     }
+    return w->n_outputs;
 }
 
-uint64_t wired_last_talk(const struct wired *w)
+/* A line without its end: "T1 78.3", "T1.open 1". */
+static bool one_line(struct wired *w, uint64_t now_ns, char *line, char *err, size_t err_size)
 {
-    return w->talked_ns;
+    char *blank = strchr(line, ' ');
+    double value;
+    if (blank == NULL || !sim_parse_number(blank + 1, &value))
+        return sim_fail(err, err_size, "pins.%s: must be a name, a blank and a number", line);
+    *blank = '\0';
+    char *dot = strchr(line, '.');
+    if (dot == NULL) {
+        wired_measure(w, now_ns, line, value);
+        return true;
+    }
+    *dot = '\0';
+    return wired_fault(w, now_ns, line, dot + 1, value, err, err_size);
+}
+
+size_t wired_lines(struct wired *w, uint64_t now_ns, char *text, size_t n, char *err,
+                   size_t err_size)
+{
+    size_t left = 0, length;
+    for (size_t at = 0; at < n; at += length) {
+        const char *end = memchr(text + at, '\n', n - at);
+        length = end == NULL ? n - at : (size_t)(end - (text + at)) + 1u;
+        char line[LINE_SIZE];
+        size_t head = sizeof(PREFIX) - 1u;
+        if (length <= head || length > sizeof(line) || memcmp(text + at, PREFIX, head) != 0) {
+            (void)memmove(text + left, text + at, length);
+            left += length;
+            continue;
+        }
+        (void)snprintf(line, sizeof(line), "%.*s", (int)(length - head - (end != NULL)),
+                       text + at + head);
+        if (!one_line(w, now_ns, line, err, err_size))
+            return SIZE_MAX;
+    }
+    return left;
 }

@@ -28,10 +28,12 @@ bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char 
                  char *err, size_t err_size);
 
 /* How long each load has been on since the beginning, ns; of a valve with two pins the integral of its position, 0 to 1. ns: one number for each
- * output of the wiring. */
-void wired_loads(struct wired *w, uint64_t now_ns, double *ns);
+ * output of the wiring, whose number is returned. */
+size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns);
 
-/* When the board last began to talk to a chip, ns; 0: never. */
-uint64_t wired_last_talk(const struct wired *w);
+/* Carries out and takes out the lines "pins.NAME VALUE" and "pins.NAME.FAULT VALUE" of a text of n bytes. Returns the bytes that are left;
+ * SIZE_MAX, with a sentence in err, where it cannot. */
+size_t wired_lines(struct wired *w, uint64_t now_ns, char *text, size_t n, char *err,
+                   size_t err_size);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "control.h"
 
+#include "chips/wired.h"
 #include "control_frame.h"
 #include "faults.h"
 
@@ -52,10 +53,19 @@ static void step(struct board *b, uint64_t ns)
     }
 }
 
-static bool serve_one(struct board *b, int fd)
+static size_t put_loads(struct board *b, struct wired *wired, uint8_t *bytes)
 {
-    static uint8_t bytes[2 * FRAME_MOST];
-    uint8_t head[REQUEST_BYTES];
+    double ns[WIRED_OUTPUTS_MAX];
+    size_t n = wired == NULL ? 0 : wired_loads(wired, board_ns(b), ns);
+    for (size_t i = 0; i < n; i++)
+        frame_put(bytes + i * LOAD_BYTES, (uint64_t)ns[i], LOAD_BYTES);
+    return n;
+}
+
+static bool serve_one(struct board *b, struct wired *wired, int fd)
+{
+    static uint8_t bytes[2 * FRAME_MOST], loads[WIRED_OUTPUTS_MAX * LOAD_BYTES];
+    uint8_t head[REPLY_BYTES];
     if (!frame_whole(fd, head, REQUEST_BYTES, false))
         return false;
     size_t n[BOARD_LINES] = {frame_number(head + 8, 2), frame_number(head + 10, 2)};
@@ -68,7 +78,10 @@ static bool serve_one(struct board *b, int fd)
     char refused[BOARD_VERDICT];
     if (faults > FRAME_MOST || !frame_whole(fd, bytes, faults, false))
         return false;
-    if (!faults_add_text(b, (const char *)bytes, faults, refused, sizeof(refused)))
+    if (wired != NULL)
+        faults = wired_lines(wired, board_ns(b), (char *)bytes, faults, refused, sizeof(refused));
+    if (faults > FRAME_MOST ||
+        !faults_add_text(b, (const char *)bytes, faults, refused, sizeof(refused)))
         board_verdict(b, "%s", refused);
     step(b, frame_number(head, 8));
     n[0] = line_take(b, 0, bytes, FRAME_MOST);
@@ -77,11 +90,15 @@ static bool serve_one(struct board *b, int fd)
     frame_put(head + 8, n[0], 2);
     frame_put(head + 10, n[1], 2);
     head[12] = b->verdict[0] != '\0';
+    frame_put(head + 13, b->clock_began_ns, 8);
+    size_t n_loads = put_loads(b, wired, loads);
+    head[21] = (uint8_t)n_loads;
     return frame_whole(fd, head, REPLY_BYTES, true) && frame_whole(fd, bytes, n[0] + n[1], true) &&
-           b->verdict[0] == '\0';
+           frame_whole(fd, loads, n_loads * LOAD_BYTES, true) && b->verdict[0] == '\0';
 }
 
-int control_serve(struct board *b, const char *path, char *err, size_t err_size)
+int control_serve(struct board *b, struct wired *wired, const char *path, char *err,
+                  size_t err_size)
 {
     int listener = listen_at(path, err, err_size);
     if (listener < 0)
@@ -92,7 +109,7 @@ int control_serve(struct board *b, const char *path, char *err, size_t err_size)
     } while (fd < 0 && errno == EINTR);
     (void)close(listener);
     (void)unlink(path);
-    while (fd >= 0 && serve_one(b, fd)) {
+    while (fd >= 0 && serve_one(b, wired, fd)) {
     }
     (void)close(fd);
     if (b->verdict[0] == '\0')

@@ -12,7 +12,8 @@
 #include <sys/socket.h>
 
 #define REQUEST_BYTES 14u
-#define REPLY_BYTES   13u
+#define REPLY_BYTES   22u
+#define LOAD_BYTES    8u
 #define FRAME_MOST    16384u /* bytes of a line, or of faults, in one step */
 
 static inline uint64_t frame_number(const uint8_t *at, unsigned bytes)

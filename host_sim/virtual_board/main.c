@@ -10,6 +10,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "chips/wired.h"
 #include "control.h"
 #include "models/models.h"
 #include "replay.h"
@@ -28,6 +29,7 @@ static const char usage[] =
     "  --console PATH    unix socket of USART1, in step with the clock on the wall\n"
     "  --link PATH       unix socket of USART2, likewise\n"
     "  --nvm FILE        keep the flash for settings in FILE (default: it is erased at the start)\n"
+    "  --wiring FILE     chips and loads at the pins, as this file says; with --control\n"
     "  --crystal HZ      crystal of the board, Hz; 0: none (default 8000000)\n"
     "  --slow-clock HZ   clock of the watchdog, Hz (default: the chip's nominal one)\n"
     "  --oscillator PPM  error of the internal oscillator, millionths (default 0)\n"
@@ -115,32 +117,23 @@ static void print_statistics(struct board *b)
 
 int main(int argc, char **argv)
 {
-    static const struct option known[] = {{"image", 1, NULL, 'i'},
-                                          {"chip", 1, NULL, 'c'},
-                                          {"control", 1, NULL, 'C'},
-                                          {"console", 1, NULL, 'o'},
-                                          {"link", 1, NULL, 'l'},
-                                          {"nvm", 1, NULL, 'n'},
-                                          {"crystal", 1, NULL, 'x'},
-                                          {"slow-clock", 1, NULL, 's'},
-                                          {"oscillator", 1, NULL, 'p'},
-                                          {"supply", 1, NULL, 'v'},
-                                          {"brown-out", 1, NULL, 'b'},
-                                          {"seed", 1, NULL, 'r'},
-                                          {"cut-word", 1, NULL, 'w'},
-                                          {"hardware-watchdog", 0, NULL, 'd'},
-                                          {"write-protect", 1, NULL, 'q'},
-                                          {"exact", 0, NULL, 'e'},
-                                          {"statistics", 0, NULL, 't'},
-                                          {"diary", 1, NULL, 'y'},
-                                          {"memory", 1, NULL, 'm'},
-                                          {"help", 0, NULL, 'h'},
-                                          {0}};
+    static const struct option known[] = {
+        {"image", 1, NULL, 'i'},         {"chip", 1, NULL, 'c'},
+        {"control", 1, NULL, 'C'},       {"console", 1, NULL, 'o'},
+        {"link", 1, NULL, 'l'},          {"nvm", 1, NULL, 'n'},
+        {"crystal", 1, NULL, 'x'},       {"slow-clock", 1, NULL, 's'},
+        {"oscillator", 1, NULL, 'p'},    {"supply", 1, NULL, 'v'},
+        {"brown-out", 1, NULL, 'b'},     {"seed", 1, NULL, 'r'},
+        {"cut-word", 1, NULL, 'w'},      {"hardware-watchdog", 0, NULL, 'd'},
+        {"write-protect", 1, NULL, 'q'}, {"exact", 0, NULL, 'e'},
+        {"statistics", 0, NULL, 't'},    {"diary", 1, NULL, 'y'},
+        {"memory", 1, NULL, 'm'},        {"wiring", 1, NULL, 'g'},
+        {"help", 0, NULL, 'h'},          {0}};
     static uint8_t image[1u << 20];
     struct surroundings around = {
         .crystal_hz = 8000000, .supply_mv = 3300, .brown_out_mv = 2830, .baud = 115200, .seed = 1};
     const char *file = NULL, *name = NULL, *control = NULL, *console = NULL, *link = NULL,
-               *nvm = NULL, *diary = NULL, *memory = NULL;
+               *nvm = NULL, *diary = NULL, *memory = NULL, *wiring = NULL;
     bool exact = false, statistics = false;
     long long n = 0;
     uint64_t cut_word = 0;
@@ -213,6 +206,9 @@ int main(int argc, char **argv)
         case 'm':
             memory = optarg;
             break;
+        case 'g':
+            wiring = optarg;
+            break;
         case 'h':
             (void)fputs(usage, stdout);
             return 0;
@@ -258,9 +254,19 @@ int main(int argc, char **argv)
             board_free(b);
             return refuse("cannot write", diary);
         }
+        struct wired *wired = NULL;
+        if (wiring != NULL) {
+            wired = wired_open(wiring, around.seed, err, sizeof(err));
+            if (wired == NULL) {
+                (void)fprintf(stderr, "reflux-board: %s\n", err);
+                board_free(b);
+                return 2;
+            }
+            board_set_world(b, wired_world(wired));
+        }
         replay_begin(b);
         board_power_on(b);
-        status = control != NULL ? control_serve(b, control, err, sizeof(err))
+        status = control != NULL ? control_serve(b, wired, control, err, sizeof(err))
                                  : lines_serve(b, console, link, &stop, err, sizeof(err));
         if (nvm != NULL && !write_file(nvm, stored_flash(b)->bytes, chip->stored_size))
             status = refuse("cannot write", nvm);
@@ -271,6 +277,7 @@ int main(int argc, char **argv)
         if (b->diary != NULL && fclose(b->diary) != 0)
             status = refuse("cannot write", diary);
         board_free(b);
+        wired_close(wired);
     }
     if (err[0] != '\0')
         (void)fprintf(stderr, "reflux-board: %s\n", err);
