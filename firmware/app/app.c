@@ -110,6 +110,7 @@ static bool do_work(struct app *app)
 void app_background(struct app *app)
 {
     app->main_turns++;
+    source_main_loop_turns();
     fit_plan_to_plant(app);
     early_resets_poll(&app->early_resets, (uint32_t)hal_clock_ms());
     bool busy = console_poll(&app->console);

@@ -63,11 +63,14 @@ void binding_announce(struct app *app);
 #if CONFIG_DEVICES
 /* Has the plant where the plan in force says it is: at the link or at the board's pins. */
 void binding_take_source(struct app *app);
+/* Main loop: has turned, which outputs of kind `enable` want to know. */
+void source_main_loop_turns(void);
 #else
 static inline void binding_take_source(struct app *app)
 {
     (void)app;
 }
+static inline void source_main_loop_turns(void) {}
 #endif
 /* Follows the plant: if it has come, gone or changed, all bindings to the old one are void. Returns false if the
  * plan cannot change yet, because a piece of a block's work is under way, or because the main loop must fit the

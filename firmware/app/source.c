@@ -6,6 +6,7 @@
 
 #include "app/app.h"
 #include "hal/tick.h"
+#include "outputs/outputs.h"
 
 void binding_take_source(struct app *app)
 {
@@ -19,6 +20,11 @@ void binding_take_source(struct app *app)
     app->binding.io_state =
         IO_DOWN; /* whatever the tables of the two have in common, the plant is another one */
     app->binding.generation = app->service.io.generation(app->service.io.context) - 1u;
+}
+
+void source_main_loop_turns(void)
+{
+    outputs_report(OUTPUTS_MAIN_LOOP);
 }
 
 void app_clock(struct app *app, uint32_t now_ms)

@@ -47,7 +47,7 @@
 #define CONFIG_PEOPLE 1
 #endif
 #ifndef CONFIG_DEVICES
-#define CONFIG_DEVICES 16
+#define CONFIG_DEVICES 12
 #endif
 #else
 #ifndef CONFIG_LOOPS

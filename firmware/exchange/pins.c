@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
-#include "exchange/pins.h"
+#include "exchange/config.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -15,6 +15,7 @@ enum bus_family pins_device_family(enum device_word device)
         return BUS_FAMILY_SPI;
     case DEVICE_ADS1115:
     case DEVICE_BME280:
+    case DEVICE_BME280_TEMPERATURE:
     case DEVICE_XGZP6897:
         return BUS_FAMILY_I2C;
     case DEVICE_DS18B20:
@@ -38,6 +39,18 @@ enum bus_family pins_bus_family(enum bus_word bus, uint8_t *number)
         }
     *number = 0;
     return BUS_FAMILY_PINS;
+}
+
+struct output_settings pins_output(const struct pins_config *pins, unsigned i)
+{
+    const struct output_config *o = &pins->output[i];
+    struct output_settings s = o->settings;
+    if (o->name[0] == '\0')
+        s.type = OUTPUT_NONE;
+    s.mains_60 = pins->mains_60 != 0;
+    for (unsigned k = 0; k < OUTPUT_PINS; k++)
+        s.pin[k] = pins_of_word(o->settings.pin[k]);
+    return s;
 }
 
 enum err pins_parse_pin(const char *text, uint8_t *pin)

@@ -10,6 +10,7 @@
 
 #include "base/channel.h"
 #include "base/error.h"
+#include "outputs/output_settings.h"
 
 /* Words of chan.device and chan.bus in settings/parameter_table.c, in their order. */
 enum device_word {
@@ -19,9 +20,10 @@ enum device_word {
     DEVICE_DS18B20,
     DEVICE_ADS1115,
     DEVICE_BME280,
+    DEVICE_BME280_TEMPERATURE,
     DEVICE_XGZP6897,
-    DEVICE_ADC,
-    DEVICE_PULSE,
+    DEVICE_ANALOG,
+    DEVICE_FLOW,
     DEVICE_LEVEL,
     DEVICE_WORDS
 };
@@ -55,21 +57,15 @@ struct device_config {
 
 struct output_config {
     char name[CHANNEL_NAME_SIZE]; /* of the manipulated variable; empty: unused */
-    char pin[CHANNEL_NAME_SIZE];
-    char second[CHANNEL_NAME_SIZE]; /* pin of direction, or that closes a valve */
     char unit[CHANNEL_UNIT_SIZE];
-    float lo, hi;   /* EU where it is off and where it is on all the time */
-    float period_s; /* of a window */
-    float least_on_s, least_off_s;
-    float dead_s;   /* without a command for this long it goes to its safe place */
-    uint8_t kind;   /* word of the table */
-    uint8_t active; /* 1: on when the pin is low */
-    uint8_t heater; /* 1: needs the output `enable` */
+    float lo, hi; /* EU at command 0 and 1 */
+    /* Its pins are words of the table here: 0 none, 1 PA0 (pins_of_word()). Not used: mains_60, which holds for all. */
+    struct output_settings settings;
 };
 
 /* Where CONFIG_DEVICES is 0 the board takes its plant from the link only. */
 #if CONFIG_DEVICES
-#define CONFIG_OUTPUTS 8
+#define CONFIG_OUTPUTS OUTPUTS_MAX
 struct pins_config {
     struct device_config device[CONFIG_DEVICES];
     struct output_config output[CONFIG_OUTPUTS];
@@ -97,11 +93,22 @@ static inline bool pins_are_source(const struct pins_config *pins)
 }
 #endif
 
+#if CONFIG_DEVICES
+/* The settings of output i as firmware/outputs wants them. */
+struct output_settings pins_output(const struct pins_config *pins, unsigned i);
+#endif
+
 /* The family of buses that a device needs, and that a bus belongs to with its number in the family, from 1. */
 enum bus_family pins_device_family(enum device_word device);
 enum bus_family pins_bus_family(enum bus_word bus, uint8_t *number);
 
 #define PINS_ROM_BYTES 8u
+
+/* The pin of a word of out.pin; HAL_PIN_NONE for 0. */
+static inline hal_pin pins_of_word(uint8_t word)
+{
+    return word == 0 ? HAL_PIN_NONE : (hal_pin)(word - 1u);
+}
 
 /* Read what chan.select and the pins of out have: "PA4" (16 x port + number, hal/pin.h), "0x48", and "28000005e2fdc3": the family of a 1-wire
  * device and its serial number, most significant byte first, as Linux names it; the checksum at the end of the ROM is computed. ERR_PARSE. */

@@ -38,9 +38,11 @@
 #define CALIBRATION_ROWS ROWS_NOWHERE
 #endif
 #if CONFIG_DEVICES
-#define DEVICE_ROWS ROWS_HERE
+#define DEVICE_ROWS             ROWS_HERE
+#define DEVICE_NUMBER_ROWS(...) __VA_ARGS__ /* each ends with its comma */
 #else
 #define DEVICE_ROWS ROWS_NOWHERE
+#define DEVICE_NUMBER_ROWS(...)
 #endif
 
 #endif

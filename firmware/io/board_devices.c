@@ -1,7 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "io/board_devices.h"
 
+#include "devices/ads1115/ads1115.h"
+#include "devices/bme280/bme280.h"
+#include "devices/ds18b20/ds18b20.h"
+#include "devices/max31856/max31856.h"
 #include "devices/max31865/max31865.h"
+#include "devices/pins/analog_input.h"
+#include "devices/pins/flow.h"
+#include "devices/pins/level.h"
+#include "devices/xgzp6897/xgzp6897.h"
 
 /* Words of chan.type in settings/parameter_table.c, in their order. */
 enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE };
@@ -13,7 +21,11 @@ enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE };
 const struct device_kind *board_device_kind(const struct device_config *row)
 {
     static const struct device_kind *const kinds[DEVICE_WORDS] = {
-        [DEVICE_MAX31865] = &max31865_kind,
+        [DEVICE_MAX31865] = &max31865_kind, [DEVICE_MAX31856] = &max31856_kind,
+        [DEVICE_DS18B20] = &ds18b20_kind,   [DEVICE_ADS1115] = &ads1115_kind,
+        [DEVICE_BME280] = &bme280_kind,     [DEVICE_BME280_TEMPERATURE] = &bme280_temperature_kind,
+        [DEVICE_XGZP6897] = &xgzp6897_kind, [DEVICE_ANALOG] = &analog_input_kind,
+        [DEVICE_FLOW] = &flow_kind,         [DEVICE_LEVEL] = &level_kind,
     };
     return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
 }

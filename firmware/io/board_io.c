@@ -9,10 +9,14 @@
 #include "base/elapsed.h"
 #include "io/board_devices.h"
 #include "io/fault_words.h"
+#include "outputs/output_kind.h"
+#include "outputs/outputs.h"
 
 /* A reading older than so many intervals of its device is none. */
 #define READINGS_MISSED 3u
 #define INTERVAL_MAX_MS 1000u
+/* So much later than its time the command of a tick may come before its outputs go to their safe position. */
+#define LATE_MS 500u
 
 void board_io_init(struct board_io *b, struct event_queue *events, const uint64_t *plant_time)
 {
@@ -47,6 +51,31 @@ static void open_devices(struct board_io *b)
     }
 }
 
+static void close_outputs(void)
+{
+    uint8_t failed;
+    (void)!outputs_open(NULL, 0, &failed);
+}
+
+/* The outputs that are used, those of kind enable too; only the others are channels. */
+static void open_outputs(struct board_io *b)
+{
+    struct output_settings all[CONFIG_OUTPUTS];
+    uint8_t n = 0, failed;
+    b->n_outputs = 0;
+    for (uint8_t i = 0; i < CONFIG_OUTPUTS; i++) {
+        struct output_settings s = pins_output(b->settings, i);
+        if (s.type == OUTPUT_NONE)
+            continue;
+        if (s.type != OUTPUT_ENABLE) {
+            b->output_row[b->n_outputs] = i;
+            b->output_at[b->n_outputs++] = n;
+        }
+        all[n++] = s;
+    }
+    (void)!outputs_open(all, n, &failed); /* on an error all are closed */
+}
+
 void board_io_take(struct board_io *b, const struct config *config)
 {
     uint32_t identity = crc32_update(0, &config->pins, sizeof config->pins);
@@ -62,6 +91,10 @@ void board_io_take(struct board_io *b, const struct config *config)
     b->n_devices = b->n_outputs = 0;
     if (pins_are_source(&config->pins))
         open_devices(b);
+    if (pins_are_source(&config->pins))
+        open_outputs(b);
+    else
+        close_outputs();
     b->generation++;
     b->identity = identity;
     b->due_ms = 0;
@@ -78,6 +111,7 @@ bool board_io_clock(struct board_io *b, uint32_t now_ms)
     for (unsigned i = 0; i < b->n_devices; i++)
         if (b->works[i])
             device_clock(&b->device[i], now_ms);
+    outputs_clock(now_ms);
     return (uint32_t)b->due_ms == now_ms;
 }
 
@@ -119,11 +153,31 @@ static uint64_t next_due(const struct board_io *b, uint64_t now_ms)
     return now_ms - now_ms % b->tick_ms + b->tick_ms;
 }
 
+/* Gives the outputs the commands of the tick once more, without which they would go to their safe position. */
+static void repeat_commands(const struct board_io *b)
+{
+    outputs_report(OUTPUTS_TICK);
+    for (uint8_t i = 0; i < b->n_outputs; i++)
+        outputs_command(b->output_at[i], b->drive[i], b->fraction[i]);
+}
+
+/* What an output is, fraction of its span. The mean of a window or a burst over a tick that is shorter would jump; its time on follows the
+ * command by construction, unless something else rules it. */
+static float output_part(const struct board_io *b, uint8_t i)
+{
+    float really = outputs_readback(b->output_at[i]);
+    uint8_t type = b->settings->output[b->output_row[i]].settings.type;
+    bool follows = outputs_rule(b->output_at[i]) == OUTPUT_COMMANDED;
+    return follows && (type == OUTPUT_WINDOW || type == OUTPUT_BURST) ? b->fraction[i] : really;
+}
+
 static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct board_io *b = context;
     if (!b->open)
         return false;
+    if (now_ms - b->commanded_ms <= b->tick_ms + LATE_MS)
+        repeat_commands(b);
     if (b->due_ms == 0)
         b->due_ms = next_due(b, now_ms);
     if (now_ms < b->due_ms)
@@ -134,6 +188,12 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     sample->n_measurements = b->n_devices;
     for (unsigned i = 0; i < b->n_devices; i++)
         sample->measurement[i] = reading_of(b, i, now_ms);
+    sample->n_readback = b->n_outputs;
+    for (uint8_t i = 0; i < b->n_outputs; i++) {
+        const struct output_config *o = &b->settings->output[b->output_row[i]];
+        float part = output_part(b, i);
+        sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
+    }
     b->due_ms = next_due(b, now_ms);
     return true;
 }
@@ -154,13 +214,20 @@ static uint8_t count(const void *context, bool manipulated)
     return manipulated ? b->n_outputs : b->n_devices;
 }
 
+static float safe_value(const struct output_config *o)
+{
+    const struct output_kind *kind = output_kind(o->settings.type);
+    float part = kind != NULL && kind->keeps_position ? o->settings.safe : 0.0f;
+    return o->lo + part * (o->hi - o->lo);
+}
+
 static struct io_channel channel(const void *context, bool manipulated, uint8_t index)
 {
     const struct board_io *b = context;
     if (manipulated) {
         const struct output_config *o = &b->settings->output[b->output_row[index]];
         return (struct io_channel){
-            .name = o->name, .unit = o->unit, .safe = o->lo, .lo = o->lo, .hi = o->hi};
+            .name = o->name, .unit = o->unit, .safe = safe_value(o), .lo = o->lo, .hi = o->hi};
     }
     const struct device_config *d = &b->settings->device[b->row[index]];
     return (struct io_channel){.name = d->name, .unit = d->unit, .lo = d->lo, .hi = d->hi};
@@ -174,10 +241,15 @@ static uint32_t tick_ms(const void *context)
 static enum err command(void *context, const struct io_command *c, uint64_t now_ms)
 {
     struct board_io *b = context;
-    (void)now_ms;
     if (!b->open)
         return ERR_STATE;
-    (void)c;
+    b->commanded_ms = now_ms;
+    for (uint8_t i = 0; i < b->n_outputs; i++) {
+        const struct output_config *o = &b->settings->output[b->output_row[i]];
+        b->drive[i] = i < c->n_outputs && c->output[i].drive;
+        b->fraction[i] = b->drive[i] ? (c->output[i].value - o->lo) / (o->hi - o->lo) : 0.0f;
+    }
+    repeat_commands(b);
     return ERR_OK;
 }
 

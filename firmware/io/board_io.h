@@ -22,10 +22,14 @@ struct board_io {
     struct device device[CONFIG_DEVICES];
     uint8_t row[CONFIG_DEVICES]; /* of each device in settings->device */
     uint8_t
-        told[CONFIG_DEVICES]; /* fault of each device that an event has told (io/fault_words.h) */
+        told[CONFIG_DEVICES];   /* fault of each device that an event has told (io/fault_words.h) */
     bool works[CONFIG_DEVICES]; /* false: its kind has refused its settings */
     uint8_t n_devices;
     uint8_t output_row[CONFIG_OUTPUTS]; /* of each output in settings->output */
+    uint8_t output_at[CONFIG_OUTPUTS];  /* its index in firmware/outputs */
+    bool drive[CONFIG_OUTPUTS];         /* the command of the last tick */
+    float fraction[CONFIG_OUTPUTS];
+    uint64_t commanded_ms;
     uint8_t n_outputs;
     uint32_t identity; /* checksum of the settings that devices and outputs have */
     uint32_t generation, tick_ms;

@@ -6,9 +6,10 @@
 #include "hal/i2c.h"
 #include "hal/onewire.h"
 #include "hal/spi.h"
+#include "outputs/output_check.h"
 
-/* Select or address, three pins of a bus, of each device; two pins of each output; enable. */
-#define CLAIMS_MAX (4u * CONFIG_DEVICES + 2u * CONFIG_OUTPUTS + 1u)
+/* Select or address, three pins of a bus, of each device; and the pins of each output. */
+#define CLAIMS_MAX (4u * CONFIG_DEVICES + OUTPUT_PINS * CONFIG_OUTPUTS)
 
 /* Pins that are taken so far. */
 struct claims {
@@ -131,29 +132,40 @@ static enum err check_device(const struct config *config, unsigned i, struct cla
     return check_select(config, i, claims, family, fault);
 }
 
+static const char *const pin_fields[OUTPUT_PINS] = {"pin", "pin2", "end_open", "end_closed"};
+
+/* Names the field that output_check() complains about. */
+static enum err refuse_output(const struct output_config *o, unsigned i,
+                              const struct output_problem *problem, struct config_fault *fault)
+{
+    const char *field = problem->number != NULL      ? problem->number->name
+                        : problem->pin < OUTPUT_PINS ? pin_fields[problem->pin]
+                                                     : "kind";
+    return refuse(fault, problem->number != NULL ? ERR_RANGE : ERR_CONFLICT, "out", i + 1, field,
+                  o->name, problem->words);
+}
+
 static enum err check_output(const struct config *config, unsigned i, struct claims *claims,
                              struct config_fault *fault)
 {
     const struct output_config *o = &config->pins.output[i];
+    struct output_settings all[CONFIG_OUTPUTS];
+    struct output_problem problem;
     for (unsigned k = 0; k < i; k++)
         if (strcmp(config->pins.output[k].name, o->name) == 0)
             return refuse(fault, ERR_CONFLICT, "out", i + 1, "name", o->name, "is used twice");
-    if (o->kind == 0)
+    if (o->settings.type == OUTPUT_NONE)
         return refuse(fault, ERR_EMPTY, "out", i + 1, "kind", o->name,
                       "must say what is done with the pin");
-    enum err err = claim_pin(claims, "out", i + 1, "pin", o->pin, fault);
-    if (err == ERR_OK && o->second[0] != '\0')
-        err = claim_pin(claims, "out", i + 1, "pin2", o->second, fault);
-    if (err != ERR_OK)
-        return err;
+    for (unsigned k = 0; k <= i; k++)
+        all[k] = pins_output(&config->pins, k);
+    if (!output_check(all, (uint8_t)(i + 1u), (uint8_t)i, &problem))
+        return refuse_output(o, i, &problem, fault);
+    for (unsigned k = 0; k < OUTPUT_PINS; k++)
+        if (all[i].pin[k] != HAL_PIN_NONE && !claim(claims, all[i].pin[k], BUS_NONE))
+            return refuse(fault, ERR_CONFLICT, "out", i + 1, pin_fields[k], o->name, PIN_TWICE);
     if (!(o->lo < o->hi))
         return refuse(fault, ERR_RANGE, "out", i + 1, "lo", o->name, "must be below hi");
-    if (o->least_on_s + o->least_off_s > o->period_s)
-        return refuse(fault, ERR_RANGE, "out", i + 1, "period", o->name,
-                      "must be at least least_on and least_off together");
-    if (o->heater && config->pins.enable[0] == '\0')
-        return refuse(fault, ERR_EMPTY, "out", i + 1, "heater", o->name,
-                      "needs a contactor: set io.enable to its pin");
     return ERR_OK;
 }
 
@@ -167,7 +179,5 @@ enum err pins_check(const struct config *config, struct config_fault *fault)
     for (unsigned i = 0; err == ERR_OK && i < CONFIG_OUTPUTS; i++)
         if (config->pins.output[i].name[0] != '\0')
             err = check_output(config, i, &claims, fault);
-    if (err == ERR_OK && config->pins.enable[0] != '\0')
-        err = claim_pin(&claims, "io", 0, "enable", config->pins.enable, fault);
     return err;
 }

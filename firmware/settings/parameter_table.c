@@ -2,6 +2,7 @@
 #include <stddef.h>
 
 #include "exchange/rows.h"
+#include "outputs/output_numbers.h"
 #include "settings/parameter_table.h"
 
 #define BIG 1e9f
@@ -15,7 +16,9 @@
     V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
-    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x) V(31, 1.5f, x) V(32, 7.0f, x)
+    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x) V(31, 1.5f, x) V(32, 7.0f, x) \
+    V(33, 120.0f, x) V(34, 0.02f, x) V(35, 600.0f, x) V(36, 3.0f, x) V(37, 0.98f, x) \
+    V(38, 0.001f, x) V(39, 50.0f, x) V(40, 500.0f, x) V(41, 0.2f, x) V(42, 0.05f, x)
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
@@ -329,22 +332,21 @@ OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
 OPTIONAL_FIELDS io_fields[] = {DEVICE_ROWS(
     W(config, pins.source, 1, "source", "link|board", IO_SOURCE_LINK,
       "where the plant is: at the other end of the link, or at the board's own pins (chan, out)"),
-    W(config, pins.mains_60, 2, "mains", "50Hz|60Hz", 0, "frequency that inputs reject"),
-    N(config, pins.enable, 3, "enable",
-      "pin of the contactor in series with all heaters, on while all is well; - = none"))};
+    W(config, pins.mains_60, 2, "mains", "50Hz|60Hz", 0,
+      "frequency that inputs reject and outputs count"))};
 
 OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
     N(device_config, name, 1, "name", "measurement that it gives; - = unused"),
     ROW(2, PARAMETER_UNIT, offsetof(struct device_config, unit), "unit", "", 0, 0, 0,
         "engineering unit of that"),
     W(device_config, device, 3, "device",
-      "-|max31865|max31856|ds18b20|ads1115|bme280|xgzp6897|adc|pulse|level", 0,
+      "-|max31865|max31856|ds18b20|ads1115|bme280|bme280_temperature|xgzp6897|analog|flow|level", 0,
       "what is at the pins"),
     W(device_config, bus, 4, "bus", "-|spi1|spi2|spi3|i2c1|i2c2|wire1|wire2", 0,
       "bus that it is on; - = none"),
     N(device_config, select, 5, "select",
       "its pin (PA4), address (0x48), or number on a wire (28000005e2fdc3)"),
-    ROW(6, PARAMETER_U16, offsetof(struct device_config, input), "input", "", 0, 7, 0,
+    ROW(6, PARAMETER_U16, offsetof(struct device_config, input), "input", "", 0, 3, 0,
         "which input of a chip with several"),
     W(device_config, type, 7, "type", "-|2wire|3wire|4wire|B|E|J|K|N|R|S|T|4-20mA|0-10V|volt|ntc",
       0, "of the sensor"),
@@ -355,24 +357,36 @@ OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
     F(device_config, nominal, 11, "nominal", "ohm", 0, 1e6f, 0,
       "of the sensor at 0 degC, of an ntc at 25 degC; 0 = usual"))};
 
+/* Place of each in the list: hal/pin.h and one more. */
+#define PORT_PINS(p)                                                                               \
+    "|P" p "0|P" p "1|P" p "2|P" p "3|P" p "4|P" p "5|P" p "6|P" p "7|P" p "8|P" p "9|P" p         \
+    "10|P" p "11|P" p "12|P" p "13|P" p "14|P" p "15"
+#define PINS_WORDS "-" PORT_PINS("A") PORT_PINS("B") PORT_PINS("C") "|PD0|PD1|PD2"
+#define NUMBER(field, id, unit, types, lo, hi, initial, help)                                      \
+    F(output_config, settings.field, 16 + (id), #field, unit, lo, hi, initial, help),
+
 OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
     N(output_config, name, 1, "name", "manipulated variable that it is; - = unused"),
     ROW(2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0,
         "engineering unit of that"),
-    W(output_config, kind, 3, "kind", "-|window|burst|relay|pwm|analog|stepper|motor_valve", 0,
-      "what is done with the pin"),
-    N(output_config, pin, 4, "pin", "its pin (PB0)"),
-    N(output_config, second, 5, "pin2", "pin of the direction, or the one that closes a valve"),
-    F(output_config, lo, 6, "lo", "EU", -BIG, BIG, 0, "value where it is off"),
-    F(output_config, hi, 7, "hi", "EU", -BIG, BIG, 100, "value where it is on all the time"),
-    W(output_config, active, 8, "active", "high|low", 0, "level of the pin that switches it on"),
-    F(output_config, period_s, 9, "period", "s", 0.1f, 3600, 2, "length of a window"),
-    F(output_config, least_on_s, 10, "least_on", "s", 0, 3600, 0.1f, "on for at least this long"),
-    F(output_config, least_off_s, 11, "least_off", "s", 0, 3600, 0.1f,
-      "off for at least this long"),
-    F(output_config, dead_s, 12, "dead", "s", 0.5f, 60, 2,
-      "without a command for this long it goes off, or to its safe place"),
-    W(output_config, heater, 13, "heater", "off|on", 0, "needs the contactor of io.enable"))};
+    W(output_config, settings.type, 3, "kind",
+      "-|window|burst|relay|pwm|analog|stepper|motor_valve|enable", 0, "what is done with the pin"),
+    W(output_config, settings.pin[0], 4, "pin", PINS_WORDS, 0,
+      "its pin; of a motor valve the one that opens"),
+    W(output_config, settings.pin[1], 5, "pin2", PINS_WORDS, 0,
+      "stepper: direction; motor valve: the pin that closes"),
+    W(output_config, settings.pin[2], 6, "end_open", PINS_WORDS, 0,
+      "motor valve: contact that is closed when it is open"),
+    W(output_config, settings.pin[3], 7, "end_closed", PINS_WORDS, 0,
+      "motor valve: contact that is closed when it is closed"),
+    F(output_config, lo, 8, "lo", "EU", -BIG, BIG, 0, "value at command 0"),
+    F(output_config, hi, 9, "hi", "EU", -BIG, BIG, 100, "value at command 1"),
+    W(output_config, settings.low, 10, "active", "high|low", 0,
+      "level of the pin that switches it on"),
+    W(output_config, settings.heater, 11, "heater", "off|on", 0,
+      "off while the output of kind enable is off"),
+    W(output_config, settings.reverse, 12, "reverse", "off|on", 0,
+      "stepper: the direction pin is on")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */

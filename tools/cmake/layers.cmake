@@ -45,7 +45,7 @@ if(REFLUX_ASSERTIONS)
   list(APPEND before -DREFLUX_ASSERTIONS=1)
 endif()
 separate_arguments(flags UNIX_COMMAND "${CMAKE_C_FLAGS}")
-execute_process(COMMAND "${CMAKE_C_COMPILER}" ${flags} -E -P ${before} "-I${PROJECT_SOURCE_DIR}/firmware" "${CMAKE_BINARY_DIR}/parts.c"
+execute_process(COMMAND "${CMAKE_C_COMPILER}" ${flags} -E -P ${before} "-I${PROJECT_SOURCE_DIR}/firmware" "-I${PROJECT_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/parts.c"
   OUTPUT_VARIABLE parts RESULT_VARIABLE status ERROR_VARIABLE said)
 if(status)
   message(FATAL_ERROR "The parts of this board are not known: ${said}")
