@@ -23,20 +23,19 @@ static bool number_wrong(const struct output_settings *s, struct output_problem 
 
 static bool uses_pin(const struct output_settings *s, hal_pin pin)
 {
-    uint8_t needed, pins = output_pins(s->type, &needed);
     for (unsigned k = 0; k < OUTPUT_PINS; k++)
-        if ((pins >> k & 1u) && s->pin[k] == pin)
+        if (output_uses(s->type, k) && s->pin[k] == pin)
             return true;
     return false;
 }
 
 static const char *pin_wrong(const struct output_settings *outputs, uint8_t index, unsigned k,
-                             bool needed, uint8_t *other)
+                             uint8_t *other)
 {
     const struct output_settings *s = &outputs[index];
     hal_pin pin = s->pin[k];
     if (pin == HAL_PIN_NONE)
-        return needed ? "a pin is missing" : NULL;
+        return output_needs(s->type, k) ? "a pin is missing" : NULL;
     if (!hal_pin_is_free(pin))
         return "the pin is not free: this board lacks it, or something else needs it";
     for (unsigned m = 0; m < k; m++)
@@ -53,11 +52,10 @@ static const char *pin_wrong(const struct output_settings *outputs, uint8_t inde
 static bool pins_wrong(const struct output_settings *outputs, uint8_t index,
                        struct output_problem *problem)
 {
-    uint8_t needed, pins = output_pins(outputs[index].type, &needed);
     for (unsigned k = 0; k < OUTPUT_PINS; k++) {
-        if (!(pins >> k & 1u))
+        if (!output_uses(outputs[index].type, k))
             continue;
-        problem->words = pin_wrong(outputs, index, k, needed >> k & 1u, &problem->other);
+        problem->words = pin_wrong(outputs, index, k, &problem->other);
         problem->pin = (uint8_t)k;
         if (problem->words)
             return true;

@@ -49,9 +49,14 @@ const char *output_type_name(uint8_t type)
     return types[type].name;
 }
 
-uint8_t output_pins(uint8_t type, uint8_t *needed)
+bool output_uses(uint8_t type, enum output_pin pin)
 {
     REFLUX_ASSERT(type < OUTPUT_TYPES);
-    *needed = types[type].needed;
-    return types[type].pins;
+    return (types[type].pins & 1u << pin) != 0;
+}
+
+bool output_needs(uint8_t type, enum output_pin pin)
+{
+    REFLUX_ASSERT(type < OUTPUT_TYPES);
+    return (types[type].needed & 1u << pin) != 0;
 }

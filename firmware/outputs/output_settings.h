@@ -29,7 +29,7 @@ enum output_type {
 
 #define OUTPUT_BIT(type) ((uint16_t)(1u << (type)))
 
-/* Pins that an output may have, in the order of output_pins(). */
+/* Pins that an output may have, by index of output_settings.pin[]. */
 enum output_pin {
     OUTPUT_PIN,        /* switches; the pulse width; a step; the motor that opens */
     OUTPUT_SECOND_PIN, /* stepper: direction (may be missing); motor valve: the motor that closes */
@@ -77,7 +77,8 @@ float output_number(const struct output_settings *s, const struct output_number 
 /* Words of a type at the console, "motor_valve"; never NULL. type < OUTPUT_TYPES. */
 const char *output_type_name(uint8_t type);
 
-/* Pins that an output of this type uses, by enum output_pin, as bits; `needed`: those that may not be missing. */
-uint8_t output_pins(uint8_t type, uint8_t *needed);
+/* Whether an output of this type uses the pin, and whether the pin may not be missing. type < OUTPUT_TYPES. */
+bool output_uses(uint8_t type, enum output_pin pin);
+bool output_needs(uint8_t type, enum output_pin pin);
 
 #endif

@@ -20,7 +20,6 @@
 #define WORD_NEXT    0x40000u /* added to the number */
 #define WORD_NUMBER  (~(WORD_COMMAND | WORD_DRIVEN))
 
-#define NO_OUTPUT 0xFFu
 /* Times that the tick reads what the clock writes. Two turns of the clock within a few instructions do not happen. */
 #define READS 3u
 
@@ -66,10 +65,10 @@ static struct {
     bool begun;                  /* the clock has turned since outputs_open() */
     uint32_t now_ms;             /* at the clock's last turn */
     volatile uint32_t passed_ms; /* since outputs_open(), by the clock; wraps */
-    uint8_t enable;              /* index, or NO_OUTPUT */
+    struct output *enable;       /* the enable output, or NULL */
     struct output_report reporter[OUTPUTS_REPORTERS];
     struct output output[OUTPUTS_MAX];
-} all = {.enable = NO_OUTPUT};
+} all;
 
 static uint32_t older(uint32_t age_ms, uint32_t elapsed_ms)
 {
@@ -87,15 +86,14 @@ static void close_all(void)
         o->kind = NULL;
         o->rule = OUTPUT_UNUSED;
     }
-    all.enable = NO_OUTPUT;
+    all.enable = NULL;
 }
 
 static enum err open_one(struct output *o, const struct output_settings *s)
 {
-    uint8_t needed, pins = output_pins(s->type, &needed);
     o->kind = output_kind(s->type);
     for (unsigned k = 0; k < OUTPUT_PINS; k++)
-        o->pin[k] = pins >> k & 1u ? s->pin[k] : HAL_PIN_NONE;
+        o->pin[k] = output_uses(s->type, k) ? s->pin[k] : HAL_PIN_NONE;
     o->heater = s->heater;
     o->safe_command = output_whole_command(s->safe);
     o->dead_man_ms = output_ms(s->dead_man);
@@ -123,7 +121,7 @@ enum err outputs_open(const struct output_settings *settings, uint8_t n, uint8_t
             return err;
         }
         if (settings[k].type == OUTPUT_ENABLE)
-            all.enable = k;
+            all.enable = &all.output[k];
     }
     for (unsigned k = 0; k < OUTPUTS_REPORTERS; k++) {
         struct output_report *r = &all.reporter[k];
@@ -246,9 +244,9 @@ static void step_one(struct output *o, bool safe, bool heat, uint32_t elapsed_ms
 static bool step_enable(bool safe, uint32_t elapsed_ms)
 {
     bool well = may_heat(elapsed_ms) && !safe;
-    if (all.enable == NO_OUTPUT)
+    struct output *o = all.enable;
+    if (!o)
         return true;
-    struct output *o = &all.output[all.enable];
     uint32_t amount = o->kind->step(&o->state, well ? OUTPUT_FULL : 0, elapsed_ms);
     o->amount += amount;
     o->rule = safe ? OUTPUT_SAFE : well ? OUTPUT_COMMANDED : OUTPUT_DEAD_MAN;
@@ -258,9 +256,11 @@ static bool step_enable(bool safe, uint32_t elapsed_ms)
 static void step_all(bool safe, uint32_t elapsed_ms)
 {
     bool heat = step_enable(safe, elapsed_ms);
-    for (unsigned k = 0; k < OUTPUTS_MAX; k++)
-        if (all.output[k].kind && k != all.enable)
-            step_one(&all.output[k], safe, heat, elapsed_ms);
+    for (unsigned k = 0; k < OUTPUTS_MAX; k++) {
+        struct output *o = &all.output[k];
+        if (o->kind && o != all.enable)
+            step_one(o, safe, heat, elapsed_ms);
+    }
     all.passed_ms += elapsed_ms;
 }
 

@@ -27,7 +27,8 @@
 
 #define OUTPUTS_REPORT_MS 1000u
 
-/* What rules an output at the moment. */
+/* What rules an output at the moment. The enable output has OUTPUT_COMMANDED while it may be on, and OUTPUT_DEAD_MAN where somebody has not
+ * reported or a heater is stuck on. */
 enum output_rule {
     OUTPUT_UNUSED,    /* there is no such output */
     OUTPUT_COMMANDED, /* the tick */

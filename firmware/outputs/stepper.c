@@ -25,12 +25,12 @@
 #define STEPS_MAX   500.0f /* a second */
 #define STEPS_MIN   0.1f
 #define STALL_MS    10u /* the motor has stopped where the clock stood for so long */
-#define L_H_TO_ML_S (1.0f / 3.6f)
+#define ML_S_TO_L_H 3.6f
 
 /* Steps a second at command 1. */
 static float full_speed(const struct output_settings *s)
 {
-    return s->flow * L_H_TO_ML_S * s->steps;
+    return s->flow * s->steps / ML_S_TO_L_H;
 }
 
 static const char *stepper_check(const struct output_settings *s)

@@ -1,0 +1,9 @@
+# Outputs of the board, above pins that only remember.
+foreach(part window burst switches stepper motor_valve dead_man enable)
+  reflux_test(outputs_${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/outputs/test_${part}.c"
+              "${CMAKE_CURRENT_LIST_DIR}/outputs/outputs_bench.c" LIBS reflux_outputs)
+endforeach()
+foreach(part outputs output_check)
+  reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/outputs/test_${part}.c"
+              "${CMAKE_CURRENT_LIST_DIR}/outputs/outputs_bench.c" LIBS reflux_outputs)
+endforeach()
