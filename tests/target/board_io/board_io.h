@@ -36,6 +36,9 @@ struct bench {
     uint64_t random;
 };
 
+/* Steps by instructions: barriers are checked (host_sim/virtual_board/barrier_rules.h). */
+extern bool bench_exact;
+
 void bench_start(struct bench *bench, const char *image, uint64_t seed);
 void bench_stop(struct bench *bench);
 /* A reset by the pin; the image starts again. */
