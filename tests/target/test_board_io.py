@@ -25,11 +25,26 @@ class BoardIoTest(unittest.TestCase):
     def campaign(self, name: str, seed: int) -> None:
         self.assertIn(" 0 hung", self.case(name, str(COUNT), str(seed)))
 
+    def test_barriers_stand_where_the_manuals_want_them(self) -> None:
+        """The exact mode checks them (host_sim/virtual_board/barrier_rules.h)."""
+        for name in ("pins", "outputs", "pwm", "pulses", "analog", "spi", "wire", "i2c"):
+            with self.subTest(name):
+                self.case(name, "exact")
+
     def test_free_pins_do_what_they_are_told_and_the_others_stay_as_they_are(self) -> None:
         self.case("pins")
 
     def test_outputs_are_on_only_when_they_are_set(self) -> None:
         self.case("outputs")
+
+    def test_pulse_widths_are_as_they_are_set_and_off_at_once(self) -> None:
+        self.case("pwm")
+
+    def test_pulses_are_counted_and_bounces_are_not(self) -> None:
+        self.case("pulses")
+
+    def test_analogue_inputs_are_means_of_16_conversions(self) -> None:
+        self.case("analog")
 
     def test_spi_exchanges_bytes_with_chips(self) -> None:
         self.case("spi")

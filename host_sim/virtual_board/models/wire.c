@@ -65,14 +65,14 @@ static void update_irq(struct part *p)
 }
 
 /* Which pulse a byte makes. Ends the run where it makes none of the bus. */
-static void judge(struct part *p, uint8_t byte)
+static void judge(struct part *p, unsigned byte)
 {
     struct wire *w = p->state;
     unsigned low = 1;
     while (low < 9u && (byte >> (low - 1u) & 1u) == 0)
         low++;
     uint64_t low_ns = low * w->bit_ns, slot_ns = BITS * w->bit_ns;
-    bool again = low < 9u && ((unsigned)byte >> (low - 1u)) != 0xFFu >> (low - 1u);
+    bool again = low < 9u && (byte >> (low - 1u)) != 0xFFu >> (low - 1u);
     w->low_bits = (uint8_t)low;
     if (low_ns >= 480u * US && low_ns <= 960u * US)
         w->pulse = PULSE_RESET;

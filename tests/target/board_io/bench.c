@@ -8,6 +8,8 @@
 
 #define HANG_NS (1000u * MS)
 
+bool bench_exact;
+
 _Noreturn void fail(const char *format, ...)
 {
     va_list list;
@@ -45,7 +47,8 @@ void bench_start(struct bench *bench, const char *image, uint64_t seed)
     struct world world = plant_world();
     plant_reset(seed);
     bench->random = random_state(seed + 1u);
-    bench->board = board_new(&chip_stm32f405, &around, bytes, n, false, err, sizeof(err));
+    bench->hold_ms = 0;
+    bench->board = board_new(&chip_stm32f405, &around, bytes, n, bench_exact, err, sizeof(err));
     CHECK(bench->board != NULL, "%s", err);
     board_set_world(bench->board, &world);
     bench->box = (volatile struct mailbox *)(void *)processor_memory(bench->board, MAILBOX_ADDRESS,
@@ -90,6 +93,8 @@ volatile struct mailbox *bench_prepare(struct bench *bench, enum io_command comm
 
 void bench_ask(struct bench *bench)
 {
+    bench->box->hold_ms = bench->hold_ms;
+    bench->hold_ms = 0;
     bench->box->request = ++bench->asked;
 }
 

@@ -39,7 +39,7 @@ static bool pulls(struct plant_on_wire *c)
         return false;
     if (c->bits == 0)
         c->byte = plant_answer(c->sum, c->answered);
-    return (c->byte >> c->bits & 1u) == 0;
+    return ((unsigned)c->byte >> c->bits & 1u) == 0;
 }
 
 /* A whole byte has come in. */

@@ -38,8 +38,17 @@ bool identity_crystal_failed(void)
     return false;
 }
 
+static volatile uint32_t now_ms;
+
+uint64_t hal_clock_ms(void)
+{
+    return now_ms;
+}
+
 void interrupt_systick(void)
 {
+    now_ms = now_ms + 1u;
+    analog_clock();
     requests_clock();
 }
 
