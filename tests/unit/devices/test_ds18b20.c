@@ -112,8 +112,9 @@ static void the_85_degrees_of_power_on_are_none(void)
 static void a_chip_without_its_mark_has_lost_power_and_is_set_up_again(void)
 {
     static const char *const lost[] = {"50 05 4B 46 7F FF 0C 10 1C", "50 05 4B 46 7F FF FF 10 D0",
-                                       "40 01 4B 46 7F FF 0C 10 BC"};
-    for (unsigned k = 0; k < 3; k++) {
+                                       "40 01 4B 46 7F FF 0C 10 BC", "40 01 7D 46 7F FF 0F 10 B6",
+                                       "40 01 4B C9 7F FF 0F 10 4D"};
+    for (unsigned k = 0; k < 5; k++) {
         setUp();
         first_reading(PAD_78);
         script(CONVERT, "");
@@ -304,6 +305,16 @@ static void a_pass_that_does_not_end_is_stopped(void)
     TEST_ASSERT_EQUAL(1, script_seen.stops);
 }
 
+static void a_pass_that_fails_ends_a_search(void)
+{
+    script_search(NO_ROM, 0, ROM, 9);
+    script_fails("", 8, TRANSFER_FAILED);
+    run_search();
+    script_is_done();
+    TEST_ASSERT_EQUAL(ROM_SEARCH_FAILED, search.state);
+    TEST_ASSERT_EQUAL(1, search.found);
+}
+
 static void a_search_on_a_wire_that_is_never_free_ends(void)
 {
     script_board.busy = 1000000;
@@ -348,6 +359,7 @@ int main(void)
     RUN_TEST(a_search_gives_up_after_three_wrong_addresses);
     RUN_TEST(a_shorted_wire_ends_a_search);
     RUN_TEST(a_pass_that_does_not_end_is_stopped);
+    RUN_TEST(a_pass_that_fails_ends_a_search);
     RUN_TEST(a_search_on_a_wire_that_is_never_free_ends);
     RUN_TEST(more_chips_than_a_search_can_hold_are_told);
     return UNITY_END();

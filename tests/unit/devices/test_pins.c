@@ -100,6 +100,7 @@ static void flow_is_pulses_in_a_second(void)
     float value;
     TEST_ASSERT_TRUE(flow_kind.value(&settings, r.code, &value));
     TEST_ASSERT_EQUAL_FLOAT(60, value);
+    TEST_ASSERT_EQUAL(1500, r.stamp_ms);
     script_run(&d, 500);
     r = script_result(&d);
     TEST_ASSERT_EQUAL(2, r.number);
