@@ -18,7 +18,7 @@ struct line_of_script {
     unsigned n_out, n_in;
     enum transfer_state end;
     bool search;
-    uint8_t branch, next_branch;
+    uint8_t branch, next_branch, last_rom[ONEWIRE_ROM_BYTES];
 };
 
 static struct line_of_script lines[LINES_MAX];
@@ -35,7 +35,7 @@ void script_clear(void)
     written = made = 0;
     noise = false;
     script_seen = (struct script_seen){0};
-    script_board = (struct script_board){.now_ms = 1000};
+    script_board = (struct script_board){.now_ms = 1000, .pulled_up = HAL_PIN_NONE};
 }
 
 static unsigned bytes_of(const char *hex, uint8_t *bytes)
@@ -74,9 +74,10 @@ void script_fails(const char *out, unsigned n_in, enum transfer_state end)
     line->end = end;
 }
 
-void script_search(uint8_t branch, const char *rom, uint8_t next_branch)
+void script_search(const char *last_rom, uint8_t branch, const char *rom, uint8_t next_branch)
 {
     struct line_of_script *line = new_line("");
+    bytes_of(last_rom, line->last_rom);
     line->n_in = bytes_of(rom, line->in);
     line->search = true;
     line->branch = branch;
@@ -247,7 +248,10 @@ enum err hal_onewire_search(uint8_t bus, struct transfer *transfer, volatile uin
     }
     struct line_of_script *line = follow(DEVICE_ONEWIRE, bus, transfer);
     TEST_ASSERT_TRUE(line->search || line->end != TRANSFER_DONE);
-    TEST_ASSERT_EQUAL(line->branch, *branch);
+    if (line->search) {
+        TEST_ASSERT_EQUAL(line->branch, *branch);
+        TEST_ASSERT_EQUAL_HEX8_ARRAY(line->last_rom, transfer->in, ONEWIRE_ROM_BYTES);
+    }
     if (line->end == TRANSFER_DONE) {
         memcpy(transfer->in, line->in, line->n_in);
         *branch = line->next_branch;
@@ -269,8 +273,8 @@ bool hal_pin_is_free(hal_pin pin)
 
 void hal_pin_use(hal_pin pin, enum hal_pin_use use)
 {
-    (void)pin;
     TEST_ASSERT_EQUAL(HAL_PIN_INPUT_PULLED, use);
+    script_board.pulled_up = pin;
 }
 
 bool hal_pin_read(hal_pin pin)

@@ -19,8 +19,8 @@ void script(const char *out, const char *in);
 /* The next transfer sends `out`, wants n_in bytes, and ends like this instead. */
 void script_fails(const char *out, unsigned n_in, enum transfer_state end);
 
-/* The next transfer is a pass of a search that begins with this branch, finds this address and has this branch then. */
-void script_search(uint8_t branch, const char *rom, uint8_t next_branch);
+/* The next transfer is a pass of a search that begins with this address and branch, finds this address and has this branch then. */
+void script_search(const char *last_rom, uint8_t branch, const char *rom, uint8_t next_branch);
 
 /* From now on there is no script: any transfer may be sent, gets random bytes, all alike bytes or an echo of the bytes before, and ends in any
  * way. */
@@ -55,6 +55,7 @@ struct script_board {
     bool analog_ready;
     uint16_t analog_code;
     float analog_reference;
+    hal_pin pulled_up; /* the last pin that became an input with a pull-up */
     uint32_t pulses;
     uint8_t dead_ms;
 };

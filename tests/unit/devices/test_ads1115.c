@@ -78,6 +78,17 @@ static void input_and_range_are_bits_of_the_configuration(void)
     TEST_ASSERT_EQUAL_FLOAT(3.072f, volt);
 }
 
+static void each_range_has_its_voltage(void)
+{
+    static const float range[] = {6.144f, 4.096f, 2.048f, 1.024f, 0.512f, 0.256f};
+    float volt;
+    for (settings.type = 0; settings.type < 6; settings.type++) {
+        TEST_ASSERT_TRUE(ads1115_kind.value(&settings, (const int32_t[3]){-16384}, &volt));
+        TEST_ASSERT_EQUAL_FLOAT(-range[settings.type] / 2, volt);
+    }
+    TEST_ASSERT_FALSE(ads1115_kind.value(&settings, (const int32_t[3]){0}, &volt));
+}
+
 static void voltages_below_ground_have_a_sign(void)
 {
     reading("FF 9C", "C5 23");
@@ -265,6 +276,7 @@ static void settings_that_the_chip_cannot_have_are_refused(void)
     settings.type = 6;
     TEST_ASSERT_EQUAL(ERR_RANGE, device_open(&d, &ads1115_kind, &settings, 0));
     settings.type = 5;
+    TEST_ASSERT_EQUAL(ERR_OK, device_open(&d, &ads1115_kind, &settings, 0));
     script_board.no_bus = true;
     TEST_ASSERT_EQUAL(ERR_RANGE, device_open(&d, &ads1115_kind, &settings, 0));
 }
@@ -274,6 +286,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_reading_is_one_conversion_read_twice_and_checked);
     RUN_TEST(input_and_range_are_bits_of_the_configuration);
+    RUN_TEST(each_range_has_its_voltage);
     RUN_TEST(voltages_below_ground_have_a_sign);
     RUN_TEST(codes_at_an_end_are_out_of_range);
     RUN_TEST(a_chip_that_lost_power_during_the_conversion_is_told);

@@ -280,6 +280,24 @@ static void a_slow_conversion_is_waited_for(void)
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
 }
 
+/* Either of the two says so. */
+static void a_conversion_runs_while_a_bit_or_the_mode_says_so(void)
+{
+    set_up("60");
+    script("F4 55", "");
+    for (unsigned k = 0; k < 2; k++)
+        script("F3", "08 54 00 00 65 5A D0 7E ED 00");
+    for (unsigned k = 0; k < 2; k++)
+        script("F3", "00 55 00 00 65 5A D0 7E ED 00");
+    for (unsigned k = 0; k < 2; k++)
+        script("F3", "01 54 00 00 65 5A D0 7E ED 00");
+    for (unsigned k = 0; k < 2; k++)
+        script("F3", READING);
+    struct device_result r = after_cycle();
+    TEST_ASSERT_EQUAL_HEX16(0, r.faults);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, 100653.27, r.code[0] / 256.0);
+}
+
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
     set_up("60");
@@ -359,6 +377,7 @@ int main(void)
     RUN_TEST(reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_slow_conversion_is_waited_for);
+    RUN_TEST(a_conversion_runs_while_a_bit_or_the_mode_says_so);
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(a_chip_that_is_not_there_is_told);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);

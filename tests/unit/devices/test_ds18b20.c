@@ -11,6 +11,7 @@
 
 #define ROM     "28 AA 11 22 33 44 55 35"
 #define ROM_2   "28 10 20 30 40 50 60 D6"
+#define NO_ROM  "00 00 00 00 00 00 00 00"
 #define SET_UP  "55 " ROM " 4E 7D C9 7F"
 #define CONVERT "55 " ROM " 44"
 #define READ    "55 " ROM " BE"
@@ -111,8 +112,9 @@ static void the_85_degrees_of_power_on_are_none(void)
 static void a_chip_without_its_mark_has_lost_power_and_is_set_up_again(void)
 {
     static const char *const lost[] = {"50 05 4B 46 7F FF 0C 10 1C", "50 05 4B 46 7F FF FF 10 D0",
-                                       "40 01 4B 46 7F FF 0C 10 BC"};
-    for (unsigned k = 0; k < 3; k++) {
+                                       "40 01 4B 46 7F FF 0C 10 BC", "40 01 7D 46 7F FF 0F 10 B6",
+                                       "40 01 4B C9 7F FF 0F 10 4D"};
+    for (unsigned k = 0; k < 5; k++) {
         setUp();
         first_reading(PAD_78);
         script(CONVERT, "");
@@ -245,12 +247,13 @@ static void run_search(void)
 
 static void a_search_finds_all_addresses(void)
 {
-    script_search(0, ROM, 9);
-    script_search(9, ROM_2, 0);
+    script_search(NO_ROM, 0, ROM, 9);
+    script_search(ROM, 9, ROM_2, 0);
     run_search();
     script_is_done();
     TEST_ASSERT_EQUAL(ROM_SEARCH_DONE, search.state);
     TEST_ASSERT_EQUAL(2, search.found);
+    TEST_ASSERT_GREATER_OR_EQUAL(19, script_began_ms(1) - script_began_ms(0)); /* of a pass */
     TEST_ASSERT_TRUE(ds18b20_is_address(search.rom[0]));
     TEST_ASSERT_EQUAL_MEMORY(settings.rom, search.rom[0], 8);
     TEST_ASSERT_EQUAL_HEX8(0x10, search.rom[1][1]);
@@ -266,9 +269,9 @@ static void a_search_on_an_empty_wire_finds_nothing(void)
 
 static void a_disturbed_pass_is_made_again_from_where_it_began(void)
 {
-    script_search(0, ROM, 9);
-    script_search(9, "28 10 20 30 40 50 61 D6", 4);
-    script_search(9, ROM_2, 0);
+    script_search(NO_ROM, 0, ROM, 9);
+    script_search(ROM, 9, "28 10 20 30 40 50 61 D6", 4);
+    script_search(ROM, 9, ROM_2, 0);
     run_search();
     script_is_done();
     TEST_ASSERT_EQUAL(ROM_SEARCH_DONE, search.state);
@@ -278,7 +281,7 @@ static void a_disturbed_pass_is_made_again_from_where_it_began(void)
 static void a_search_gives_up_after_three_wrong_addresses(void)
 {
     for (unsigned k = 0; k < 3; k++)
-        script_search(0, "28 10 20 30 40 50 61 D6", 4);
+        script_search(NO_ROM, 0, "28 10 20 30 40 50 61 D6", 4);
     run_search();
     script_is_done();
     TEST_ASSERT_EQUAL(ROM_SEARCH_CHECKSUM, search.state);
@@ -288,7 +291,7 @@ static void a_search_gives_up_after_three_wrong_addresses(void)
 static void a_shorted_wire_ends_a_search(void)
 {
     for (unsigned k = 0; k < 3; k++)
-        script_search(0, "00 00 00 00 00 00 00 00", 0);
+        script_search(NO_ROM, 0, "00 00 00 00 00 00 00 00", 0);
     run_search();
     script_is_done();
     TEST_ASSERT_EQUAL(ROM_SEARCH_FAILED, search.state);
@@ -302,6 +305,16 @@ static void a_pass_that_does_not_end_is_stopped(void)
     TEST_ASSERT_EQUAL(1, script_seen.stops);
 }
 
+static void a_pass_that_fails_ends_a_search(void)
+{
+    script_search(NO_ROM, 0, ROM, 9);
+    script_fails("", 8, TRANSFER_FAILED);
+    run_search();
+    script_is_done();
+    TEST_ASSERT_EQUAL(ROM_SEARCH_FAILED, search.state);
+    TEST_ASSERT_EQUAL(1, search.found);
+}
+
 static void a_search_on_a_wire_that_is_never_free_ends(void)
 {
     script_board.busy = 1000000;
@@ -312,7 +325,7 @@ static void a_search_on_a_wire_that_is_never_free_ends(void)
 static void more_chips_than_a_search_can_hold_are_told(void)
 {
     for (uint8_t k = 0; k < ROM_SEARCH_MAX; k++)
-        script_search(k, ROM, (uint8_t)(k + 1));
+        script_search(k == 0 ? NO_ROM : ROM, k, ROM, (uint8_t)(k + 1));
     run_search();
     script_is_done();
     TEST_ASSERT_EQUAL(ROM_SEARCH_FULL, search.state);
@@ -346,6 +359,7 @@ int main(void)
     RUN_TEST(a_search_gives_up_after_three_wrong_addresses);
     RUN_TEST(a_shorted_wire_ends_a_search);
     RUN_TEST(a_pass_that_does_not_end_is_stopped);
+    RUN_TEST(a_pass_that_fails_ends_a_search);
     RUN_TEST(a_search_on_a_wire_that_is_never_free_ends);
     RUN_TEST(more_chips_than_a_search_can_hold_are_told);
     return UNITY_END();

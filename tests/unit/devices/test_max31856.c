@@ -1,7 +1,7 @@
 /* MAX31856: traffic byte by byte, types, each fault.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "devices/max31856/max31856.h"
@@ -61,6 +61,7 @@ static void a_reading_is_one_shot_and_one_burst_read_twice(void)
     TEST_ASSERT_EQUAL_HEX16(0, r.faults);
     TEST_ASSERT_EQUAL_FLOAT(100.5f, value_of(&r));
     TEST_ASSERT_EQUAL(25 * 64 + 16, r.code[1]);
+    TEST_ASSERT_EQUAL_HEX8(0, r.code[2]);
     TEST_ASSERT_EQUAL(1, script_seen.spi.mode & 1);
     TEST_ASSERT_LESS_OR_EQUAL(5000000, script_seen.spi.hz);
     TEST_ASSERT_EQUAL(script_began_ms(1), r.stamp_ms);
@@ -161,7 +162,9 @@ static void each_bit_of_the_fault_register_is_told(void)
     for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         script("80 51", "");
         read_pair(rows[k].registers);
-        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, after_cycle().faults, rows[k].registers);
+        struct device_result r = after_cycle();
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].registers);
+        TEST_ASSERT_EQUAL_HEX8(strtoul(strrchr(rows[k].registers, ' '), NULL, 16), r.code[2]);
     }
 }
 

@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "devices/max31865/max31865.h"
 #include "scripted_bus.h"
@@ -77,6 +78,7 @@ static void a_reading_is_one_shot_between_bias_on_and_off(void)
     expect_faults(1, 0);
     struct device_result r = script_result(&d);
     TEST_ASSERT_EQUAL(11346, r.code[0]);
+    TEST_ASSERT_EQUAL(0, r.code[1]);
     TEST_ASSERT_EQUAL(script_began_ms(3), r.stamp_ms);
     float t;
     TEST_ASSERT_TRUE(max31865_kind.value(&settings, r.code, &t));
@@ -126,6 +128,16 @@ static void three_wires_and_60_hz_are_bits_of_the_configuration(void)
     TEST_ASSERT_EQUAL(8192, script_result(&d).code[0]);
 }
 
+static void two_wires_are_four_to_the_chip(void)
+{
+    settings.type = 2;
+    write_thresholds();
+    cycle("81 58 A4", "00");
+    begin(1000);
+    script_run(&d, 200);
+    expect_faults(1, 0);
+}
+
 static void thresholds_follow_the_reference_resistor(void)
 {
     settings.nominal = 1000;
@@ -159,6 +171,7 @@ static void each_bit_of_the_fault_register_is_told(void)
         struct device_result r = script_result(&d);
         TEST_ASSERT_EQUAL(k + 1, r.number);
         TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].fault);
+        TEST_ASSERT_EQUAL_HEX8(strtoul(rows[k].fault, NULL, 16), r.code[1]);
     }
 }
 
@@ -286,6 +299,8 @@ static void a_transfer_that_does_not_end_is_stopped(void)
         script_run(&d, 190);
         expect_faults(1, DEVICE_BUS);
         TEST_ASSERT_EQUAL(1, script_seen.stops);
+        TEST_ASSERT_EQUAL(0, script_result(&d).code[0]);
+        TEST_ASSERT_EQUAL(script_began_ms(k > 2 ? 3 : 0), script_result(&d).stamp_ms);
     }
 }
 
@@ -320,6 +335,7 @@ int main(void)
     RUN_TEST(the_conversion_has_the_time_that_it_needs);
     RUN_TEST(thresholds_are_written_once);
     RUN_TEST(three_wires_and_60_hz_are_bits_of_the_configuration);
+    RUN_TEST(two_wires_are_four_to_the_chip);
     RUN_TEST(thresholds_follow_the_reference_resistor);
     RUN_TEST(each_bit_of_the_fault_register_is_told);
     RUN_TEST(a_chip_that_lost_its_settings_is_told_and_set_up_again);

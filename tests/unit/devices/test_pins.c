@@ -100,6 +100,7 @@ static void flow_is_pulses_in_a_second(void)
     float value;
     TEST_ASSERT_TRUE(flow_kind.value(&settings, r.code, &value));
     TEST_ASSERT_EQUAL_FLOAT(60, value);
+    TEST_ASSERT_EQUAL(1500, r.stamp_ms);
     script_run(&d, 500);
     r = script_result(&d);
     TEST_ASSERT_EQUAL(2, r.number);
@@ -137,7 +138,7 @@ static void more_pulses_than_a_pin_can_count_are_out_of_range(void)
 static void a_flow_without_time_is_none(void)
 {
     float value;
-    TEST_ASSERT_FALSE(flow_kind.value(&settings, (const int32_t[3]){5, 0}, &value));
+    TEST_ASSERT_FALSE(flow_kind.value(&settings, (const int32_t[3]){5, 0, 7}, &value));
 }
 
 /* ---- level ---- */
@@ -153,6 +154,7 @@ static float level(void)
 static void a_closed_contact_is_1(void)
 {
     begin(&level_kind, 50);
+    TEST_ASSERT_EQUAL(PIN, script_board.pulled_up);
     script_run(&d, 10);
     TEST_ASSERT_EQUAL(0, script_result(&d).number);
     script_run(&d, 90);
@@ -181,6 +183,21 @@ static void a_bouncing_contact_keeps_its_state(void)
         script_run(&d, 10);
         TEST_ASSERT_EQUAL_FLOAT(1, level());
     }
+}
+
+static void a_change_counts_after_20_ms(void)
+{
+    begin(&level_kind, 50);
+    script_run(&d, 200);
+    script_board.level[PIN] = true;
+    script_run(&d, 15);
+    script_board.level[PIN] = false;
+    script_run(&d, 200);
+    TEST_ASSERT_EQUAL_FLOAT(1, level());
+    TEST_ASSERT_EQUAL_HEX16(0, script_result(&d).faults);
+    script_board.level[PIN] = true;
+    script_run(&d, LEVEL_STEADY_MS + 2 + 50);
+    TEST_ASSERT_EQUAL_FLOAT(0, level());
 }
 
 static void results_come_in_the_interval(void)
@@ -249,6 +266,7 @@ int main(void)
     RUN_TEST(a_closed_contact_is_1);
     RUN_TEST(an_open_contact_can_be_1_as_well);
     RUN_TEST(a_bouncing_contact_keeps_its_state);
+    RUN_TEST(a_change_counts_after_20_ms);
     RUN_TEST(results_come_in_the_interval);
     RUN_TEST(pins_that_are_not_free_are_refused);
     RUN_TEST(every_kind_is_found_by_its_name);

@@ -151,6 +151,22 @@ static void what_the_chip_cannot_have_is_out_of_range(void)
     }
 }
 
+static void temperatures_at_the_ends_are_good(void)
+{
+    static const struct {
+        const char *data;
+        uint16_t faults;
+    } rows[] = {{"26 90 00 7D 00", 0},
+                {"26 90 00 7D 01", DEVICE_RANGE},
+                {"26 90 00 D3 00", 0},
+                {"26 90 00 D2 FF", DEVICE_RANGE}};
+    set_up();
+    for (unsigned k = 0; k < 4; k++) {
+        measure(rows[k].data, rows[k].data);
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].faults, after_cycle().faults, rows[k].data);
+    }
+}
+
 static void reads_that_differ_are_read_again(void)
 {
     set_up();
@@ -212,6 +228,7 @@ int main(void)
     RUN_TEST(registers_of_zeros_are_those_of_power_on);
     RUN_TEST(ones_alone_are_a_failure_of_the_bus);
     RUN_TEST(what_the_chip_cannot_have_is_out_of_range);
+    RUN_TEST(temperatures_at_the_ends_are_good);
     RUN_TEST(reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_chip_that_is_not_there_is_told);

@@ -2,7 +2,9 @@
  * a chip in each cycle.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
+#include <signal.h>
 #include <string.h>
+#include <sys/time.h>
 
 #include "devices/line.h"
 #include "scripted_bus.h"
@@ -160,6 +162,37 @@ static void ends_of_transfers_are_told_apart(void)
     TEST_ASSERT_EQUAL(1, script_seen.stops);
 }
 
+/* Begins a transfer of n bytes, 1 of them out, on this kind of bus. Returns ms until the next turn. */
+static uint16_t wait_of(uint8_t line, unsigned n, uint16_t wait_ms)
+{
+    static struct device_kind kind;
+    char in[3 * DEVICE_BUFFER + 1] = "";
+    for (unsigned k = 1; k < n; k++)
+        strcat(in, "00 ");
+    kind = two_bytes;
+    kind.line = line;
+    a.kind = &kind;
+    a.bytes[0] = 0x11;
+    script_clear();
+    script("11", in);
+    uint16_t ms = device_begin(&a, 1000, 1, (uint8_t)(n - 1), wait_ms);
+    script_is_done();
+    return ms;
+}
+
+/* I2C: bits of 10 us; 1-wire: 1.1 ms for the reset pulse, 87 us for a bit; SPI: 1 us. A tenth of it is for what comes between bytes, and the first
+ * millisecond may be a short one. */
+static void transfers_have_the_time_that_their_bytes_need(void)
+{
+    for (unsigned n = 1; n <= DEVICE_BUFFER; n++) {
+        double i2c_ms = 1.1 * (n + 2) * 9 * 0.01, onewire_ms = 1.1 * (1.1 + n * 8 * 0.087);
+        TEST_ASSERT_GREATER_THAN((int)i2c_ms, wait_of(DEVICE_I2C, n, 0));
+        TEST_ASSERT_GREATER_THAN((int)onewire_ms, wait_of(DEVICE_ONEWIRE, n, 0));
+        TEST_ASSERT_EQUAL(1, wait_of(DEVICE_SPI, n, 0));
+        TEST_ASSERT_EQUAL(wait_of(DEVICE_I2C, n, 0) + 100, wait_of(DEVICE_I2C, n, 100));
+    }
+}
+
 static void a_cycle_that_is_late_does_not_pile_up(void)
 {
     begin(&a, 20);
@@ -179,6 +212,41 @@ static void the_number_of_a_result_is_never_0_again(void)
     a.result.number = UINT32_MAX;
     device_publish(&a, code, 0);
     TEST_ASSERT_EQUAL(1, script_result(&a).number);
+}
+
+/* The clock interrupts the tick: here a signal does. */
+static volatile uint32_t published;
+
+static void publish_next(int signal_number)
+{
+    (void)signal_number;
+    int32_t n = (int32_t)++published;
+    const int32_t code[DEVICE_CODES] = {n, n, n};
+    a.began_ms = (uint32_t)n;
+    device_publish(&a, code, (uint16_t)n);
+}
+
+static void a_result_that_is_published_while_it_is_read_is_whole(void)
+{
+    const struct itimerval often = {{0, 53}, {0, 53}}, never = {{0, 0}, {0, 0}};
+    uint32_t last = 0, changes = 0;
+    published = 0;
+    signal(SIGALRM, publish_next);
+    setitimer(ITIMER_REAL, &often, NULL);
+    while (published < 3000) {
+        struct device_result r = script_result(&a);
+        changes += r.number != last;
+        bool whole = r.code[0] == (int32_t)r.number && r.code[1] == r.code[0] &&
+                     r.code[2] == r.code[0] && r.stamp_ms == r.number &&
+                     r.faults == (uint16_t)r.number && r.number >= last;
+        last = r.number;
+        if (!whole) {
+            setitimer(ITIMER_REAL, &never, NULL);
+            TEST_FAIL_MESSAGE("parts of two results");
+        }
+    }
+    setitimer(ITIMER_REAL, &never, NULL);
+    TEST_ASSERT_GREATER_THAN(1000, changes);
 }
 
 static void an_open_device_forgets_what_it_was(void)
@@ -238,8 +306,10 @@ int main(void)
     RUN_TEST(a_busy_bus_is_asked_again);
     RUN_TEST(a_bus_that_stays_busy_is_a_fault);
     RUN_TEST(ends_of_transfers_are_told_apart);
+    RUN_TEST(transfers_have_the_time_that_their_bytes_need);
     RUN_TEST(a_cycle_that_is_late_does_not_pile_up);
     RUN_TEST(the_number_of_a_result_is_never_0_again);
+    RUN_TEST(a_result_that_is_published_while_it_is_read_is_whole);
     RUN_TEST(an_open_device_forgets_what_it_was);
     RUN_TEST(a_claim_keeps_others_off_until_it_ends);
     RUN_TEST(a_holder_renews_its_claim);
