@@ -1,0 +1,96 @@
+/* What is wired where: a file of lines, each a sensor behind a chip or an output on a pin, by the name that the plant has for it.
+ *
+ *     # name   chip      where            properties
+ *     T1       max31865  spi1 PA4         reference=430 wires=3
+ *     T10      ds18b20   wire1            rom=28-000005e2fdc3
+ *     dP       ads1115   i2c1 0x48 2      lo=0 hi=60 lo_in=0.4 hi_in=2
+ *     P        bme280    i2c1 0x76 pressure  lo_in=0 hi_in=100 # mbar to Pa
+ *     Q        ssr       PB0              hi=3
+ *     Lr       valve     PB1 PB2          hi=20 travel=60 active=low
+ *
+ * A sensor stands on spiN and the pin of its select, on i2cN and its address, or on wireN; behind that the input of the chip: a name, or the number
+ * of one of several alike. Several lines may name one chip, each with another input; the chip's properties stand on the first.
+ *
+ * Properties of each line: quantity, the plant's name where it is another; lo and hi, values of the quantity at lo_in and hi_in of the chip's input
+ * (a straight line; without them they are the same), of an output with the load off and fully on (without them 0 and 1).
+ * Of an output: active=low where a low pin turns it on. A valve has one pin, or two that open and close it, and `travel`, s from end to end.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_CHIPS_WIRING_H
+#define REFLUX_CHIPS_WIRING_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "chips/bus.h"
+#include "hal/pin.h"
+
+#define WIRING_NAME_SIZE 16u
+
+enum wiring_kind { WIRING_SSR, WIRING_RELAY, WIRING_PWM, WIRING_VALVE };
+
+struct wiring_sensor {
+    char name[WIRING_NAME_SIZE];
+    char quantity[WIRING_NAME_SIZE]; /* of the plant */
+    enum chip_bus bus;
+    unsigned bus_number; /* from 1 */
+    hal_pin select;      /* SPI, else HAL_PIN_NONE */
+    uint8_t address;     /* I2C */
+    struct chip *chip;
+    const char *input;   /* of the chip */
+    double lo, hi;       /* of the quantity */
+    double lo_in, hi_in; /* of the chip's input */
+    unsigned line;
+};
+
+struct wiring_output {
+    char name[WIRING_NAME_SIZE];
+    char quantity[WIRING_NAME_SIZE]; /* of the plant */
+    enum wiring_kind kind;
+    hal_pin pin;
+    hal_pin close_pin; /* of a valve with two, else HAL_PIN_NONE */
+    bool low_active;
+    double lo, hi;   /* of the quantity, off and on */
+    double travel_s; /* of a valve with two pins */
+    bool shorted;    /* fault: the load is on whatever the pin does */
+    bool broken;     /* fault: it is off whatever the pin does */
+    unsigned line;
+};
+
+struct wiring;
+
+/* Reads a file and makes its chips, without power. seed: of addresses and tolerances that the file leaves open. NULL, with a sentence in err that
+ * names file and line, what is wrong and what would be right. */
+struct wiring *wiring_read(const char *path, uint64_t seed, char *err, size_t err_size);
+void wiring_free(struct wiring *w);
+
+size_t wiring_n_sensors(const struct wiring *w);
+const struct wiring_sensor *wiring_sensor(const struct wiring *w, size_t i);
+size_t wiring_n_outputs(const struct wiring *w);
+const struct wiring_output *wiring_output(const struct wiring *w, size_t i);
+
+/* A bus by number, from 1. NULL: nothing is on it. */
+struct chips *wiring_bus(const struct wiring *w, enum chip_bus kind, unsigned number);
+
+/* Supply of all chips. */
+void wiring_power(struct wiring *w, uint64_t now_ns, bool on);
+
+/* Before the world changes: see chip_at(). */
+void wiring_at(struct wiring *w, uint64_t now_ns);
+
+/* Gives a sensor the value of its quantity; what is beyond the chip's range is its end. */
+void wiring_measure(struct wiring *w, size_t sensor, double value);
+
+/* A fault or an input by name: "T1", "open"; "spi1", "noise"; "Q", "shorted" or "broken" of outputs. False, with a sentence in err. */
+bool wiring_set(struct wiring *w, const char *name, const char *what, double value, char *err,
+                size_t err_size);
+
+/* Whether the load of an output is on while the pin has this level. */
+bool wiring_load(const struct wiring_output *output, bool high);
+
+/* First text of a broken rule of a data sheet (struct chip), or "", and how many there were. */
+const char *wiring_wrong(const struct wiring *w, unsigned *count);
+
+#endif
