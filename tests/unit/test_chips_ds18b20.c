@@ -354,7 +354,7 @@ static double serial_of(const uint8_t rom[8])
 static void a_search_finds_each_of_several_once(void)
 {
     for (size_t n = 0; n <= SENSORS_MAX - 1; n += 1) {
-        uint8_t found[SENSORS_MAX][8];
+        uint8_t found[SENSORS_MAX][8] = {{0}};
         TEST_ASSERT_EQUAL_INT(n + 1, search(0xF0, found, SENSORS_MAX));
         for (size_t k = 0; k < n; k++) {
             unsigned times = 0;
@@ -373,7 +373,7 @@ static void a_search_finds_each_of_several_once(void)
 
 static void an_alarm_search_finds_those_beyond_their_limits(void)
 {
-    uint8_t found[SENSORS_MAX][8];
+    uint8_t found[SENSORS_MAX][8] = {{0}};
     add_sensors(3, 5);
     TEST_ASSERT_TRUE(chip_set(sensors[1], "temperature", 80, bench_err, sizeof(bench_err)));
     write_settings(75, 10, 0x7F);
@@ -384,7 +384,7 @@ static void an_alarm_search_finds_those_beyond_their_limits(void)
 
 static void a_matched_chip_answers_alone(void)
 {
-    uint8_t found[SENSORS_MAX][8];
+    uint8_t found[SENSORS_MAX][8] = {{0}};
     add_sensors(5, 77);
     bench_set("temperature", -7);
     convert(750);
