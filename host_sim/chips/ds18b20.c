@@ -1,5 +1,5 @@
-/* DS18B20, thermometer on a wire, with a supply of its own. Sections are those of the data sheet; its table 1 was read (rev. 042208, page 4), the
- * rest is from memory (unverified) where no section stands. Byte 6 of the scratchpad: github.com/cpetrich/counterfeit_DS18B20, issue 26.
+/* DS18B20, thermometer on a wire, with a supply of its own. Sections are those of the data sheet; its table 1 was read (rev. 042208, page 4).
+ * Commands, times and the values of the factory are from memory (unverified). Byte 6 of the scratchpad: github.com/cpetrich/counterfeit_DS18B20, issue 26.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

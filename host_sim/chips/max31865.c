@@ -177,7 +177,7 @@ static double conversion_ms(const struct max31865 *m, bool single, double slowne
 
 static void begin_conversion(struct max31865 *m, uint64_t start_ns, bool single)
 {
-    m->converting = true;
+    m->converting = true; /* The 1-shot bit stays until the conversion has ended (unverified). */
     m->start_ns = start_ns;
     m->end_ns = start_ns + CHIP_MS(conversion_ms(m, single, m->slowness));
 }
