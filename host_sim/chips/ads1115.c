@@ -1,5 +1,6 @@
-/* ADS1115, converter with four inputs. Sections are those of the data sheet SBAS444E; 7.4.2.1 (single-shot mode) was read, the rest is as public
- * drivers and TI's answers have it (unverified where nothing stands). The comparator's thresholds are registers and do nothing.
+/* ADS1115, converter with four inputs. Sections are those of the data sheet SBAS444E; 7.4.2.1 (single-shot mode) was read.
+ * Registers are as public drivers and TI's answers at e2e.ti.com have them. That a conversion in continuous mode ends with the
+ * settings that it began with is from memory (unverified). The comparator's thresholds are registers and do nothing.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

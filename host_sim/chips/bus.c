@@ -20,10 +20,11 @@ struct connection {
 
 struct chips {
     enum chip_bus kind;
-    struct connection at[CHIPS_MAX];
+    struct connection place[CHIPS_MAX];
     size_t n;
     double noise;
     bool stuck, floats_low;
+    bool acknowledged; /* I2C: the last byte that was read */
     bool held; /* 1-wire: the line was low after the last reset pulse, so that there are no slots */
     uint64_t random;
 };
@@ -56,12 +57,12 @@ bool chips_add(struct chips *b, struct chip *chip, hal_pin select, char *err, si
                         CHIPS_MAX);
     }
     for (size_t i = 0; b->kind == CHIP_SPI && i < b->n; i++) {
-        if (b->at[i].select == select) {
+        if (b->place[i].select == select) {
             return sim_fail(err, err_size, "%s has the select of another %s", chip->kind->name,
-                            b->at[i].chip->kind->name);
+                            b->place[i].chip->kind->name);
         }
     }
-    b->at[b->n++] = (struct connection){.chip = chip, .select = select};
+    b->place[b->n++] = (struct connection){.chip = chip, .select = select};
     return true;
 }
 
@@ -86,7 +87,7 @@ bool chips_set(struct chips *b, const char *fault, double value, char *err, size
 void chips_at(struct chips *b, uint64_t now_ns)
 {
     for (size_t i = 0; i < b->n; i++) {
-        chip_at(b->at[i].chip, now_ns);
+        chip_at(b->place[i].chip, now_ns);
     }
 }
 
@@ -95,9 +96,9 @@ const char *chips_wrong(const struct chips *b, unsigned *count)
     const char *first = "";
     unsigned wrongs = 0;
     for (size_t i = 0; i < b->n; i++) {
-        wrongs += b->at[i].chip->wrongs;
+        wrongs += b->place[i].chip->wrongs;
         if (first[0] == '\0') {
-            first = b->at[i].chip->wrong;
+            first = b->place[i].chip->wrong;
         }
     }
     if (count != NULL) {
@@ -117,12 +118,26 @@ static uint8_t noisy(struct chips *b, uint8_t byte, unsigned bits)
     return byte;
 }
 
+/* Chips that are selected, but for the one at this place. */
+static bool others_selected(const struct chips *b, size_t place)
+{
+    for (size_t i = 0; i < b->n; i++) {
+        if (i != place && b->place[i].low) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void chips_select(struct chips *b, uint64_t now_ns, hal_pin pin, bool low)
 {
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         if (at->select == pin && at->low != low) {
             at->low = low;
+            if (low && others_selected(b, i)) {
+                chip_wrong(at->chip, "selected while another chip of the bus is");
+            }
             if (at->chip->powered) {
                 at->chip->kind->select(at->chip, now_ns, low);
             }
@@ -135,7 +150,7 @@ uint8_t chips_exchange(struct chips *b, uint64_t now_ns, unsigned mode, uint8_t 
     uint8_t in = 0xFF;
     bool driven = false;
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         if (at->low && chip_answers(at->chip)) {
             /* Two that are selected at once: the lower level wins. */
             in &= at->chip->kind->exchange(at->chip, now_ns, mode, noisy(b, out, 8));
@@ -152,21 +167,33 @@ void chips_clock_bits(struct chips *b, uint64_t now_ns, unsigned bits)
 {
     (void)now_ns;
     for (size_t i = 0; i < b->n; i++) {
-        if (b->at[i].low) {
-            b->at[i].chip->stray_bits = bits;
+        if (b->place[i].low) {
+            b->place[i].chip->stray_bits = bits;
         }
     }
 }
 
+/* The end of a read: a chip whose last byte was acknowledged goes on to drive the data line. */
+static void end_read(struct chips *b)
+{
+    for (size_t i = 0; i < b->n && b->acknowledged; i++) {
+        if (b->place[i].addressed) {
+            chip_wrong(b->place[i].chip, "a read ends behind a byte that was acknowledged");
+        }
+    }
+    b->acknowledged = false;
+}
+
 enum chips_answer chips_start(struct chips *b, uint64_t now_ns, uint8_t address, bool read)
 {
+    end_read(b);
     if (b->stuck) {
         return CHIPS_HELD_LOW;
     }
-    uint8_t on_line = noisy(b, (uint8_t)(address << 1 | (read ? 1u : 0u)), 8);
+    uint8_t on_line = noisy(b, (uint8_t)((unsigned)address << 1 | (read ? 1u : 0u)), 8);
     bool acknowledged = false;
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         at->addressed = chip_answers(at->chip) &&
                         at->chip->kind->address(at->chip, now_ns, on_line >> 1, on_line & 1u);
         acknowledged = acknowledged || at->addressed;
@@ -179,7 +206,7 @@ bool chips_write(struct chips *b, uint64_t now_ns, uint8_t byte)
     uint8_t on_line = b->stuck ? 0 : noisy(b, byte, 8);
     bool acknowledged = false;
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         if (at->addressed && chip_answers(at->chip)) {
             acknowledged = at->chip->kind->write(at->chip, now_ns, on_line) || acknowledged;
         }
@@ -190,8 +217,9 @@ bool chips_write(struct chips *b, uint64_t now_ns, uint8_t byte)
 uint8_t chips_read(struct chips *b, uint64_t now_ns, bool acknowledge)
 {
     uint8_t in = 0xFF; /* pulled up */
+    b->acknowledged = acknowledge;
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         if (at->addressed && chip_answers(at->chip)) {
             in &= at->chip->kind->read(at->chip, now_ns, acknowledge);
         }
@@ -201,8 +229,9 @@ uint8_t chips_read(struct chips *b, uint64_t now_ns, bool acknowledge)
 
 void chips_stop(struct chips *b, uint64_t now_ns)
 {
+    end_read(b);
     for (size_t i = 0; i < b->n; i++) {
-        struct connection *at = &b->at[i];
+        struct connection *at = &b->place[i];
         if (at->addressed && chip_answers(at->chip)) {
             at->chip->kind->stop(at->chip, now_ns);
         }
@@ -215,7 +244,7 @@ static bool line_high(struct chips *b, uint64_t now_ns)
 {
     bool high = !b->stuck;
     for (size_t i = 0; i < b->n; i++) {
-        struct chip *c = b->at[i].chip;
+        struct chip *c = b->place[i].chip;
         high = (!chip_answers(c) || c->kind->bit_in(c, now_ns)) && high;
     }
     return high;
@@ -225,7 +254,7 @@ enum chips_answer chips_reset(struct chips *b, uint64_t now_ns)
 {
     bool present = false;
     for (size_t i = 0; i < b->n; i++) {
-        struct chip *c = b->at[i].chip;
+        struct chip *c = b->place[i].chip;
         present = (chip_answers(c) && c->kind->presence(c, now_ns)) || present;
     }
     b->held = !line_high(b, now_ns); /* nobody has anything to send after a reset */
@@ -242,7 +271,7 @@ bool chips_slot(struct chips *b, uint64_t now_ns, bool out)
     }
     bool high = line_high(b, now_ns) && out;
     for (size_t i = 0; i < b->n; i++) {
-        struct chip *c = b->at[i].chip;
+        struct chip *c = b->place[i].chip;
         if (chip_answers(c)) {
             c->kind->bit_out(c, now_ns, noisy(b, high, 1));
         }

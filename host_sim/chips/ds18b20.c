@@ -1,5 +1,5 @@
-/* DS18B20, thermometer on a wire, with a supply of its own. Sections are those of the data sheet; its table 1 was read (rev. 042208, page 4), the
- * rest is from memory (unverified) where no section stands. Byte 6 of the scratchpad: github.com/cpetrich/counterfeit_DS18B20, issue 26.
+/* DS18B20, thermometer on a wire, with a supply of its own. Sections are those of the data sheet; its table 1 was read (rev. 042208, page 4).
+ * Commands, times and the values of the factory are from memory (unverified). Byte 6 of the scratchpad: github.com/cpetrich/counterfeit_DS18B20, issue 26.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -118,7 +118,7 @@ static uint8_t crc8(const uint8_t *bytes, size_t n)
 {
     uint8_t crc = 0;
     for (size_t i = 0; i < n * 8u; i++) {
-        bool bit = ((bytes[i / 8u] >> (i % 8u)) ^ crc) & 1u;
+        bool bit = (((unsigned)bytes[i / 8u] >> (i % 8u)) ^ crc) & 1u;
         crc = (uint8_t)((crc >> 1) ^ (bit ? 0x8Cu : 0u));
     }
     return crc;
@@ -318,7 +318,7 @@ static void take_byte(struct ds18b20 *d, uint64_t now_ns)
 
 static bool rom_bit(const struct ds18b20 *d)
 {
-    return (d->rom[d->bits / 8u] >> (d->bits % 8u)) & 1u;
+    return ((unsigned)d->rom[d->bits / 8u] >> (d->bits % 8u)) & 1u;
 }
 
 /* The next bit of the address is chosen: another one than this chip's ends its part. */
@@ -340,7 +340,7 @@ static bool bit_in(struct chip *c, uint64_t now_ns)
     }
     switch (d->state) {
     case SENDING:
-        return d->bits >= d->n_out || ((d->out[d->bits / 8u] >> (d->bits % 8u)) & 1u);
+        return d->bits >= d->n_out || (((unsigned)d->out[d->bits / 8u] >> (d->bits % 8u)) & 1u);
     case ROM_SEARCH:
         return d->step == 2 || rom_bit(d) == (d->step == 0);
     case BUSY:

@@ -1,4 +1,4 @@
-/* MAX31856, converter for thermocouples. Sections are those of the data sheet 19-7534, as public drivers quote it.
+/* MAX31856, converter for thermocouples. Tables and registers are those of the data sheet, as public drivers quote it.
  *
  * Temperatures come from the reference functions, without the errors that the data sheet allows. The time of a conversion lies between the typical
  * and the longest one, by the seed.
@@ -174,7 +174,7 @@ static void measure_cold(struct max31856 *m)
         return;
     }
     double degc = m->chip.input[COLD] + (int8_t)m->reg[CJ_OFFSET] / 16.0;
-    uint16_t code = (uint16_t)(chip_code(degc * 64.0, -8192, 8191) << 2);
+    uint16_t code = (uint16_t)(chip_code(degc * 64.0, -8192, 8191) * 4);
     m->reg[CJ] = (uint8_t)(code >> 8);
     m->reg[CJ + 1] = (uint8_t)code;
 }
@@ -191,7 +191,8 @@ static double seen_mv(struct max31856 *m)
     return mv + scatter / sqrt((double)samples(m));
 }
 
-/* Ranges of table 1, hot and cold (status register), degC, in the order of THERMOCOUPLES. From memory: hot (unverified). */
+/* Ranges of table 1, hot and cold (status register), degC, in the order of THERMOCOUPLES. Hot ranges are from memory
+ * (unverified). */
 static const struct {
     double lo, hi, cold_lo;
 } ranges[] = {{250, 1820, 0},    {-200, 1000, -55}, {-210, 1200, -55}, {-200, 1372, -55},

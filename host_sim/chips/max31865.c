@@ -73,7 +73,9 @@ struct max31865 {
     uint64_t asked_ns;         /* trigger of the last 1-shot, of automatic mode or of a cycle */
     bool result_asked, cycle_asked; /* and it has not been read too early */
     uint8_t cycle;                  /* bits of the cycle that runs, 0 none */
-    bool force_switch_open;         /* between the two manual steps */
+    bool settles;                   /* since a cycle, that ended: */
+    uint64_t cycle_end_ns;
+    bool force_switch_open; /* between the two manual steps */
 };
 
 static struct max31865 *of(struct chip *c)
@@ -89,7 +91,7 @@ static void power_on(struct chip *c, uint64_t now_ns)
         m->reg[i] = first[i];
     }
     m->converting = m->triggered = m->force_switch_open = false;
-    m->result_asked = m->cycle_asked = false;
+    m->result_asked = m->cycle_asked = m->settles = false;
     m->cycle = 0;
     m->bias_ns = now_ns;
     uint64_t own = c->random ^ 0x31865u;
@@ -106,7 +108,7 @@ static double platinum(double nominal, double t)
     return nominal * ratio;
 }
 
-/* What the converter sees between RTDIN+ and RTDIN-, in ohm of the current through the reference; pages 10, 20 to 22. */
+/* What the converter sees between RTDIN+ and RTDIN-, in ohm of the current through the reference; pages 10, 22, 23. */
 static double seen_ohm(struct max31865 *m)
 {
     const double *in = m->chip.input;
@@ -175,7 +177,7 @@ static double conversion_ms(const struct max31865 *m, bool single, double slowne
 
 static void begin_conversion(struct max31865 *m, uint64_t start_ns, bool single)
 {
-    m->converting = true;
+    m->converting = true; /* The 1-shot bit stays until the conversion has ended (unverified). */
     m->start_ns = start_ns;
     m->end_ns = start_ns + CHIP_MS(conversion_ms(m, single, m->slowness));
 }
@@ -196,6 +198,8 @@ static void end_cycle(struct max31865 *m)
 {
     compare(m, m->cycle != CYCLE, m->cycle != CYCLE_1);
     m->force_switch_open = m->cycle == CYCLE_1;
+    m->settles = true;
+    m->cycle_end_ns = m->asked_ns + CYCLE_NS_TYP;
     if (m->cycle != CYCLE_1) { /* the first manual step stays to be read */
         m->reg[CONFIG] &= (uint8_t)~CYCLE;
     }
@@ -345,6 +349,13 @@ static void trigger(struct max31865 *m, uint64_t now_ns)
         chip_wrong(c, "register 00h: a conversion between the two steps of manual fault detection");
         m->force_switch_open = false;
     }
+    double again_ns = BIAS_START_NS + 5.0 * time_constant_ns(m);
+    if (m->settles && (double)(now_ns - m->cycle_end_ns) < again_ns) { /* page 19 */
+        chip_wrong(
+            c, "a conversion %.3f ms after fault detection; 5 time constants and 1 ms are %.3f ms",
+            (double)(now_ns - m->cycle_end_ns) * 1e-6, again_ns * 1e-6);
+    }
+    m->settles = false;
     uint64_t on_ns = now_ns - m->bias_ns;
     if (!(config & AUTO) && !(config & BIAS)) {
         chip_wrong(c, "register 00h: 1-shot without VBIAS");

@@ -56,11 +56,17 @@ static bool read_pin(const char *text, hal_pin *pin)
     return true;
 }
 
+static bool no_pin(const char *text, char *err, size_t err_size)
+{
+    return sim_fail(err, err_size, "%s is no pin; pins are PA0 to PI15", text);
+}
+
+/* A pin that nobody has. */
 static bool take_pin(const struct wiring *w, const char *text, hal_pin *pin, char *err,
                      size_t err_size)
 {
     if (!read_pin(text, pin)) {
-        return sim_fail(err, err_size, "%s is no pin; pins are PA0 to PI15", text);
+        return no_pin(text, err, err_size);
     }
     for (size_t i = 0; i < w->n_sensors; i++) {
         if (w->sensor[i].select == *pin) {
@@ -242,7 +248,7 @@ static bool read_input(const struct chip_kind *kind, const char *word, struct wi
 }
 
 /* Bus and place on it. */
-static bool read_place(const struct wiring *w, const struct words *s, const struct chip_kind *kind,
+static bool read_place(const struct words *s, const struct chip_kind *kind,
                        struct wiring_sensor *sensor, char *err, size_t err_size)
 {
     static const char *const examples[] = {"spi1 PA4", "i2c1 0x48", "wire1"};
@@ -261,7 +267,7 @@ static bool read_place(const struct wiring *w, const struct words *s, const stru
                         examples[kind->bus], s->places > needed ? ", and one input" : "");
     }
     if (kind->bus == CHIP_SPI && !read_pin(s->word[3], &sensor->select)) {
-        return take_pin(w, s->word[3], &sensor->select, err, err_size);
+        return no_pin(s->word[3], err, err_size);
     }
     double address = 0.0;
     if (kind->bus == CHIP_I2C && (!chip_parse_hex(s->word[3], &address) || address > 0x7F)) {
@@ -275,7 +281,8 @@ static struct chips *bus_of(struct wiring *w, const struct wiring_sensor *sensor
 {
     struct chips **b = &w->bus[sensor->bus][sensor->bus_number - 1];
     if (*b == NULL) {
-        *b = chips_new(sensor->bus, w->seed * 31u + sensor->bus * 10u + sensor->bus_number);
+        *b = chips_new(sensor->bus,
+                       w->seed * 31u + (uint64_t)sensor->bus * 10u + sensor->bus_number);
     }
     return *b;
 }
@@ -346,10 +353,11 @@ static bool read_sensor(struct wiring *w, const struct words *s, const struct ch
 {
     struct own own;
     char rest[TEXT_SIZE];
-    struct wiring_sensor sensor = {.bus = kind->bus, .select = HAL_PIN_NONE, .line = s->line};
+    struct wiring_sensor sensor = {
+        .bus = kind->bus, .select = HAL_PIN_NONE, .input = kind->inputs[0].name, .line = s->line};
     bool there = false;
     if (!read_properties(s, &own, rest, err, err_size) ||
-        !read_place(w, s, kind, &sensor, err, err_size)) {
+        !read_place(s, kind, &sensor, err, err_size)) {
         return false;
     }
     if (own.has_active || own.has_travel) {

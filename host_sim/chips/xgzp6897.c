@@ -189,8 +189,9 @@ static uint8_t give_byte(struct chip *c, uint64_t now_ns, bool acknowledged)
                    at, since_ms, LONGEST_MS);
     }
     x->result_asked = false;
-    return at < TEMPERATURE ? (uint8_t)((uint32_t)x->pressure >> (8u * (PRESSURE + 2u - at)))
-                            : (uint8_t)((uint32_t)x->temperature >> (8u * (TEMPERATURE + 1u - at)));
+    unsigned last = at < TEMPERATURE ? PRESSURE + 2u : TEMPERATURE + 1u;
+    int32_t code = at < TEMPERATURE ? x->pressure : x->temperature;
+    return (uint8_t)((uint32_t)code >> (8u * (last - at)));
 }
 
 static void stop(struct chip *c, uint64_t now_ns)

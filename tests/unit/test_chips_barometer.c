@@ -47,7 +47,7 @@ static struct words calibration(void)
     int32_t word[12];
     TEST_ASSERT_TRUE(bench_i2c_read(AT, 0x88, b, 24));
     for (unsigned i = 0; i < 12; i++) {
-        word[i] = b[2 * i] | b[2 * i + 1] << 8;
+        word[i] = b[(size_t)2 * i] | b[(size_t)2 * i + 1] << 8;
     }
     w.t1 = (uint16_t)word[0];
     w.t2 = (int16_t)word[1];
@@ -78,7 +78,7 @@ static double pascal(const struct words *w, int32_t adc, int32_t t_fine)
     int64_t p = ((int64_t)(1048576 - adc) * 2147483648 - offset) * 3125 / scale;
     int64_t a = (w->p[9] * (p >> 13) * (p >> 13)) >> 25;
     int64_t b = (w->p[8] * p) >> 19;
-    return (double)(((p + a + b) >> 8) + w->p[7] * 16) / 256.0;
+    return (double)(((p + a + b) >> 8) + (int64_t)w->p[7] * 16) / 256.0;
 }
 
 static void codes(int32_t *p, int32_t *t)

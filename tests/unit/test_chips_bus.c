@@ -98,6 +98,30 @@ static void a_select_reaches_its_chip_alone(void)
     TEST_ASSERT_EQUAL_STRING("", chips_wrong(bus, NULL));
 }
 
+static void two_selects_at_once_are_noticed(void)
+{
+    add("max31865", "", HAL_PIN('A', 4));
+    add("max31856", "", HAL_PIN('B', 0));
+    chips_select(bus, now_ns, HAL_PIN('A', 4), true);
+    TEST_ASSERT_EQUAL_STRING("", chips_wrong(bus, NULL));
+    chips_select(bus, now_ns, HAL_PIN('B', 0), true);
+    TEST_ASSERT_EQUAL_STRING("max31856: selected while another chip of the bus is",
+                             chips_wrong(bus, NULL));
+}
+
+static void a_read_that_ends_with_an_acknowledgement_is_noticed(void)
+{
+    add("ads1115", "", HAL_PIN_NONE);
+    (void)i2c_get(0x48);
+    TEST_ASSERT_EQUAL_STRING("", chips_wrong(bus, NULL));
+    (void)chips_start(bus, now_ns, 0x48, true);
+    (void)chips_read(bus, now_ns, true);
+    (void)chips_read(bus, now_ns, true);
+    chips_stop(bus, now_ns);
+    TEST_ASSERT_EQUAL_STRING("ads1115: a read ends behind a byte that was acknowledged",
+                             chips_wrong(bus, NULL));
+}
+
 static void an_address_reaches_its_chip_alone(void)
 {
     uint8_t first[3] = {3, 0x12, 0x34};
@@ -209,7 +233,7 @@ static unsigned bad_pads(double noise)
         }
         for (unsigned i = 0; i < 72; i++) {
             bool bit = chips_slot(bus, now_ns, true);
-            differ += bit != ((first[i / 8] >> (i % 8)) & 1u);
+            differ += bit != (((unsigned)first[i / 8] >> (i % 8)) & 1u);
         }
         bad += differ != 0;
     }
@@ -241,6 +265,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_select_reaches_its_chip_alone);
+    RUN_TEST(two_selects_at_once_are_noticed);
+    RUN_TEST(a_read_that_ends_with_an_acknowledgement_is_noticed);
     RUN_TEST(an_address_reaches_its_chip_alone);
     RUN_TEST(a_chip_that_does_not_fit_is_refused);
     RUN_TEST(a_fault_that_is_none_is_refused);

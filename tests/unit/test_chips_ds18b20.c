@@ -38,7 +38,7 @@ static enum chips_answer reset(void)
 static void put(uint8_t byte)
 {
     for (unsigned i = 0; i < 8; i++) {
-        (void)slot((byte >> i) & 1u);
+        (void)slot(((unsigned)byte >> i) & 1u);
     }
 }
 
@@ -55,7 +55,7 @@ static uint8_t crc(const uint8_t *bytes, size_t n)
 {
     unsigned shift = 0;
     for (size_t i = 0; i < 8 * n; i++) {
-        unsigned feedback = (shift & 1u) ^ ((bytes[i / 8] >> (i % 8)) & 1u);
+        unsigned feedback = (shift & 1u) ^ (((unsigned)bytes[i / 8] >> (i % 8)) & 1u);
         shift >>= 1;
         shift ^= feedback ? 0x8Cu : 0u;
     }
@@ -354,7 +354,7 @@ static double serial_of(const uint8_t rom[8])
 static void a_search_finds_each_of_several_once(void)
 {
     for (size_t n = 0; n <= SENSORS_MAX - 1; n += 1) {
-        uint8_t found[SENSORS_MAX][8];
+        uint8_t found[SENSORS_MAX][8] = {{0}};
         TEST_ASSERT_EQUAL_INT(n + 1, search(0xF0, found, SENSORS_MAX));
         for (size_t k = 0; k < n; k++) {
             unsigned times = 0;
@@ -373,7 +373,7 @@ static void a_search_finds_each_of_several_once(void)
 
 static void an_alarm_search_finds_those_beyond_their_limits(void)
 {
-    uint8_t found[SENSORS_MAX][8];
+    uint8_t found[SENSORS_MAX][8] = {{0}};
     add_sensors(3, 5);
     TEST_ASSERT_TRUE(chip_set(sensors[1], "temperature", 80, bench_err, sizeof(bench_err)));
     write_settings(75, 10, 0x7F);
@@ -384,7 +384,7 @@ static void an_alarm_search_finds_those_beyond_their_limits(void)
 
 static void a_matched_chip_answers_alone(void)
 {
-    uint8_t found[SENSORS_MAX][8];
+    uint8_t found[SENSORS_MAX][8] = {{0}};
     add_sensors(5, 77);
     bench_set("temperature", -7);
     convert(750);

@@ -226,8 +226,21 @@ static void one_thing_at_two_places_is_refused(void)
                    "properties of the chip stand in line 1, with a");
     expect_refused("a ds18b20 wire1 rom=28-000005e2fdc3\nb ds18b20 wire1 rom=28-000005E2FDC3\n", 2,
                    "the rom is that of a in line 1; each chip has its own");
+    expect_refused("V valve PB0 PB1 travel=9\nQ ssr PB1\n", 2,
+                   "PB1 is a pin of V in line 1; each has its own pin");
     expect_refused("V valve PB0 PB0 travel=9\n", 1,
                    "PB0 opens and closes the valve; it has a pin for each");
+}
+
+static void two_quantities_of_one_chip_are_two_lines(void)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        read_text("T max31856 spi1 PA4 type=T\nC max31856 spi1 PA4 cold\n"), err);
+    TEST_ASSERT_EQUAL_PTR(wiring_sensor(w, 0)->chip, wiring_sensor(w, 1)->chip);
+    wiring_measure(w, 0, 80);
+    wiring_measure(w, 1, 30);
+    TEST_ASSERT_EQUAL_DOUBLE(80, wiring_sensor(w, 0)->chip->input[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(30, wiring_sensor(w, 0)->chip->input[1]);
 }
 
 static void the_same_address_on_two_buses_is_two_chips(void)
@@ -301,6 +314,7 @@ int main(void)
     RUN_TEST(a_load_follows_its_pin_unless_it_is_shorted_or_broken);
     RUN_TEST(lines_that_are_not_whole_are_refused);
     RUN_TEST(one_thing_at_two_places_is_refused);
+    RUN_TEST(two_quantities_of_one_chip_are_two_lines);
     RUN_TEST(the_same_address_on_two_buses_is_two_chips);
     RUN_TEST(properties_that_do_not_fit_are_refused);
     RUN_TEST(a_file_that_is_not_there_is_told);
