@@ -28,6 +28,10 @@ if(REFLUX_BOARD MATCHES "^stm32")
   if(REFLUX_BOARD STREQUAL "stm32f405")
     target_sources(${image} PRIVATE ${port}/options.c ${port}/ram_test.c)
   endif()
+  if(REFLUX_HAS_CONFIG_DEVICES)
+    target_sources(${image} PRIVATE ${port}/pin_map.c ${port}/spi.c ${port}/i2c.c ${port}/onewire.c ${port}/analog.c ${port}/pulse.c
+      ${port}/output.c)
+  endif()
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
     "-fno-builtin;-fno-tree-loop-distribute-patterns")

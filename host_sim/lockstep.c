@@ -139,18 +139,44 @@ static bool tick_is_over(const struct lockstep *k)
     return pins_side_left(k->pins) == 0;
 }
 
-/* The same at the board's own pins: its clock goes on by a tick. */
-static enum outcome run_board(struct lockstep *k, const struct link_sample *sample)
+/* Until this part of the tick at the board's own pins is over. */
+static enum outcome run_board(struct lockstep *k)
 {
-    pins_side_begin(k->pins, sample);
     uint64_t left_ms;
     while ((left_ms = pins_side_left(k->pins)) > 0) {
         if (lockstep_wait(k, tick_is_over, left_ms) == STOPPED) {
             return STOPPED;
         }
     }
-    return pins_side_end(k->pins, &k->link->command) ? GOT_IT
-                                                     : lockstep_stop(k, "the board is gone");
+    return GOT_IT;
+}
+
+/* At the board's own pins its clock goes on by a tick. Console lines come when it has taken its sample: those of the first tick, which are settings
+ * mostly, before plant time begins. */
+static enum outcome pass_tick(struct lockstep *k, const struct link_sample *sample)
+{
+    double time_s = (double)k->time_ms / 1000.0;
+    bool first = k->samples == 0;
+    enum outcome r = first ? lockstep_lines(k, time_s) : GOT_IT;
+    while (r == GOT_IT && first && !pins_side_is_set_up(k->pins)) {
+        pins_side_set_up(k->pins, sample);
+        r = run_board(k);
+    }
+    if (r == GOT_IT) {
+        pins_side_begin(k->pins, sample);
+        r = run_board(k);
+    }
+    if (r == GOT_IT && !first) {
+        r = lockstep_lines(k, time_s);
+    }
+    pins_side_go_on(k->pins);
+    if (r == GOT_IT) {
+        r = run_board(k);
+    }
+    if (r == GOT_IT && !pins_side_end(k->pins, &k->link->command)) {
+        r = lockstep_stop(k, "the board is gone");
+    }
+    return r;
 }
 
 /* Sends the sample and waits until it is answered in full, through restarts if need be. */
@@ -225,13 +251,13 @@ static enum outcome one_sample(struct lockstep *k)
     if (!events_apply(k->events, time_s, k->plant, k->instruments, k->error, sizeof(k->error))) {
         return STOPPED;
     }
-    enum outcome r = lockstep_lines(k, time_s);
+    enum outcome r = k->pins != NULL ? GOT_IT : lockstep_lines(k, time_s);
     if (r != GOT_IT) {
         return r;
     }
     struct link_sample sample = {.number = k->number, .time_ms = k->time_ms};
     instruments_measure(k->instruments, k->plant, (double)k->tick_ms / 1000.0, &sample);
-    r = k->pins != NULL ? run_board(k, &sample) : exchange(k, &sample);
+    r = k->pins != NULL ? pass_tick(k, &sample) : exchange(k, &sample);
     if (r != GOT_IT) {
         return r;
     }

@@ -73,27 +73,61 @@ void pins_side_turn(struct pins_side *p)
     }
 }
 
-void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
-{
-    for (size_t i = 0; i < p->n_measurements; i++)
-        if (p->sensor_of[i] != PINS_NONE)
-            p->port->ops->measure(p->port, wiring_sensor(p->wiring, p->sensor_of[i])->name,
-                                  (double)sample->measurement[i].value);
-    (void)p->port->ops->loads(p->port, p->loads_ns, wiring_n_outputs(p->wiring));
-    uint64_t began_ns;
-    p->port->ops->clock(p->port, &p->begin_ns, &began_ns);
-    /* Just before the millisecond of the firmware's clock that is a whole multiple of the tick. */
-    uint64_t passed = p->begin_ns - began_ns + MS_NS, tick_ns = p->tick_ms * MS_NS;
-    p->end_ns = began_ns + passed - passed % tick_ns + tick_ns - MS_NS + DONE_NS;
-    if (p->port->ops->limit != NULL)
-        p->port->ops->limit(p->port, p->end_ns);
-}
-
 static uint64_t now_of(const struct pins_side *p)
 {
     uint64_t now_ns, began_ns;
     p->port->ops->clock(p->port, &now_ns, &began_ns);
     return now_ns;
+}
+
+static void stop_at(struct pins_side *p, uint64_t ns)
+{
+    p->end_ns = ns;
+    if (p->port->ops->limit != NULL)
+        p->port->ops->limit(p->port, ns);
+}
+
+/* When the firmware's clock next is just before a whole multiple of step_ms. */
+static uint64_t next_multiple(const struct pins_side *p, uint64_t step_ms)
+{
+    uint64_t now_ns, began_ns, step_ns = step_ms * MS_NS;
+    p->port->ops->clock(p->port, &now_ns, &began_ns);
+    uint64_t passed = now_ns - began_ns + MS_NS;
+    return began_ns + passed - passed % step_ns + step_ns - MS_NS + DONE_NS;
+}
+
+static void measure(struct pins_side *p, const struct link_sample *sample)
+{
+    for (size_t i = 0; i < p->n_measurements; i++)
+        if (p->sensor_of[i] != PINS_NONE)
+            p->port->ops->measure(p->port, wiring_sensor(p->wiring, p->sensor_of[i])->name,
+                                  (double)sample->measurement[i].value);
+}
+
+void pins_side_set_up(struct pins_side *p, const struct link_sample *sample)
+{
+    measure(p, sample);
+    stop_at(p, next_multiple(p, PINS_START_MS));
+}
+
+bool pins_side_is_set_up(const struct pins_side *p)
+{
+    uint64_t now_ns, began_ns;
+    p->port->ops->clock(p->port, &now_ns, &began_ns);
+    return (now_ns - began_ns + MS_NS) % (PINS_START_MS * MS_NS) < MS_NS;
+}
+
+void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
+{
+    measure(p, sample);
+    (void)p->port->ops->loads(p->port, p->loads_ns, wiring_n_outputs(p->wiring));
+    p->begin_ns = now_of(p);
+    stop_at(p, p->begin_ns + p->tick_ms * MS_NS / 4u);
+}
+
+void pins_side_go_on(struct pins_side *p)
+{
+    stop_at(p, next_multiple(p, p->tick_ms));
 }
 
 uint64_t pins_side_left(const struct pins_side *p)

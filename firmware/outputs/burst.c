@@ -45,6 +45,12 @@ static enum err burst_open(void *state, const struct output_settings *s, float *
     return output_switch_open(&b->contact, s->pin[OUTPUT_PIN], s->low, 0, 0);
 }
 
+static void burst_align(void *state, uint32_t now_ms)
+{
+    struct output_burst *b = state;
+    b->left_ms = b->group_ms - now_ms % b->group_ms;
+}
+
 /* A group begins; part of it may have passed already, where the clock stood. */
 static void begin_group(struct output_burst *b, uint32_t late_ms)
 {
@@ -79,5 +85,8 @@ static uint32_t burst_off(void *state, uint32_t elapsed_ms)
     return amount;
 }
 
-const struct output_kind burst_output = {
-    .check = burst_check, .open = burst_open, .step = burst_step, .off = burst_off};
+const struct output_kind burst_output = {.check = burst_check,
+                                         .open = burst_open,
+                                         .align = burst_align,
+                                         .step = burst_step,
+                                         .off = burst_off};

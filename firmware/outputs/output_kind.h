@@ -24,6 +24,9 @@ struct output_kind {
     /* Not in the clock. Opens the pins, all off, and begins. *full: the amount, without its 1/65536, that a millisecond with command 1
      * gives. Errors of hal/output.h. */
     enum err (*open)(void *state, const struct output_settings *s, float *full);
+    /* Clock. Before a step() that follows an off(): periods end at whole multiples of their length of this clock, so that what an output does
+     * depends on when, and not on since when. May be missing. */
+    void (*align)(void *state, uint32_t now_ms);
     /* Clock. elapsed_ms have passed since the turn before, 1 to OUTPUT_ELAPSED_MAX; the command holds from now on. Returns the amount
      * of the time that has passed. */
     uint32_t (*step)(void *state, uint32_t command, uint32_t elapsed_ms);

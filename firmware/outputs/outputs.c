@@ -230,7 +230,10 @@ static void step_one(struct output *o, bool safe, bool heat, uint32_t elapsed_ms
         rule = OUTPUT_SAFE;
     else if (o->heater && !heat)
         rule = OUTPUT_NO_ENABLE;
+    bool begins = rule == OUTPUT_COMMANDED && o->rule != OUTPUT_COMMANDED;
     o->rule = (uint8_t)rule;
+    if (begins && o->kind->align)
+        o->kind->align(&o->state, all.now_ms - elapsed_ms);
     bool keeps = rule != OUTPUT_SAFE && rule != OUTPUT_NO_ENABLE && o->kind->keeps_position;
     if (rule == OUTPUT_COMMANDED)
         o->amount += o->kind->step(&o->state, command, elapsed_ms);

@@ -50,6 +50,12 @@ static enum err window_open(void *state, const struct output_settings *s, float 
     return output_switch_open(&w->contact, s->pin[OUTPUT_PIN], s->low, least_on, least_off);
 }
 
+static void window_align(void *state, uint32_t now_ms)
+{
+    struct output_window *w = state;
+    w->left_ms = w->period_ms - now_ms % w->period_ms;
+}
+
 static void window_pass(struct output_window *w, uint32_t elapsed_ms)
 {
     if (elapsed_ms < w->left_ms)
@@ -96,5 +102,8 @@ static uint32_t window_off(void *state, uint32_t elapsed_ms)
     return amount;
 }
 
-const struct output_kind window_output = {
-    .check = window_check, .open = window_open, .step = window_step, .off = window_off};
+const struct output_kind window_output = {.check = window_check,
+                                          .open = window_open,
+                                          .align = window_align,
+                                          .step = window_step,
+                                          .off = window_off};

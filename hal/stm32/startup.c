@@ -5,6 +5,7 @@
 #include "board.h"
 #include "hal/memory_use.h"
 #include "registers.h"
+#include "vectors.h"
 
 /* Written into the stack at start; what still holds it later was never used. */
 #define STACK_PAINT 0x5AC35AC3u
@@ -36,10 +37,7 @@ __attribute__((section(".vectors"), used)) static const union vector vectors[VEC
     [12] = {.handler = interrupt_unexpected},
     [14] = {.handler = interrupt_pendsv},
     [15] = {.handler = interrupt_systick},
-    [16 ... 16 + USART1_IRQ - 1] = {.handler = interrupt_unexpected},
-    [16 + USART1_IRQ] = {.handler = interrupt_usart1},
-    [16 + USART2_IRQ] = {.handler = interrupt_usart2},
-    [16 + USART2_IRQ + 1 ... VECTOR_COUNT - 1] = {.handler = interrupt_unexpected},
+    PORT_VECTORS,
 };
 
 /* The stack pointer of a fault may be the very thing that is wrong (a stack that ran out of its area at the

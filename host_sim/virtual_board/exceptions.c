@@ -8,6 +8,8 @@
 
 #include "core.h"
 
+#define NS_PER_MS UINT64_C(1000000)
+
 #define EXC_HANDLER  0xFFFFFFF1u
 #define EXC_THREAD   0xFFFFFFF9u
 #define EXC_NO_FP    0x10u
@@ -35,6 +37,8 @@ void exception_enter(struct processor *p, unsigned exception, uint32_t return_to
 {
     uint32_t f[EXTENDED], sp = core_get(p, UC_ARM_REG_SP),
                           control = core_get(p, UC_ARM_REG_CONTROL);
+    if (exception == EXCEPTION_SYSTICK)
+        p->board->clock_began_ns = board_ns(p->board) - ++p->board->clock_ms * NS_PER_MS;
     bool fp = p->board->chip->fpu && (control & CONTROL_FPCA) != 0;
     bool aligned = interrupts_align_stack(p->interrupts) && (sp & 4u) != 0;
     for (unsigned i = 0; i < BASIC_WORDS; i++)

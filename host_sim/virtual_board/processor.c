@@ -271,6 +271,7 @@ void processor_reset(struct board *b)
     uint32_t vector[2];
     (void)memcpy(vector, p->memory[0], sizeof(vector));
     p->fpu_on = false;
+    b->clock_ms = 0;
     interrupts_reset(p->interrupts);
     p->sleeping = p->locked_up = p->left = p->failed = false;
     p->protection_changed = true;

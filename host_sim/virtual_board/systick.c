@@ -41,8 +41,6 @@ void systick_restart(struct interrupts *i)
     bool on = (control_word(i, SYST_CSR) & SYST_ENABLE) != 0 && control_word(i, SYST_RVR) != 0;
     if (on && !i->tick_cleared)
         board_verdict(i->board, "SysTick started without a write of SYST_CVR before");
-    if (on)
-        i->board->clock_began_ns = board_ns(i->board);
     i->tick_next = on ? i->board->cycles + tick_period(i) : BOARD_NEVER;
     processor_break(i->board);
 }
