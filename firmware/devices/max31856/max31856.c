@@ -149,7 +149,9 @@ static bool max31856_compare(struct device *d, const uint8_t in[REGISTERS], uint
     bool again = memcmp(d->kept, in, REGISTERS) != 0;
     if (!again) {
         *faults = max31856_check(d, in);
-        again = (*faults & DEVICE_LOST) == 0 && (in[AT_CR0] & ONE_SHOT) != 0;
+        /* A voltage beyond the supply holds conversions up, and is itself what must be told. */
+        again = (*faults & DEVICE_LOST) == 0 && (in[AT_CR0] & ONE_SHOT) != 0 &&
+                (in[AT_STATUS] & BEYOND_SUPPLY) == 0;
         if (again)
             *faults = DEVICE_WRONG_CHIP; /* if its conversion does not end */
     }

@@ -15,7 +15,7 @@
 #define SPI_HZ      1000000u
 #define INTERVAL_MS 100u
 
-/* Configuration, p. 12 and 13. */
+/* Configuration Register (00h), p. 12 and following. */
 enum {
     BIAS = 0x80,
     ONE_SHOT = 0x20,
@@ -157,7 +157,8 @@ static void max31865_compare(struct device *d, const uint8_t in[REGISTERS])
     bool again = memcmp(&d->kept[KEPT_FIRST], in, REGISTERS) != 0;
     if (!again) {
         faults = max31865_check(d, in);
-        again = faults == 0 && (in[AT_CONFIG] & ONE_SHOT) != 0;
+        /* A voltage beyond the supply holds conversions up, and is itself what must be told. */
+        again = faults == 0 && (in[AT_CONFIG] & ONE_SHOT) != 0 && (in[7] & BEYOND_SUPPLY) == 0;
         if (again)
             faults = DEVICE_WRONG_CHIP; /* if its conversion does not end */
         if (faults == 0)

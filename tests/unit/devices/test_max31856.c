@@ -258,6 +258,16 @@ static void a_slow_conversion_is_waited_for(void)
     TEST_ASSERT_EQUAL_FLOAT(100.5f, value_of(&r));
 }
 
+/* The chip waits with its conversion until the voltage is gone. */
+static void a_voltage_that_holds_the_conversion_up_is_told_as_such(void)
+{
+    begin();
+    script(SET_UP, "");
+    script("80 51", "");
+    read_pair("51 03 00 " THRESHOLDS " " VALUES " 02");
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_VOLTAGE, after_cycle().faults);
+}
+
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
     begin();
@@ -312,6 +322,7 @@ int main(void)
     RUN_TEST(reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_slow_conversion_is_waited_for);
+    RUN_TEST(a_voltage_that_holds_the_conversion_up_is_told_as_such);
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);
     RUN_TEST(settings_that_the_chip_cannot_have_are_refused);

@@ -272,6 +272,18 @@ static void a_slow_conversion_is_waited_for(void)
     TEST_ASSERT_EQUAL(11346, script_result(&d).code[0]);
 }
 
+/* The chip waits with its conversion until the voltage is gone. */
+static void a_voltage_that_holds_the_conversion_up_is_told_as_such(void)
+{
+    write_thresholds();
+    convert();
+    read_pair("A1 12 35 " THRESHOLDS " 04");
+    bias_off();
+    begin(200);
+    script_run(&d, 150);
+    expect_faults(1, DEVICE_VOLTAGE);
+}
+
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
     write_thresholds();
@@ -344,6 +356,7 @@ int main(void)
     RUN_TEST(two_reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_slow_conversion_is_waited_for);
+    RUN_TEST(a_voltage_that_holds_the_conversion_up_is_told_as_such);
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);
     RUN_TEST(settings_that_the_chip_cannot_have_are_refused);
