@@ -8,7 +8,7 @@
  *     - the registers stand still afterwards, so that they can be read twice and compared: the chip has no checksum;
  *     - the fault detection cycle, which continuous conversion does not allow, comes before each conversion;
  *     - a PT100 warms itself for a tenth of the time only;
- *     - a conversion that never began leaves a trace (the bit of the one-shot), a converter that stopped would leave a plausible number.
+ *     - a conversion that never began is seen (the bit of the one-shot), a converter that stopped would leave a plausible number.
  *
  * What a reading can say, within the same cycle:
  *     open: ratio at the upper threshold (850 degC), or REFIN- at its bias; short: ratio at the lower threshold (-200 degC);
