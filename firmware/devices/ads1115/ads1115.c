@@ -59,8 +59,6 @@ static uint16_t ads1115_send(struct device *d, uint32_t now_ms)
         d->bytes[2] = (uint8_t)config;
         return device_begin(d, now_ms, 3, 0, 0);
     case STARTED:
-        d->bytes[0] = AT_CONFIG;
-        return device_begin(d, now_ms, 1, 2, 0);
     case CHECK:
         d->bytes[0] = AT_CONFIG;
         return device_begin(d, now_ms, 1, 2, 0);

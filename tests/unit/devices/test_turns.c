@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/time.h>
 
@@ -179,8 +180,8 @@ static uint16_t wait_of(uint8_t line, unsigned n, uint16_t wait_ms)
 {
     static struct device_kind kind;
     char in[3 * DEVICE_BUFFER + 1] = "";
-    for (unsigned k = 1; k < n; k++)
-        strcat(in, "00 ");
+    for (size_t k = 1; k < n; k++)
+        snprintf(in + 3 * (k - 1), 4, "00 ");
     kind = two_bytes;
     kind.line = line;
     a.kind = &kind;
