@@ -150,7 +150,7 @@ static void each_bit_of_the_fault_register_is_told(void)
 {
     static const struct {
         const char *registers;
-        uint16_t told;
+        uint16_t faults;
     } rows[] = {
         {SETTINGS " " VALUES " 01", DEVICE_OPEN},
         {SETTINGS " " VALUES " 02", DEVICE_VOLTAGE},
@@ -170,7 +170,7 @@ static void each_bit_of_the_fault_register_is_told(void)
         convert();
         read_pair(rows[k].registers);
         struct device_result r = after_cycle();
-        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].registers);
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].faults, r.faults, rows[k].registers);
         TEST_ASSERT_EQUAL_HEX8(strtoul(strrchr(rows[k].registers, ' '), NULL, 16), r.code[2]);
     }
 }

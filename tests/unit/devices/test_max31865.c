@@ -155,7 +155,7 @@ static void each_bit_of_the_fault_register_is_told(void)
 {
     static const struct {
         const char *config_and_ratio, *fault;
-        uint16_t told;
+        uint16_t faults;
     } rows[] = {
         {"81 FF FF", "80", DEVICE_OPEN},    {"81 FF FF", "A0", DEVICE_OPEN},
         {"81 58 A5", "20", DEVICE_OPEN},    {"81 FF FF", "A8", DEVICE_OPEN},
@@ -172,7 +172,7 @@ static void each_bit_of_the_fault_register_is_told(void)
         script_run(&d, 100);
         struct device_result r = script_result(&d);
         TEST_ASSERT_EQUAL(k + 1, r.number);
-        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].fault);
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].faults, r.faults, rows[k].fault);
         TEST_ASSERT_EQUAL_HEX8(strtoul(rows[k].fault, NULL, 16), r.code[1]);
     }
 }
