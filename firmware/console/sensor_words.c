@@ -2,10 +2,10 @@
 #include "console/sensor_words.h"
 
 #include "console/phrases.h"
-#include "io/fault_words.h"
+#include "devices/devices.h"
 
 void sensor_event_words(const struct event *e, struct text *line)
 {
-    if (e->code == EVENT_SENSOR_FAULT)
-        put_reason(line, fault_word_text(e->detail));
+    if (e->code == EVENT_SENSOR_FAULT && e->detail != 0)
+        put_reason(line, device_fault_text((uint16_t)(1u << (e->detail - 1u))));
 }

@@ -81,6 +81,7 @@ struct device_kind {
     bool (*value)(const struct device_settings *s, const int32_t code[DEVICE_CODES], float *value);
 };
 
+/* Stays where it is while it is open: transfers point into it. */
 struct device {
     const struct device_kind *kind;
     struct device_settings settings;

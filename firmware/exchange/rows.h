@@ -40,9 +40,11 @@
 #if CONFIG_DEVICES
 #define DEVICE_ROWS             ROWS_HERE
 #define DEVICE_NUMBER_ROWS(...) __VA_ARGS__ /* each ends with its comma */
+#define DEVICE_VALUES(...)      __VA_ARGS__
 #else
 #define DEVICE_ROWS ROWS_NOWHERE
 #define DEVICE_NUMBER_ROWS(...)
+#define DEVICE_VALUES(...)
 #endif
 
 #endif

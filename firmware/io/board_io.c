@@ -8,7 +8,6 @@
 #include "base/crc32.h"
 #include "base/elapsed.h"
 #include "io/board_devices.h"
-#include "io/fault_words.h"
 #include "outputs/output_kind.h"
 #include "outputs/outputs.h"
 
@@ -117,14 +116,18 @@ bool board_io_clock(struct board_io *b, uint32_t now_ms)
 
 /* ---- tick ---- */
 
+/* People are told the first of these faults: where nothing answers, nothing else is known. The detail of the event is its number, from 1. */
 static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
 {
-    uint8_t fault = fault_word(faults);
-    if (fault == b->told[i])
+    uint16_t first = (uint16_t)(faults & (uint16_t)-faults);
+    if (first == b->told[i])
         return;
-    b->told[i] = fault;
-    event_put(b->events, *b->plant_time, fault != 0 ? EVENT_SENSOR_FAULT : EVENT_SENSOR_FINE,
-              b->settings->device[b->row[i]].name, (float)faults, fault);
+    b->told[i] = first;
+    uint8_t number = 0;
+    while (first >> number != 0)
+        number++;
+    event_put(b->events, *b->plant_time, first != 0 ? EVENT_SENSOR_FAULT : EVENT_SENSOR_FINE,
+              b->settings->device[b->row[i]].name, (float)faults, number);
 }
 
 static struct io_reading reading_of(struct board_io *b, unsigned i, uint64_t now_ms)

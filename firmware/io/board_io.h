@@ -20,10 +20,9 @@
 struct board_io {
     const struct pins_config *settings; /* of the plan in force */
     struct device device[CONFIG_DEVICES];
-    uint8_t row[CONFIG_DEVICES]; /* of each device in settings->device */
-    uint8_t
-        told[CONFIG_DEVICES];   /* fault of each device that an event has told (io/fault_words.h) */
-    bool works[CONFIG_DEVICES]; /* false: its kind has refused its settings */
+    uint8_t row[CONFIG_DEVICES];   /* of each device in settings->device */
+    uint16_t told[CONFIG_DEVICES]; /* fault of each device that an event has told */
+    bool works[CONFIG_DEVICES];    /* false: its kind has refused its settings */
     uint8_t n_devices;
     uint8_t output_row[CONFIG_OUTPUTS]; /* of each output in settings->output */
     uint8_t output_at[CONFIG_OUTPUTS];  /* its index in firmware/outputs */

@@ -147,7 +147,7 @@ static enum err make_noise(struct transfer *t)
 static void hex_of(const uint8_t *bytes, unsigned n, char text[3 * BYTES_MAX + 1])
 {
     text[0] = '\0';
-    for (unsigned k = 0; k < n; k++)
+    for (size_t k = 0; k < n; k++)
         snprintf(text + 3 * k, 4, "%02X ", bytes[k]);
 }
 
@@ -161,8 +161,11 @@ static struct line_of_script *follow(enum device_line bus_line, uint8_t bus,
     script_seen.transfers++;
     hex_of(t->out, t->n_out, sent);
     snprintf(where, sizeof where, "transfer %u at %u ms", made, (unsigned)script_board.now_ms);
-    if (made == written)
-        TEST_FAIL_MESSAGE(strcat(strcat(where, " is not in the script: "), sent));
+    if (made == written) {
+        char surplus[sizeof where + sizeof sent + 32];
+        snprintf(surplus, sizeof surplus, "%s is not in the script: %s", where, sent);
+        TEST_FAIL_MESSAGE(surplus);
+    }
     struct line_of_script *line = &lines[made];
     began_ms[made++] = script_board.now_ms;
     hex_of(line->out, line->n_out, wanted);

@@ -59,8 +59,6 @@ static uint16_t ads1115_send(struct device *d, uint32_t now_ms)
         d->bytes[2] = (uint8_t)config;
         return device_begin(d, now_ms, 3, 0, 0);
     case STARTED:
-        d->bytes[0] = AT_CONFIG;
-        return device_begin(d, now_ms, 1, 2, ADS1115_MS);
     case CHECK:
         d->bytes[0] = AT_CONFIG;
         return device_begin(d, now_ms, 1, 2, 0);
@@ -131,8 +129,11 @@ static uint16_t ads1115_step(struct device *d, uint32_t now_ms)
     int32_t code[DEVICE_CODES] = {0};
     if (device_has_begun(d)) {
         uint16_t faults = device_ended(d);
+        bool started = d->stage == STARTED;
         if (faults != 0 || ads1115_took(d, code, &faults))
             return device_finish(d, now_ms, code, faults);
+        if (started && d->stage == READ)
+            return ADS1115_MS;
     }
     return ads1115_send(d, now_ms);
 }

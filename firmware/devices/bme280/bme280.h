@@ -5,7 +5,8 @@
  * Codes: pressure, 1/256 Pa; temperature, 0.01 degC.
  *
  * Each reading is one conversion (forced mode) with sixteen samples of pressure and two of temperature. The calibration is read twice at the
- * start, and again after each failure. Humidity is left out.
+ * start, and again after each failure. Humidity is left out. A conversion that did not begin, because its command was disturbed, shows the
+ * reading before once more.
  *
  * What a reading can say: no chip: no acknowledgement; wrong chip: another id, or a conversion that does not end; power on: the
  * configuration is gone; checksum: two reads differ; range: the chip has not measured, or its calibration is none.

@@ -11,7 +11,7 @@
  *     85 degC as such is good;
  *     no chip: no presence pulse, or only ones: no chip with this address; bus: only zeros; checksum: wrong in both of two reads;
  *     wrong chip: it does not have 12 bits.
- * A cell that is open or shorted does not exist here: wires shorted or broken show as no chip or as a failure of the bus.
+ * The sensor is part of the chip, so nothing of it can be open or shorted. Wires that are show as no chip or as a failure of the bus.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

@@ -37,7 +37,10 @@ enum {
 #define CONVERT_60_MS 205u
 #define PAIRS_MAX     4u
 
-enum max31856_stage { REST, SET_UP, CONVERT, READ, COMPARE };
+enum max31856_stage { REST, SET_UP, CONVERT, STARTED, READ, COMPARE };
+
+/* Places in kept[]. */
+enum { KEPT_FIRST, KEPT_SHOWS = REGISTERS / 4 };
 
 struct thermocouple_type {
     char letter;
@@ -101,7 +104,10 @@ static uint16_t max31856_send(struct device *d, uint32_t now_ms)
         max31856_settings(&d->settings, &d->bytes[1]);
         d->bytes[0] = AT_CR0 | WRITE;
         d->bytes[1] |= ONE_SHOT;
-        return device_begin(d, now_ms, 2, 0, d->settings.mains_60 ? CONVERT_60_MS : CONVERT_50_MS);
+        return device_begin(d, now_ms, 2, 0, 0);
+    case STARTED:
+        d->bytes[0] = AT_CR0;
+        return device_begin(d, now_ms, 1, 1, 0);
     default: /* READ, COMPARE */
         d->bytes[0] = AT_CR0;
         return device_begin(d, now_ms, 1, REGISTERS, 0);
@@ -146,14 +152,27 @@ static uint16_t max31856_check(const struct device *d, const uint8_t in[REGISTER
 static bool max31856_compare(struct device *d, const uint8_t in[REGISTERS], uint16_t *faults)
 {
     *faults = DEVICE_CHECKSUM;
-    bool again = memcmp(d->kept, in, REGISTERS) != 0;
+    bool again = memcmp(&d->kept[KEPT_FIRST], in, REGISTERS) != 0;
     if (!again) {
         *faults = max31856_check(d, in);
-        again = (*faults & DEVICE_LOST) == 0 && (in[AT_CR0] & ONE_SHOT) != 0;
+        /* A voltage beyond the supply holds conversions up, and is itself what must be told. */
+        again = (*faults & DEVICE_LOST) == 0 && (in[AT_CR0] & ONE_SHOT) != 0 &&
+                (in[AT_STATUS] & BEYOND_SUPPLY) == 0;
         if (again)
             *faults = DEVICE_WRONG_CHIP; /* if its conversion does not end */
     }
     return !again || ++d->tries == PAIRS_MAX;
+}
+
+/* A write that was disturbed may have begun nothing, and the temperature of the conversion before would be read. The bit of the one-shot clears
+ * itself, and where a chip has shown it once while it converts (KEPT_SHOWS), it must show it each time. True: it converts. */
+static bool max31856_started(struct device *d, uint8_t cr0)
+{
+    bool shows = (cr0 & ONE_SHOT) != 0;
+    if (!shows && d->kept[KEPT_SHOWS] != 0)
+        return false;
+    d->kept[KEPT_SHOWS] = shows;
+    return true;
 }
 
 /* The upper bits of big-endian bytes, with a sign. */
@@ -177,8 +196,20 @@ static uint16_t max31856_step(struct device *d, uint32_t now_ms)
         return device_finish(d, now_ms, code, faults);
     const uint8_t *in = &d->bytes[1];
     switch (d->stage) {
+    case STARTED:
+        if (max31856_started(d, in[0])) {
+            d->tries = 0;
+            d->stage = READ;
+            return d->settings.mains_60 ? CONVERT_60_MS : CONVERT_50_MS;
+        }
+        if (++d->tries == PAIRS_MAX) {
+            d->kept[KEPT_SHOWS] = 0;
+            return device_finish(d, now_ms, code, DEVICE_WRONG_CHIP);
+        }
+        d->stage = CONVERT;
+        break;
     case READ:
-        memcpy(d->kept, in, REGISTERS);
+        memcpy(&d->kept[KEPT_FIRST], in, REGISTERS);
         d->stage = COMPARE;
         break;
     case COMPARE:

@@ -7,7 +7,7 @@
  * change its registers between two reads. Values and faults come in one burst; its settings come with them, so that the type is known to be the
  * right one.
  *
- * What a reading can say: open; voltage: over- or undervoltage, while which the chip keeps its old temperature; cold junction: outside -20 to
+ * What a reading can say: open; voltage: over- or undervoltage, during which the chip keeps its old temperature; cold junction: outside -20 to
  * 85 degC, where the chip is good to 0.7 K, or outside of what it can have; range: outside the range of the type; power on: the settings are
  * those of power-on; wrong chip: they are others, or a conversion does not end; no chip: all bits alike; checksum: two reads differ.
  * A thermocouple that is shorted measures the temperature of the short, which no chip can tell.

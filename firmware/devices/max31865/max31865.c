@@ -15,7 +15,7 @@
 #define SPI_HZ      1000000u
 #define INTERVAL_MS 100u
 
-/* Configuration, p. 12 and 13. */
+/* Configuration Register (00h), p. 12 and following. */
 enum {
     BIAS = 0x80,
     ONE_SHOT = 0x20,
@@ -51,13 +51,22 @@ enum max31865_stage {
     BIAS_ON,
     DETECT,
     CONVERT,
+    STARTED,
     READ,
     COMPARE,
     BIAS_OFF
 };
 
 /* Places in kept[]. */
-enum { KEPT_HIGH, KEPT_LOW, KEPT_FIRST, KEPT_CODE = KEPT_FIRST + 2, KEPT_REGISTER, KEPT_FAULTS };
+enum {
+    KEPT_HIGH,
+    KEPT_LOW,
+    KEPT_FIRST,
+    KEPT_CODE = KEPT_FIRST + 2,
+    KEPT_REGISTER,
+    KEPT_FAULTS,
+    KEPT_SHOWS
+};
 
 static uint8_t max31865_config(const struct device *d)
 {
@@ -108,7 +117,10 @@ static uint16_t max31865_send(struct device *d, uint32_t now_ms)
     case CONVERT:
         d->began_ms = now_ms;
         d->bytes[1] = config | BIAS | ONE_SHOT;
-        return device_begin(d, now_ms, 2, 0, d->settings.mains_60 ? CONVERT_60_MS : CONVERT_50_MS);
+        return device_begin(d, now_ms, 2, 0, 0);
+    case STARTED:
+        d->bytes[0] = AT_CONFIG;
+        return device_begin(d, now_ms, 1, 1, 0);
     case BIAS_OFF:
         d->bytes[1] = config | CLEAR_FAULTS;
         return device_begin(d, now_ms, 2, 0, 0);
@@ -157,7 +169,8 @@ static void max31865_compare(struct device *d, const uint8_t in[REGISTERS])
     bool again = memcmp(&d->kept[KEPT_FIRST], in, REGISTERS) != 0;
     if (!again) {
         faults = max31865_check(d, in);
-        again = faults == 0 && (in[AT_CONFIG] & ONE_SHOT) != 0;
+        /* A voltage beyond the supply holds conversions up, and is itself what must be told. */
+        again = faults == 0 && (in[AT_CONFIG] & ONE_SHOT) != 0 && (in[7] & BEYOND_SUPPLY) == 0;
         if (again)
             faults = DEVICE_WRONG_CHIP; /* if its conversion does not end */
         if (faults == 0)
@@ -173,10 +186,34 @@ static void max31865_compare(struct device *d, const uint8_t in[REGISTERS])
     d->stage = BIAS_OFF;
 }
 
-static void max31865_took(struct device *d)
+/* A write that was disturbed may have begun nothing, and the ratio of the conversion before would be read. The bit of the one-shot clears itself,
+ * and where a chip has shown it once while it converts (KEPT_SHOWS), it must show it each time. Returns ms until the conversion is over, or 0. */
+static uint16_t max31865_started(struct device *d, uint8_t config)
+{
+    bool shows = (config & ONE_SHOT) != 0;
+    if (shows || d->kept[KEPT_SHOWS] == 0) {
+        d->kept[KEPT_SHOWS] = shows;
+        d->tries = 0;
+        d->stage = READ;
+        return d->settings.mains_60 ? CONVERT_60_MS : CONVERT_50_MS;
+    }
+    if (++d->tries < PAIRS_MAX) {
+        d->stage = CONVERT;
+    } else {
+        d->kept[KEPT_SHOWS] = 0;
+        d->kept[KEPT_FAULTS] = DEVICE_WRONG_CHIP;
+        d->stage = BIAS_OFF;
+    }
+    return 0;
+}
+
+/* Takes what came. Returns ms to wait before the next transfer, or 0. */
+static uint16_t max31865_took(struct device *d)
 {
     const uint8_t *in = &d->bytes[1];
     switch (d->stage) {
+    case STARTED:
+        return max31865_started(d, in[0]);
     case READ:
         memcpy(&d->kept[KEPT_FIRST], in, REGISTERS);
         d->stage = COMPARE;
@@ -192,6 +229,7 @@ static void max31865_took(struct device *d)
         d->stage++;
         break;
     }
+    return 0;
 }
 
 static uint16_t max31865_step(struct device *d, uint32_t now_ms)
@@ -201,7 +239,9 @@ static uint16_t max31865_step(struct device *d, uint32_t now_ms)
         uint16_t faults = device_ended(d);
         if (faults != 0)
             return device_finish(d, now_ms, code, faults);
-        max31865_took(d);
+        uint16_t wait = max31865_took(d);
+        if (wait != 0)
+            return wait;
         if (d->stage == REST) {
             code[0] = d->kept[KEPT_CODE];
             code[1] = d->kept[KEPT_REGISTER];

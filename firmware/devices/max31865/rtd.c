@@ -4,8 +4,8 @@
 #include "num/real.h"
 
 #define CVD_A 3.9083e-3f
-#define CVD_B -5.775e-7f
-#define CVD_C -4.183e-12f
+#define CVD_B (-5.775e-7f)
+#define CVD_C (-4.183e-12f)
 
 /* Newton's method starts 2.4 K off at -200 degC. After one step this is 0.003 K, after two the rest is rounding. */
 #define NEWTON_STEPS 2

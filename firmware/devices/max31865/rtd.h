@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 /* The range of the equation, degC, and R/R0 at its ends. */
-#define RTD_LO       -200.0f
+#define RTD_LO       (-200.0f)
 #define RTD_HI       850.0f
 #define RTD_RATIO_LO 0.18520f
 #define RTD_RATIO_HI 3.90481f

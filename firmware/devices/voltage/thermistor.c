@@ -5,7 +5,7 @@
 
 #define ZERO_CELSIUS 273.15f
 #define T_25         298.15f
-#define T_LO         -55.0f
+#define T_LO         (-55.0f)
 #define T_HI         200.0f
 
 bool thermistor_temperature(float resistance, float at_25, float beta, float *temperature)

@@ -34,7 +34,7 @@ void tearDown(void) {}
 
 static void pack(const int words[12], uint8_t bytes[BME280_CALIBRATION])
 {
-    for (unsigned k = 0; k < 12; k++) {
+    for (size_t k = 0; k < 12; k++) {
         bytes[2 * k] = (uint8_t)words[k];
         bytes[2 * k + 1] = (uint8_t)(words[k] >> 8);
     }

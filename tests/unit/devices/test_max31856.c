@@ -31,6 +31,12 @@ static void begin(void)
     TEST_ASSERT_EQUAL(ERR_OK, device_open(&d, &max31856_kind, &settings, 500));
 }
 
+static void convert(void)
+{
+    script("80 51", "");
+    script("00", "51"); /* it converts */
+}
+
 static void read_pair(const char *registers)
 {
     script("00", registers);
@@ -54,7 +60,7 @@ static float value_of(const struct device_result *r)
 static void a_reading_is_one_shot_and_one_burst_read_twice(void)
 {
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair(SETTINGS " " VALUES " 00");
     begin();
     struct device_result r = after_cycle();
@@ -65,14 +71,14 @@ static void a_reading_is_one_shot_and_one_burst_read_twice(void)
     TEST_ASSERT_EQUAL(1, script_seen.spi.mode & 1);
     TEST_ASSERT_LESS_OR_EQUAL(5000000, script_seen.spi.hz);
     TEST_ASSERT_EQUAL(script_began_ms(1), r.stamp_ms);
-    TEST_ASSERT_GREATER_OR_EQUAL(226, script_began_ms(2) - script_began_ms(1));
+    TEST_ASSERT_GREATER_OR_EQUAL(226, script_began_ms(3) - script_began_ms(1));
 }
 
 static void set_up_is_written_once(void)
 {
     script(SET_UP, "");
     for (unsigned k = 0; k < 2; k++) {
-        script("80 51", "");
+        convert();
         read_pair(SETTINGS " " VALUES " 00");
     }
     begin();
@@ -83,7 +89,7 @@ static void set_up_is_written_once(void)
 static void temperatures_below_0_have_a_sign(void)
 {
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair(SETTINGS " F6 00 FF FF E0 00"); /* -10 and -0.0078125 degC */
     begin();
     struct device_result r = after_cycle();
@@ -111,7 +117,7 @@ static void each_type_has_its_number_and_its_range(void)
         setUp();
         settings.type = (uint8_t)rows[k].letter;
         script(rows[k].set_up, "");
-        script("80 51", "");
+        convert();
         read_pair(rows[k].settings);
         begin();
         TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
@@ -133,17 +139,18 @@ static void mains_of_60_hz_are_a_bit_and_less_time(void)
     settings.mains_60 = true;
     script("80 10 03 00 " THRESHOLDS, "");
     script("80 50", "");
+    script("00", "50");
     read_pair("10 03 00 " THRESHOLDS " " VALUES " 00");
     begin();
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
-    TEST_ASSERT_GREATER_OR_EQUAL(196, script_began_ms(2) - script_began_ms(1));
+    TEST_ASSERT_GREATER_OR_EQUAL(196, script_began_ms(3) - script_began_ms(1));
 }
 
 static void each_bit_of_the_fault_register_is_told(void)
 {
     static const struct {
         const char *registers;
-        uint16_t told;
+        uint16_t faults;
     } rows[] = {
         {SETTINGS " " VALUES " 01", DEVICE_OPEN},
         {SETTINGS " " VALUES " 02", DEVICE_VOLTAGE},
@@ -160,10 +167,10 @@ static void each_bit_of_the_fault_register_is_told(void)
     script(SET_UP, "");
     begin();
     for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
-        script("80 51", "");
+        convert();
         read_pair(rows[k].registers);
         struct device_result r = after_cycle();
-        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].registers);
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].faults, r.faults, rows[k].registers);
         TEST_ASSERT_EQUAL_HEX8(strtoul(strrchr(rows[k].registers, ' '), NULL, 16), r.code[2]);
     }
 }
@@ -171,16 +178,16 @@ static void each_bit_of_the_fault_register_is_told(void)
 static void a_chip_that_lost_its_settings_is_told_and_set_up_again(void)
 {
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair(SETTINGS " " VALUES " 00");
     begin();
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
     /* Power was gone before the conversion. Its type is K again by chance. */
-    script("80 51", "");
+    convert();
     read_pair("11 03 FF 7F C0 7F FF 80 00 00 " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_POWER_ON, after_cycle().faults);
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair(SETTINGS " " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
 }
@@ -189,11 +196,11 @@ static void another_type_or_offset_is_a_wrong_chip(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("11 02 00 " THRESHOLDS " " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("11 03 00 55 EC 7F FF 80 00 10 " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
 }
@@ -203,7 +210,7 @@ static void upper_bits_of_the_mask_do_not_count(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("11 03 C0 " THRESHOLDS " " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
 }
@@ -212,11 +219,11 @@ static void a_chip_that_is_not_there_is_told(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_NO_CHIP, after_cycle().faults);
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("FF FF FF FF FF FF FF FF FF FF FF FF FF FF FF FF");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_NO_CHIP, after_cycle().faults);
 }
@@ -225,7 +232,7 @@ static void reads_that_differ_are_read_again(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     script("00", SETTINGS " " VALUES " 00");
     script("00", SETTINGS " 19 40 26 48 00 00");
     read_pair(SETTINGS " " VALUES " 00");
@@ -238,7 +245,7 @@ static void reads_that_never_agree_are_a_checksum_fault(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     for (unsigned k = 0; k < 4; k++) {
         script("00", SETTINGS " " VALUES " 00");
         script("00", SETTINGS " 19 40 26 48 00 00");
@@ -250,7 +257,7 @@ static void a_slow_conversion_is_waited_for(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     read_pair("51 03 00 " THRESHOLDS " 19 40 01 00 00 00");
     read_pair(SETTINGS " " VALUES " 00");
     struct device_result r = after_cycle();
@@ -258,11 +265,21 @@ static void a_slow_conversion_is_waited_for(void)
     TEST_ASSERT_EQUAL_FLOAT(100.5f, value_of(&r));
 }
 
+/* The chip waits with its conversion until the voltage is gone. */
+static void a_voltage_that_holds_the_conversion_up_is_told_as_such(void)
+{
+    begin();
+    script(SET_UP, "");
+    convert();
+    read_pair("51 03 00 " THRESHOLDS " " VALUES " 02");
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_VOLTAGE, after_cycle().faults);
+}
+
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
     begin();
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     for (unsigned k = 0; k < 4; k++)
         read_pair("51 03 00 " THRESHOLDS " " VALUES " 00");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
@@ -276,10 +293,54 @@ static void a_transfer_that_does_not_end_is_stopped(void)
     TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, after_cycle().faults);
     TEST_ASSERT_EQUAL(1, script_seen.stops);
     script(SET_UP, "");
-    script("80 51", "");
+    convert();
     script_fails("00", 16, SCRIPT_NEVER_ENDS);
     TEST_ASSERT_EQUAL_HEX16(DEVICE_BUS, after_cycle().faults);
     TEST_ASSERT_EQUAL(2, script_seen.stops);
+}
+
+/* The bit that starts was lost on its way: the temperature would be that of the conversion before. */
+static void a_conversion_that_has_not_begun_is_begun_again(void)
+{
+    begin();
+    script(SET_UP, "");
+    convert();
+    read_pair(SETTINGS " " VALUES " 00");
+    after_cycle();
+    script("80 51", "");
+    script("00", "11");
+    convert();
+    read_pair(SETTINGS " " VALUES " 00");
+    struct device_result r = after_cycle();
+    TEST_ASSERT_EQUAL(2, r.number);
+    TEST_ASSERT_EQUAL_HEX16(0, r.faults);
+}
+
+static void conversions_that_begin_no_more_are_a_wrong_chip(void)
+{
+    begin();
+    script(SET_UP, "");
+    convert();
+    read_pair(SETTINGS " " VALUES " 00");
+    after_cycle();
+    for (unsigned k = 0; k < 4; k++) {
+        script("80 51", "");
+        script("00", "11");
+    }
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
+}
+
+/* The data sheet does not say when the bit clears itself. */
+static void a_chip_that_never_shows_that_it_converts_is_believed(void)
+{
+    begin();
+    script(SET_UP, "");
+    for (unsigned k = 0; k < 2; k++) {
+        script("80 51", "");
+        script("00", "11");
+        read_pair(SETTINGS " " VALUES " 00");
+        TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
+    }
 }
 
 static void settings_that_the_chip_cannot_have_are_refused(void)
@@ -312,8 +373,12 @@ int main(void)
     RUN_TEST(reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_slow_conversion_is_waited_for);
+    RUN_TEST(a_voltage_that_holds_the_conversion_up_is_told_as_such);
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);
+    RUN_TEST(a_conversion_that_has_not_begun_is_begun_again);
+    RUN_TEST(conversions_that_begin_no_more_are_a_wrong_chip);
+    RUN_TEST(a_chip_that_never_shows_that_it_converts_is_believed);
     RUN_TEST(settings_that_the_chip_cannot_have_are_refused);
     return UNITY_END();
 }

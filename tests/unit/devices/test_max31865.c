@@ -37,6 +37,7 @@ static void convert(void)
     script("80 83", "");
     script("80 85", "");
     script("80 A1", "");
+    script("00", "A1"); /* it converts */
 }
 
 /* Both reads give the same. */
@@ -96,8 +97,8 @@ static void the_conversion_has_the_time_that_it_needs(void)
     script_run(&d, 200);
     TEST_ASSERT_GREATER_OR_EQUAL(2, script_began_ms(2) - script_began_ms(1)); /* bias settles */
     TEST_ASSERT_GREATER_OR_EQUAL(2, script_began_ms(3) - script_began_ms(2));
-    TEST_ASSERT_GREATER_OR_EQUAL(67, script_began_ms(4) - script_began_ms(3));
-    TEST_ASSERT_LESS_THAN(100, script_began_ms(6) - script_began_ms(0));
+    TEST_ASSERT_GREATER_OR_EQUAL(67, script_began_ms(5) - script_began_ms(3));
+    TEST_ASSERT_LESS_THAN(100, script_began_ms(7) - script_began_ms(0));
 }
 
 static void thresholds_are_written_once(void)
@@ -109,7 +110,7 @@ static void thresholds_are_written_once(void)
     script_run(&d, 700);
     expect_faults(2, 0);
     TEST_ASSERT_EQUAL(11347, script_result(&d).code[0]);
-    TEST_ASSERT_EQUAL(500, script_began_ms(7) - script_began_ms(0));
+    TEST_ASSERT_EQUAL(500, script_began_ms(8) - script_began_ms(0));
 }
 
 static void three_wires_and_60_hz_are_bits_of_the_configuration(void)
@@ -120,6 +121,7 @@ static void three_wires_and_60_hz_are_bits_of_the_configuration(void)
     script("80 92", "");
     script("80 94", "");
     script("80 B0", "");
+    script("00", "B0");
     read_pair("90 40 00 " THRESHOLDS " 00");
     script("80 12", "");
     begin(1000);
@@ -153,7 +155,7 @@ static void each_bit_of_the_fault_register_is_told(void)
 {
     static const struct {
         const char *config_and_ratio, *fault;
-        uint16_t told;
+        uint16_t faults;
     } rows[] = {
         {"81 FF FF", "80", DEVICE_OPEN},    {"81 FF FF", "A0", DEVICE_OPEN},
         {"81 58 A5", "20", DEVICE_OPEN},    {"81 FF FF", "A8", DEVICE_OPEN},
@@ -170,7 +172,7 @@ static void each_bit_of_the_fault_register_is_told(void)
         script_run(&d, 100);
         struct device_result r = script_result(&d);
         TEST_ASSERT_EQUAL(k + 1, r.number);
-        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].told, r.faults, rows[k].fault);
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(rows[k].faults, r.faults, rows[k].fault);
         TEST_ASSERT_EQUAL_HEX8(strtoul(rows[k].fault, NULL, 16), r.code[1]);
     }
 }
@@ -272,6 +274,18 @@ static void a_slow_conversion_is_waited_for(void)
     TEST_ASSERT_EQUAL(11346, script_result(&d).code[0]);
 }
 
+/* The chip waits with its conversion until the voltage is gone. */
+static void a_voltage_that_holds_the_conversion_up_is_told_as_such(void)
+{
+    write_thresholds();
+    convert();
+    read_pair("A1 12 35 " THRESHOLDS " 04");
+    bias_off();
+    begin(200);
+    script_run(&d, 150);
+    expect_faults(1, DEVICE_VOLTAGE);
+}
+
 static void a_conversion_without_an_end_is_a_wrong_chip(void)
 {
     write_thresholds();
@@ -287,14 +301,22 @@ static void a_conversion_without_an_end_is_a_wrong_chip(void)
 /* In each place of the cycle. */
 static void a_transfer_that_does_not_end_is_stopped(void)
 {
-    static const char *const sent[] = {"83 " THRESHOLDS, "80 83", "80 85", "80 A1", "00", "00",
-                                       "80 03"};
-    for (unsigned k = 0; k < 7; k++) {
+    static const struct {
+        const char *out, *in;
+        unsigned n_in;
+    } sent[] = {{"83 " THRESHOLDS, "", 0},
+                {"80 83", "", 0},
+                {"80 85", "", 0},
+                {"80 A1", "", 0},
+                {"00", "A1", 1},
+                {"00", "81 58 A4 " THRESHOLDS " 00", 8},
+                {"00", "81 58 A4 " THRESHOLDS " 00", 8},
+                {"80 03", "", 0}};
+    for (unsigned k = 0; k < sizeof sent / sizeof sent[0]; k++) {
         script_clear();
         for (unsigned i = 0; i < k; i++)
-            script(sent[i],
-                   sent[i][1] == '0' && sent[i][0] == '0' ? "81 58 A4 " THRESHOLDS " 00" : "");
-        script_fails(sent[k], k == 4 || k == 5 ? 8 : 0, SCRIPT_NEVER_ENDS);
+            script(sent[i].out, sent[i].in);
+        script_fails(sent[k].out, sent[k].n_in, SCRIPT_NEVER_ENDS);
         begin(200);
         script_run(&d, 190);
         expect_faults(1, DEVICE_BUS);
@@ -302,6 +324,58 @@ static void a_transfer_that_does_not_end_is_stopped(void)
         TEST_ASSERT_EQUAL(0, script_result(&d).code[0]);
         TEST_ASSERT_EQUAL(script_began_ms(k > 2 ? 3 : 0), script_result(&d).stamp_ms);
     }
+}
+
+/* The bit that starts was lost on its way: the ratio would be that of the conversion before. */
+static void a_conversion_that_has_not_begun_is_begun_again(void)
+{
+    write_thresholds();
+    cycle("81 58 A4", "00");
+    script("80 83", "");
+    script("80 85", "");
+    script("80 A1", "");
+    script("00", "81");
+    script("80 A1", "");
+    script("00", "A1");
+    read_pair("81 58 A6 " THRESHOLDS " 00");
+    bias_off();
+    begin(200);
+    script_run(&d, 390);
+    expect_faults(2, 0);
+    TEST_ASSERT_EQUAL(11347, script_result(&d).code[0]);
+}
+
+static void conversions_that_begin_no_more_are_a_wrong_chip(void)
+{
+    write_thresholds();
+    cycle("81 58 A4", "00");
+    script("80 83", "");
+    script("80 85", "");
+    for (unsigned k = 0; k < 4; k++) {
+        script("80 A1", "");
+        script("00", "81");
+    }
+    bias_off();
+    begin(200);
+    script_run(&d, 290);
+    expect_faults(2, DEVICE_WRONG_CHIP);
+}
+
+/* The data sheet does not say when the bit clears itself. */
+static void a_chip_that_never_shows_that_it_converts_is_believed(void)
+{
+    write_thresholds();
+    for (unsigned k = 0; k < 2; k++) {
+        script("80 83", "");
+        script("80 85", "");
+        script("80 A1", "");
+        script("00", "81");
+        read_pair("81 58 A4 " THRESHOLDS " 00");
+        bias_off();
+    }
+    begin(200);
+    script_run(&d, 390);
+    expect_faults(2, 0);
 }
 
 static void settings_that_the_chip_cannot_have_are_refused(void)
@@ -344,8 +418,12 @@ int main(void)
     RUN_TEST(two_reads_that_differ_are_read_again);
     RUN_TEST(reads_that_never_agree_are_a_checksum_fault);
     RUN_TEST(a_slow_conversion_is_waited_for);
+    RUN_TEST(a_voltage_that_holds_the_conversion_up_is_told_as_such);
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(a_transfer_that_does_not_end_is_stopped);
+    RUN_TEST(a_conversion_that_has_not_begun_is_begun_again);
+    RUN_TEST(conversions_that_begin_no_more_are_a_wrong_chip);
+    RUN_TEST(a_chip_that_never_shows_that_it_converts_is_believed);
     RUN_TEST(settings_that_the_chip_cannot_have_are_refused);
     return UNITY_END();
 }

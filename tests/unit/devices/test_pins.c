@@ -242,7 +242,8 @@ static void every_kind_is_found_by_its_name(void)
 static void every_fault_has_words_of_its_own(void)
 {
     TEST_ASSERT_EQUAL_STRING("", device_fault_text(0));
-    for (uint16_t fault = DEVICE_NO_CHIP; fault < DEVICE_BUS; fault = (uint16_t)(fault << 1)) {
+    for (unsigned bit = 0; 1u << bit < DEVICE_BUS; bit++) {
+        uint16_t fault = (uint16_t)(1u << bit);
         TEST_ASSERT_NOT_EQUAL('\0', device_fault_text(fault)[0]);
         TEST_ASSERT_NOT_EQUAL(
             0, strcmp(device_fault_text(fault), device_fault_text((uint16_t)(fault << 1))));

@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/time.h>
 
@@ -91,6 +92,18 @@ static void nothing_is_stepped_between_its_turns(void)
     TEST_ASSERT_EQUAL(2, steps);
 }
 
+/* As when the flash is erased and nothing runs. */
+static void a_turn_that_the_clock_missed_is_taken_later(void)
+{
+    script("11", "12 34");
+    script("11", "12 34");
+    script_run(&a, 3);
+    script_board.now_ms += 1700;
+    script_run(&a, 100);
+    script_is_done();
+    TEST_ASSERT_EQUAL(2, script_result(&a).number);
+}
+
 /* The clock wraps after 49.7 days. */
 static void the_wrap_of_the_clock_changes_nothing(void)
 {
@@ -167,8 +180,8 @@ static uint16_t wait_of(uint8_t line, unsigned n, uint16_t wait_ms)
 {
     static struct device_kind kind;
     char in[3 * DEVICE_BUFFER + 1] = "";
-    for (unsigned k = 1; k < n; k++)
-        strcat(in, "00 ");
+    for (size_t k = 1; k < n; k++)
+        snprintf(in + 3 * (k - 1), 4, "00 ");
     kind = two_bytes;
     kind.line = line;
     a.kind = &kind;
@@ -284,6 +297,14 @@ static void a_holder_renews_its_claim(void)
     line_release(&b);
 }
 
+static void a_release_ends_no_claim_of_another_holder(void)
+{
+    TEST_ASSERT_TRUE(line_claim(1, 1, 5, &a, 100, 10));
+    line_release(&b);
+    TEST_ASSERT_FALSE(line_claim(1, 1, 5, &b, 105, 10));
+    line_release(&a);
+}
+
 static void more_claims_than_there_are_places_are_refused(void)
 {
     for (uint8_t k = 0; k < LINE_CLAIMS_MAX; k++)
@@ -300,6 +321,7 @@ int main(void)
     RUN_TEST(results_come_in_the_interval);
     RUN_TEST(an_interval_is_not_shorter_than_the_kind_can);
     RUN_TEST(nothing_is_stepped_between_its_turns);
+    RUN_TEST(a_turn_that_the_clock_missed_is_taken_later);
     RUN_TEST(the_wrap_of_the_clock_changes_nothing);
     RUN_TEST(a_device_that_is_opened_late_in_the_life_of_the_clock_begins_at_once);
     RUN_TEST(two_devices_take_turns_on_one_bus);
@@ -313,6 +335,7 @@ int main(void)
     RUN_TEST(an_open_device_forgets_what_it_was);
     RUN_TEST(a_claim_keeps_others_off_until_it_ends);
     RUN_TEST(a_holder_renews_its_claim);
+    RUN_TEST(a_release_ends_no_claim_of_another_holder);
     RUN_TEST(more_claims_than_there_are_places_are_refused);
     return UNITY_END();
 }
