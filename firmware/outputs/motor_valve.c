@@ -125,7 +125,7 @@ static bool valve_arrived(struct output_motor_valve *v, int8_t end, bool contact
     return true;
 }
 
-/* Direction in which the motor is to run for a target; 0: it is there. */
+/* Direction in which the valve has to go for a target; 0: it may stay. */
 static int8_t valve_way(const struct output_motor_valve *v, uint32_t target_ms)
 {
     int8_t way = target_ms > v->place_ms ? OPENS : target_ms < v->place_ms ? CLOSES : 0;
@@ -136,7 +136,7 @@ static int8_t valve_way(const struct output_motor_valve *v, uint32_t target_ms)
     if (target_ms == v->travel_ms)
         return v->seated == OPENS ? 0 : OPENS;
     if (v->running)
-        return v->running == way ? way : 0;
+        return way; /* as far as it goes, or past the target: another way than the motor's stops it */
     uint32_t distance = way == OPENS ? target_ms - v->place_ms : v->place_ms - target_ms;
     return distance > v->band_ms ? way : 0;
 }
