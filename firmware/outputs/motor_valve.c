@@ -1,9 +1,9 @@
 /* Motor valve: one pin opens, the other one closes, never both; the position is reckoned from the time that the motor has run.
  *
- * When it begins, the position is not known, and the valve goes to the end nearer to its safe position. It has arrived when the contact of that
- * end has closed. Without a contact the motor runs for the travel time and an eighth more, against the switch or clutch within the drive. From
- * then on the position is known. A command of 0 or 1 always goes on to the end in this way, and so does the contact of an end that closes
- * during a run towards it: each sets the position anew, so that the reckoning cannot drift away.
+ * At first the position is not known, and the valve goes to the end that is nearer to its safe position. It has arrived when the contact of that
+ * end has closed. Without a contact the motor runs for the travel time and an eighth more, against the switch or clutch within the drive. A
+ * command of 0 or 1 goes on to its end in the same way. Each arrival sets the position anew, and so does a contact that closes earlier than
+ * reckoned, so that the reckoning cannot drift away.
  *
  * A contact that has not closed after half the travel time beyond the reckoned end is missed: the valve counts as arrived, and the output tells.
  * With both contacts closed the motor stands, because one of them is wrong.
