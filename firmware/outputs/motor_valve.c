@@ -1,9 +1,9 @@
 /* Motor valve: one pin opens, the other one closes, never both; the position is reckoned from the time that the motor has run.
  *
- * When it begins, the position is not known, and the valve goes to the end nearer to its safe position. It has arrived when the contact of that
- * end has closed. Without a contact the motor runs for the travel time and an eighth more, against the switch or clutch within the drive. From
- * then on the position is known. A command of 0 or 1 always goes on to the end in this way, and so does the contact of an end that closes
- * during a run towards it: each sets the position anew, so that the reckoning cannot drift away.
+ * At first the position is not known, and the valve goes to the end that is nearer to its safe position. It has arrived when the contact of that
+ * end has closed. Without a contact the motor runs for the travel time and an eighth more, against the switch or clutch within the drive. A
+ * command of 0 or 1 goes on to its end in the same way. Each arrival sets the position anew, and so does a contact that closes earlier than
+ * reckoned, so that the reckoning cannot drift away.
  *
  * A contact that has not closed after half the travel time beyond the reckoned end is missed: the valve counts as arrived, and the output tells.
  * With both contacts closed the motor stands, because one of them is wrong.
@@ -125,7 +125,7 @@ static bool valve_arrived(struct output_motor_valve *v, int8_t end, bool contact
     return true;
 }
 
-/* Direction in which the motor is to run for a target; 0: it is there. */
+/* Direction in which the valve has to go for a target; 0: it may stay. */
 static int8_t valve_way(const struct output_motor_valve *v, uint32_t target_ms)
 {
     int8_t way = target_ms > v->place_ms ? OPENS : target_ms < v->place_ms ? CLOSES : 0;
@@ -136,7 +136,7 @@ static int8_t valve_way(const struct output_motor_valve *v, uint32_t target_ms)
     if (target_ms == v->travel_ms)
         return v->seated == OPENS ? 0 : OPENS;
     if (v->running)
-        return v->running == way ? way : 0;
+        return way; /* as far as it goes, or past the target: another way than the motor's stops it */
     uint32_t distance = way == OPENS ? target_ms - v->place_ms : v->place_ms - target_ms;
     return distance > v->band_ms ? way : 0;
 }

@@ -9,8 +9,8 @@
  * and slower otherwise: the fastest way to owe nothing without running past it (a bang-bang law with its switching curve). What a ramp up has
  * owed is therefore made up as soon as the command leaves room below the full speed, and what a ramp down has pumped too much is left out later.
  *
- * Bounds of e, with v the full speed: v^2 / ramp at every moment, whatever the command does; and a quarter of a step as long as it takes
- * nothing to follow the command.
+ * Bounds of e, with v the full speed: v^2 / ramp at every moment, whatever the command does; a quarter of a step once the motor has caught up
+ * with a steady command below 1.
  *
  * off() stops the motor without a ramp.
  *

@@ -7,7 +7,7 @@
  * is the time on that is missing at the end of the period if the output is off from now on. The output goes on when need is at least the
  * least time on, and off when nothing is needed and the rest of the period is long enough to be off. So pulses begin with the period, a
  * command that changes within a period acts at once, and what a pulse or a pause would be too short for is carried over. Nothing is ever
- * rounded away: on-time and integral of the command differ by `owed`, whatever happened.
+ * rounded away: on-time and integral of the command differ by `owed`, whatever happened. Only off() forgets it.
  *
  * Bounds of owed, with L the longer one of the least times and P the period:
  *     at each end of a period, as long as the command has never changed: from -least_off to least_on (or 1 ms, where that is longer)

@@ -96,7 +96,7 @@ static void a_constant_command_owes_no_more_than_half_a_group(void)
         double command = random_command();
         for (uint32_t k = 0; k < 300u * group_ms; k++) {
             run(command);
-            TEST_ASSERT_TRUE(llabs(owed) * 2 <= group_ms * MS);
+            TEST_ASSERT_TRUE(llabs(owed) * 2 <= (int64_t)group_ms * MS);
         }
     }
 }
@@ -114,7 +114,7 @@ static void any_command_owes_no_more_than_one_and_a_half_groups(void)
             else if (below(group_ms) == 0)
                 command = random_command();
             run(command);
-            TEST_ASSERT_TRUE(llabs(owed) * 2 <= 3 * group_ms * MS);
+            TEST_ASSERT_TRUE(llabs(owed) * 2 <= (int64_t)group_ms * 3 * MS);
         }
     }
 }
@@ -165,10 +165,12 @@ static struct balance conducted(double hz, double phase, double command, uint32_
     run_to_group();
     for (uint32_t k = 0; k < ms; k++) {
         bool on = run(command);
-        for (; next < k + 1.0; next += half_ms, n++) {
+        while (next < k + 1.0) {
+            next += half_ms;
+            n++;
             if (!on)
                 continue;
-            int sign = n % 2 == 0 ? 1 : -1;
+            int sign = n % 2 ? 1 : -1;
             b.half_waves++;
             b.sum += sign;
             b.gate += sign;
@@ -224,6 +226,27 @@ static void commands_of_0_and_1_are_off_and_on_for_good(void)
         TEST_ASSERT_FALSE(run(0.0));
 }
 
+static void a_clock_that_stood_keeps_the_beat_of_the_groups(void)
+{
+    static const uint32_t stood[] = {2, 30, 59, 60, 61, 350};
+    for (unsigned m = 0; m < sizeof stood / sizeof *stood; m++) {
+        begin(3, false);
+        run_to_group();
+        bench_turn_after(stood[m]);
+        uint32_t ms = group_ms - 1u + stood[m];
+        unsigned changes = 0;
+        for (unsigned k = 0; k < 4000; k++) {
+            bool was = bench_on(pin);
+            run(0.5);
+            ms++;
+            changes += was != bench_on(pin);
+            if (was != bench_on(pin))
+                TEST_ASSERT_EQUAL(0, ms % group_ms);
+        }
+        TEST_ASSERT_GREATER_THAN(50, changes);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -234,5 +257,6 @@ int main(void)
     RUN_TEST(on_true_mains_every_gate_has_as_many_half_waves_of_either_polarity);
     RUN_TEST(on_mains_off_their_frequency_no_two_gates_in_a_row_lean_to_the_same_side);
     RUN_TEST(commands_of_0_and_1_are_off_and_on_for_good);
+    RUN_TEST(a_clock_that_stood_keeps_the_beat_of_the_groups);
     return UNITY_END();
 }

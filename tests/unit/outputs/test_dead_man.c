@@ -126,6 +126,53 @@ static void the_next_command_ends_it_and_nothing_is_made_up_for(void)
     TEST_ASSERT_INT_WITHIN(50, 2500, on);
 }
 
+/* A pulse of 5 s is cut short with 1.25 s too much given; the next one is whole. */
+static void what_was_carried_over_before_is_forgotten(void)
+{
+    begin(OUTPUT_WINDOW, 0.5f);
+    settings.period = 10.0f;
+    bench_open(&settings, 1);
+    command(0.5, 2000);
+    silence(1000);
+    TEST_ASSERT_FALSE(is_on());
+    unsigned on = 0;
+    for (unsigned k = 0; k < 9000; k++) {
+        command(0.5, 1);
+        on += is_on();
+    }
+    TEST_ASSERT_INT_WITHIN(1, 5000, on);
+}
+
+static void a_burst_that_was_cut_short_owes_nothing(void)
+{
+    begin(OUTPUT_BURST, 0.5f);
+    settings.cycles = 25.0f;
+    bench_open(&settings, 1);
+    command(0.9, 900); /* part of a group of 500 ms */
+    silence(1000);
+    command(0.2, 500);
+    TEST_ASSERT_FALSE(is_on()); /* less than half a group is owed */
+    command(0.2, 500);
+    TEST_ASSERT_TRUE(is_on());
+}
+
+/* 400 steps are owed after 4 s of the ramp. */
+static void a_stepper_that_was_stopped_on_its_ramp_owes_nothing(void)
+{
+    begin(OUTPUT_STEPPER, 0.5f);
+    settings.flow = 7.2f; /* 200 steps a second */
+    settings.ramp = 50.0f;
+    bench_open(&settings, 1);
+    command(1.0, 4000);
+    silence(3000);
+    unsigned steps = 0;
+    for (unsigned k = 0; k < 30000; k++) {
+        command(0.1, 1);
+        steps += is_on();
+    }
+    TEST_ASSERT_INT_WITHIN(2, 600, steps);
+}
+
 static void before_the_first_command_every_kind_is_off(void)
 {
     for (unsigned k = 0; k < SWITCHES; k++) {
@@ -252,6 +299,9 @@ int main(void)
     RUN_TEST(the_same_command_again_holds_it_off);
     RUN_TEST(it_does_not_wait_for_the_least_time_on_but_keeps_the_least_time_off);
     RUN_TEST(the_next_command_ends_it_and_nothing_is_made_up_for);
+    RUN_TEST(what_was_carried_over_before_is_forgotten);
+    RUN_TEST(a_burst_that_was_cut_short_owes_nothing);
+    RUN_TEST(a_stepper_that_was_stopped_on_its_ramp_owes_nothing);
     RUN_TEST(before_the_first_command_every_kind_is_off);
     RUN_TEST(a_motor_valve_is_on_its_way_to_its_safe_place_in_time_at_any_phase);
     RUN_TEST(an_analogue_output_goes_to_its_safe_position);

@@ -184,9 +184,10 @@ static void a_type_that_does_not_exist_is_refused_and_harms_no_other(void)
 
 static void every_type_has_a_name_of_its_own(void)
 {
-    for (uint8_t a = 0; a < OUTPUT_TYPES; a++)
-        for (uint8_t b = 0; b < a; b++)
-            TEST_ASSERT_TRUE(strcmp(output_type_name(a), output_type_name(b)) != 0);
+    for (unsigned a = 0; a < OUTPUT_TYPES; a++)
+        for (unsigned b = 0; b < a; b++)
+            TEST_ASSERT_TRUE(strcmp(output_type_name((uint8_t)a), output_type_name((uint8_t)b)) !=
+                             0);
 }
 
 int main(void)

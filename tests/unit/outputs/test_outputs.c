@@ -199,6 +199,31 @@ static void opening_again_switches_off_and_gives_up_the_pins_of_before(void)
     TEST_ASSERT_EQUAL(HAL_PIN_OUTPUT, bench_pins[other.pin[OUTPUT_PIN]].use);
 }
 
+static void opening_again_begins_to_read_back_anew(void)
+{
+    struct output_settings s = bench_settings(OUTPUT_PWM, 0);
+    bench_open(&s, 1);
+    for (unsigned round = 0; round < 2; round++) {
+        for (unsigned k = 0; k < 101; k++) {
+            outputs_command(0, true, 0.5f);
+            bench_turn();
+        }
+        TEST_ASSERT_EQUAL_FLOAT(0.5f * 100.0f / 101.0f, outputs_readback(0));
+        bench_open(&s, 1);
+    }
+}
+
+static void a_clock_that_stood_for_minutes_reads_back_what_the_pin_was(void)
+{
+    struct output_settings s = bench_settings(OUTPUT_PWM, 0);
+    bench_open(&s, 1);
+    outputs_command(0, true, 0.75f);
+    bench_turn();
+    (void)outputs_readback(0);
+    bench_turn_after(600000);
+    TEST_ASSERT_EQUAL_FLOAT(0.75f, outputs_readback(0));
+}
+
 static void sixteen_outputs_have_their_own_commands(void)
 {
     struct output_settings s[OUTPUTS_MAX];
@@ -226,6 +251,8 @@ int main(void)
     RUN_TEST(a_command_from_before_opening_does_not_count);
     RUN_TEST(an_output_that_cannot_be_opened_closes_all);
     RUN_TEST(opening_again_switches_off_and_gives_up_the_pins_of_before);
+    RUN_TEST(opening_again_begins_to_read_back_anew);
+    RUN_TEST(a_clock_that_stood_for_minutes_reads_back_what_the_pin_was);
     RUN_TEST(sixteen_outputs_have_their_own_commands);
     return UNITY_END();
 }

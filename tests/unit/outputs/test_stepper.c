@@ -110,6 +110,23 @@ static void what_is_owed_stays_within_its_bound_whatever_the_command_does(void)
     }
 }
 
+/* From rest to half the full speed. With v the speed and a the ramp, the motor owes v^2 / 2a when it has got there; it turns faster for v / (a sqrt 2),
+ * slows down for as long, and owes nothing after v / a (1 + sqrt 2), the shortest time that the ramp allows. */
+static void what_a_ramp_has_owed_is_made_up_in_the_shortest_time_without_running_past(void)
+{
+    static const double ramp[] = {100.0, 400.0, 3000.0};
+    for (unsigned m = 0; m < 3; m++) {
+        begin(400.0, ramp[m]);
+        double least_ms = 1000.0 * 200.0 / ramp[m] * (1.0 + sqrt(2.0));
+        for (unsigned k = 0; k < 15000; k++) {
+            run(0.5);
+            TEST_ASSERT_TRUE((double)steps <= wanted + 1.3);
+            if (k > least_ms * 1.02 + 10.0)
+                TEST_ASSERT_TRUE((double)steps >= wanted - 1.3);
+        }
+    }
+}
+
 /* From the times of the steps: with a change of speed of no more than the ramp, the number of steps in two windows of the same length that
  * touch differs by no more than ramp * window^2, and a step at either end of each. */
 static void the_speed_changes_no_faster_than_the_ramp(void)
@@ -232,6 +249,7 @@ int main(int argc, char **argv)
     UNITY_BEGIN();
     RUN_TEST(steps_equal_the_integral_of_the_command_once_it_has_been_followed);
     RUN_TEST(what_is_owed_stays_within_its_bound_whatever_the_command_does);
+    RUN_TEST(what_a_ramp_has_owed_is_made_up_in_the_shortest_time_without_running_past);
     RUN_TEST(the_speed_changes_no_faster_than_the_ramp);
     RUN_TEST(the_speed_never_exceeds_that_of_command_1);
     RUN_TEST(a_steady_speed_has_steps_as_even_as_milliseconds_allow);

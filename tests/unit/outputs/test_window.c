@@ -141,13 +141,18 @@ static void commands_that_go_against_the_output_are_followed_within_the_bounds(v
     for (uint32_t seed = 1; seed <= 200; seed++) {
         random_source = bench_random(seed);
         random_begin();
-        bool wants_surplus = below(2);
+        bool wants_surplus = below(2), plays = below(2);
+        uint32_t period = output_ms(settings.period);
         for (uint32_t k = 0; k < 8000; k++) {
-            bool worst = bench_on(pin) != wants_surplus;
-            double command = worst ? 1.0 : 0.0;
-            /* Lets a pulse begin that will not be asked for. */
-            if (wants_surplus && !bench_on(pin))
+            uint32_t left = period - (k + 1u) % period; /* of the period, at the turn of run() */
+            bool on = bench_on(pin);
+            double command = on == wants_surplus ? 0.0 : 1.0;
+            /* A pulse begins that will not be asked for, or goes on for the least command that lets it. */
+            if (wants_surplus && !on)
                 command = below(50) ? 1.0 : random_command();
+            else if (wants_surplus && plays)
+                command = ((double)-owed / 65536.0 + 2.0) / left;
+            command = command < 0.0 ? 0.0 : command > 1.0 ? 1.0 : command;
             run(command);
             within_bounds(seed);
         }
@@ -231,6 +236,42 @@ static void a_command_of_0_begins_no_pulse_and_of_1_ends_none(void)
     TEST_ASSERT_EQUAL(0, switched);
 }
 
+static void a_command_of_0_begins_no_pulse_even_where_one_is_owed(void)
+{
+    begin(1.0f, 0.02f, 0.5f);
+    run_to_period(1000);
+    for (unsigned k = 0; k < 110; k++)
+        run(0.1);
+    TEST_ASSERT_FALSE(bench_on(pin));
+    for (unsigned k = 0; k < 400; k++)
+        run(1.0); /* it may not be on yet */
+    switched = 0;
+    for (unsigned k = 0; k < 5000; k++)
+        run(0.0);
+    TEST_ASSERT_EQUAL(0, switched);
+    run(0.01);
+    TEST_ASSERT_TRUE(bench_on(pin));
+}
+
+static void a_clock_that_stood_keeps_the_beat_of_the_periods(void)
+{
+    static const uint32_t stood[] = {2, 500, 999, 1000, 1001, 1730};
+    for (unsigned m = 0; m < sizeof stood / sizeof *stood; m++) {
+        begin(1.0f, 0.0f, 0.0f);
+        run_to_period(1000);
+        bench_turn_after(stood[m]);
+        /* The first turn of a period is a multiple of 1000 ms after bench_open(). */
+        uint32_t ms = 999u + stood[m];
+        for (unsigned k = 0; k < 4000; k++) {
+            bool was = bench_on(pin);
+            run(0.25);
+            ms++;
+            if (!was && bench_on(pin) && k > 1000)
+                TEST_ASSERT_EQUAL(0, ms % 1000u);
+        }
+    }
+}
+
 static void shares_too_small_for_a_pulse_or_a_pause_are_carried_over(void)
 {
     static const double command[] = {0.001, 0.01, 0.99, 0.999};
@@ -277,6 +318,8 @@ int main(int argc, char **argv)
         a_command_that_changes_at_any_millisecond_of_a_period_has_its_integral_by_the_end_of_it);
     RUN_TEST(each_period_has_one_pulse_at_its_beginning);
     RUN_TEST(a_command_of_0_begins_no_pulse_and_of_1_ends_none);
+    RUN_TEST(a_command_of_0_begins_no_pulse_even_where_one_is_owed);
+    RUN_TEST(a_clock_that_stood_keeps_the_beat_of_the_periods);
     RUN_TEST(shares_too_small_for_a_pulse_or_a_pause_are_carried_over);
     RUN_TEST(the_mean_over_a_day_is_that_of_the_commands_to_a_millionth);
     return UNITY_END();
