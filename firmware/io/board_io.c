@@ -114,6 +114,14 @@ bool board_io_clock(struct board_io *b, uint32_t now_ms)
     return (uint32_t)b->due_ms == now_ms;
 }
 
+void board_io_stand_by(bool begins)
+{
+    if (begins)
+        outputs_safe();
+    else
+        outputs_resume();
+}
+
 /* ---- tick ---- */
 
 /* People are told the first of these faults: where nothing answers, nothing else is known. The detail of the event is its number, from 1. */
@@ -174,7 +182,7 @@ static float output_part(const struct board_io *b, uint8_t i)
     return follows && (type == OUTPUT_WINDOW || type == OUTPUT_BURST) ? b->fraction[i] : really;
 }
 
-static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
+static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct board_io *b = context;
     if (!b->open)
@@ -201,17 +209,17 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     return true;
 }
 
-static enum io_state state(const void *context)
+static enum io_state board_state(const void *context)
 {
     return ((const struct board_io *)context)->open ? IO_READY : IO_DOWN;
 }
 
-static uint32_t generation(const void *context)
+static uint32_t board_generation(const void *context)
 {
     return ((const struct board_io *)context)->generation;
 }
 
-static uint8_t count(const void *context, bool manipulated)
+static uint8_t board_count(const void *context, bool manipulated)
 {
     const struct board_io *b = context;
     return manipulated ? b->n_outputs : b->n_devices;
@@ -224,7 +232,7 @@ static float safe_value(const struct output_config *o)
     return o->lo + part * (o->hi - o->lo);
 }
 
-static struct io_channel channel(const void *context, bool manipulated, uint8_t index)
+static struct io_channel board_channel(const void *context, bool manipulated, uint8_t index)
 {
     const struct board_io *b = context;
     if (manipulated) {
@@ -236,12 +244,12 @@ static struct io_channel channel(const void *context, bool manipulated, uint8_t 
     return (struct io_channel){.name = d->name, .unit = d->unit, .lo = d->lo, .hi = d->hi};
 }
 
-static uint32_t tick_ms(const void *context)
+static uint32_t board_tick_ms(const void *context)
 {
     return ((const struct board_io *)context)->tick_ms;
 }
 
-static enum err command(void *context, const struct io_command *c, uint64_t now_ms)
+static enum err board_command(void *context, const struct io_command *c, uint64_t now_ms)
 {
     struct board_io *b = context;
     if (!b->open)
@@ -259,11 +267,11 @@ static enum err command(void *context, const struct io_command *c, uint64_t now_
 struct io_port board_io_port(struct board_io *b)
 {
     return (struct io_port){.context = b,
-                            .poll = poll,
-                            .state = state,
-                            .generation = generation,
-                            .count = count,
-                            .channel = channel,
-                            .tick_ms = tick_ms,
-                            .command = command};
+                            .poll = board_poll,
+                            .state = board_state,
+                            .generation = board_generation,
+                            .count = board_count,
+                            .channel = board_channel,
+                            .tick_ms = board_tick_ms,
+                            .command = board_command};
 }

@@ -48,6 +48,9 @@ void board_io_take(struct board_io *b, const struct config *config);
 
 /* Board clock: once a millisecond. Returns true when a sample is due. */
 bool board_io_clock(struct board_io *b, uint32_t now_ms);
+
+/* Main loop. Switches all outputs off, around an erase of the flash in which nothing else runs; then they may act again. */
+void board_io_stand_by(bool begins);
 #else
 struct board_io {
 };
@@ -62,6 +65,10 @@ static inline void board_io_take(struct board_io *b, const struct config *config
 {
     (void)b;
     (void)config;
+}
+static inline void board_io_stand_by(bool begins)
+{
+    (void)begins;
 }
 #endif
 

@@ -4,6 +4,7 @@
 #include "base/assertion.h"
 #include "base/crc32.h"
 #include "hal/nvm.h"
+#include "io/board_io.h"
 #include "service/early_resets.h"
 #include "storage/storage.h"
 #include "storage/storage_parts.h"
@@ -106,7 +107,9 @@ static void erase(struct storage *st)
 {
     if (!still_may_erase(st))
         return;
+    board_io_stand_by(true);
     enum err err = hal_nvm_erase(st->slot * st->slot_sectors + st->read_address);
+    board_io_stand_by(false);
     if (err != ERR_OK) {
         not_taken(st, err);
         return;
