@@ -13,6 +13,7 @@
 #include "hal/output.h"
 #include "hal/pulse.h"
 #include "hal/spi.h"
+#include "hal/stm32f405/board_pins.h"
 
 #define PINS        256u
 #define SEARCH_BITS 64u
@@ -38,17 +39,10 @@ static uint64_t now_ns(void)
 
 /* ---- pins ---- */
 
-/* As the STM32F405 in a package of 64 pins has them (hal/stm32f405/pin_map.c). */
 bool hal_pin_is_free(hal_pin pin)
 {
-    static const hal_pin taken[] = {HAL_PIN('A', 2),  HAL_PIN('A', 3),  HAL_PIN('A', 9),
-                                    HAL_PIN('A', 10), HAL_PIN('A', 13), HAL_PIN('A', 14),
-                                    HAL_PIN('A', 15), HAL_PIN('B', 2),  HAL_PIN('B', 3),
-                                    HAL_PIN('B', 4),  HAL_PIN('C', 14), HAL_PIN('C', 15)};
-    for (size_t i = 0; i < sizeof(taken) / sizeof(taken[0]); i++)
-        if (taken[i] == pin)
-            return false;
-    return pin < HAL_PIN('D', 0) || pin == HAL_PIN('D', 2);
+    static const uint16_t free_pins[] = {FREE_A, FREE_B, FREE_C, FREE_D};
+    return pin < WORLD_PINS && (free_pins[pin / 16u] >> pin % 16u & 1u) != 0;
 }
 
 static void drive(unsigned pin, enum pin_drive drive)
@@ -153,9 +147,7 @@ uint8_t hal_spi_buses(void)
 
 bool hal_spi_pins(uint8_t bus, hal_pin at[3])
 {
-    static const hal_pin of[3][3] = {{HAL_PIN('A', 5), HAL_PIN('A', 6), HAL_PIN('A', 7)},
-                                     {HAL_PIN('B', 13), HAL_PIN('B', 14), HAL_PIN('B', 15)},
-                                     {HAL_PIN('C', 10), HAL_PIN('C', 11), HAL_PIN('C', 12)}};
+    static const hal_pin of[3][3] = {{SPI1_PINS}, {SPI2_PINS}, {SPI3_PINS}};
     if (bus < 1 || bus > 3)
         return false;
     (void)memcpy(at, of[bus - 1u], sizeof(of[0]));
@@ -203,8 +195,7 @@ uint8_t hal_i2c_buses(void)
 
 bool hal_i2c_pins(uint8_t bus, hal_pin at[2])
 {
-    static const hal_pin of[2][2] = {{HAL_PIN('B', 8), HAL_PIN('B', 9)},
-                                     {HAL_PIN('B', 10), HAL_PIN('B', 11)}};
+    static const hal_pin of[2][2] = {{I2C1_PINS}, {I2C2_PINS}};
     if (bus < 1 || bus > 2)
         return false;
     (void)memcpy(at, of[bus - 1u], sizeof(of[0]));
@@ -262,7 +253,7 @@ bool hal_onewire_pin(uint8_t bus, hal_pin *pin)
 {
     if (bus < 1 || bus > 2)
         return false;
-    *pin = bus == 1 ? HAL_PIN('C', 6) : HAL_PIN('A', 0); /* transmitters of USART6 and UART4 */
+    *pin = bus == 1 ? WIRE1_PIN : WIRE2_PIN;
     return true;
 }
 
@@ -345,8 +336,9 @@ void hal_onewire_stop(uint8_t bus)
 
 bool hal_analog_has(hal_pin pin)
 {
-    return pin < HAL_PIN('A', 8) || pin == HAL_PIN('B', 0) || pin == HAL_PIN('B', 1) ||
-           (pin >= HAL_PIN('C', 0) && pin < HAL_PIN('C', 6));
+    bool converts = pin < HAL_PIN('A', 8) || pin == HAL_PIN('B', 0) || pin == HAL_PIN('B', 1) ||
+                    (pin >= HAL_PIN('C', 0) && pin < HAL_PIN('C', 6));
+    return converts && hal_pin_is_free(pin);
 }
 
 enum err hal_analog_open(hal_pin pin)

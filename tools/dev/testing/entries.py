@@ -118,7 +118,7 @@ def script_tests(label: str) -> list[Test]:
         named = [kind for kind in known if re.search(rf'"{re.escape(kind)}"', text)]
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
-            wanted |= needs("host", "reference_tables", "plant_tables")
+            wanted |= needs("host", "reference_tables", "plant_tables", "pin_tables")
         if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_watchdog"):
             wanted |= needs("host", "reflux-board")
         if path.stem == "test_board_campaign":

@@ -1,0 +1,27 @@
+/* Which pins of the STM32F405 a device may have, and where its buses are. The host's buses are at the same pins (hal/host/buses.c).
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_STM32F405_BOARD_PINS_H
+#define REFLUX_STM32F405_BOARD_PINS_H
+
+#include "hal/pin.h"
+
+/* pin_map.c says what needs the others. */
+#define FREE_A 0x01F3u /* PA0 PA1, PA4 to PA8 */
+#define FREE_B 0xD3C3u /* PB0 PB1, PB6 to PB9, PB12, PB14 PB15 */
+#define FREE_C 0x13FFu /* PC0 to PC9, PC12 */
+#define FREE_D 0x0004u /* PD2 */
+
+/* Clock, in, out. */
+#define SPI1_PINS HAL_PIN('A', 5), HAL_PIN('A', 6), HAL_PIN('A', 7)
+#define SPI2_PINS HAL_PIN('B', 13), HAL_PIN('B', 14), HAL_PIN('B', 15)
+#define SPI3_PINS HAL_PIN('C', 10), HAL_PIN('C', 11), HAL_PIN('C', 12)
+/* Clock, data. */
+#define I2C1_PINS HAL_PIN('B', 6), HAL_PIN('B', 7)
+#define I2C2_PINS HAL_PIN('B', 10), HAL_PIN('B', 11)
+/* Transmitters of USART6 and UART4. */
+#define WIRE1_PIN HAL_PIN('C', 6)
+#define WIRE2_PIN HAL_PIN('A', 0)
+
+#endif
