@@ -9,14 +9,31 @@
 #include "devices/pins/analog_input.h"
 #include "devices/pins/flow.h"
 #include "devices/pins/level.h"
+#include "devices/voltage/divider.h"
 #include "devices/xgzp6897/xgzp6897.h"
 
 /* Words of chan.type in settings/parameter_table.c, in their order. */
-enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE };
+enum sensor_word {
+    SENSOR_NONE,
+    SENSOR_2WIRE,
+    SENSOR_3WIRE,
+    SENSOR_4WIRE,
+    SENSOR_B, /* and the other thermocouples */
+    SENSOR_T = SENSOR_B + 7,
+    SENSOR_4_20_MA,
+    SENSOR_0_10_V,
+    SENSOR_VOLT
+};
 
 #define RTD_WIRES     3u
 #define RTD_NOMINAL   100.0f
 #define RTD_REFERENCE 430.0f
+#define SHUNT         100.0f
+#define DIVIDER_UPPER 30000.0f
+#define DIVIDER_LOWER 10000.0f
+#define VOLTS_MOST    10.0f
+#define FAILING_S     2.0f /* a transmitter that starts is below 4 mA for a moment */
+#define RANGE_4_096_V 1u   /* of an ADS1115: 21 mA and more through 100 ohm are still measured */
 
 const struct device_kind *board_device_kind(const struct device_config *row)
 {
@@ -41,6 +58,11 @@ static void platinum(const struct device_config *row, struct device_settings *s)
         s->reference = s->nominal * (RTD_REFERENCE / RTD_NOMINAL);
 }
 
+static float usual(float value, float otherwise)
+{
+    return value != 0.0f ? value : otherwise;
+}
+
 struct device_settings board_device_settings(const struct pins_config *pins,
                                              const struct device_config *row)
 {
@@ -61,7 +83,49 @@ struct device_settings board_device_settings(const struct pins_config *pins,
         (void)!pins_parse_pin(row->select, &s.select);
         break;
     }
-    if (row->device == DEVICE_MAX31865)
+    switch ((enum device_word)row->device) {
+    case DEVICE_MAX31865:
         platinum(row, &s);
+        break;
+    case DEVICE_MAX31856:
+        s.type = row->type >= SENSOR_B && row->type <= SENSOR_T
+                     ? (uint8_t) "BEJKNRST"[row->type - SENSOR_B]
+                     : (uint8_t)'K';
+        break;
+    case DEVICE_ADS1115:
+        s.type = RANGE_4_096_V;
+        break;
+    case DEVICE_ANALOG:
+        s.reference = 0.0f; /* the board knows its own */
+        s.type = 0;
+        break;
+    default:
+        s.type = 0;
+        break;
+    }
     return s;
+}
+
+bool board_device_value(const struct device_config *row, const struct device *d,
+                        const struct device_result *result, float passed_s,
+                        struct current_loop *loop, struct io_reading *reading)
+{
+    float value;
+    *reading = (struct io_reading){.quality = QUALITY_BAD};
+    if (!d->kind->value(&d->settings, result->code, &value))
+        return false;
+    reading->quality = QUALITY_GOOD;
+    reading->value = value;
+    if (row->device != DEVICE_ADS1115 && row->device != DEVICE_ANALOG)
+        return true;
+    if (row->type == SENSOR_4_20_MA) {
+        float milliampere = loop_current(value, usual(row->reference, SHUNT));
+        reading->quality = loop_quality(loop, milliampere, passed_s, FAILING_S);
+        reading->value = row->lo + (row->hi - row->lo) * loop_fraction(milliampere);
+    } else if (row->type == SENSOR_0_10_V) {
+        float volt = divider_source(value, usual(row->reference, DIVIDER_UPPER),
+                                    usual(row->nominal, DIVIDER_LOWER));
+        reading->value = row->lo + (row->hi - row->lo) * (volt / VOLTS_MOST);
+    }
+    return true;
 }

@@ -43,6 +43,7 @@ static void open_devices(struct board_io *b)
             continue;
         struct device_settings s = board_device_settings(b->settings, c);
         b->told[b->n_devices] = 0;
+        b->loop[b->n_devices] = (struct current_loop){.failing_s = 0.0f};
         b->row[b->n_devices] = i;
         b->works[b->n_devices] =
             device_open(&b->device[b->n_devices], kind, &s, interval_of(b)) == ERR_OK;
@@ -153,8 +154,9 @@ static struct io_reading reading_of(struct board_io *b, unsigned i, uint64_t now
     if ((result.faults & (DEVICE_NO_CHIP | DEVICE_BUS)) != 0)
         return reading;
     reading.quality = QUALITY_BAD;
-    if (result.faults == 0 && d->kind->value(&d->settings, result.code, &reading.value))
-        reading.quality = QUALITY_GOOD;
+    if (result.faults == 0)
+        (void)board_device_value(&b->settings->device[b->row[i]], d, &result,
+                                 (float)b->tick_ms / 1000.0f, &b->loop[i], &reading);
     return reading;
 }
 

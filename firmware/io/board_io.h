@@ -14,6 +14,7 @@
 
 #if CONFIG_DEVICES
 #include "devices/device.h"
+#include "devices/voltage/current_loop.h"
 
 #define BOARD_IO_TICK_MS 1000u /* where tick.base is 0 */
 
@@ -22,7 +23,8 @@ struct board_io {
     struct device device[CONFIG_DEVICES];
     uint8_t row[CONFIG_DEVICES];   /* of each device in settings->device */
     uint16_t told[CONFIG_DEVICES]; /* fault of each device that an event has told */
-    bool works[CONFIG_DEVICES];    /* false: its kind has refused its settings */
+    struct current_loop loop[CONFIG_DEVICES];
+    bool works[CONFIG_DEVICES]; /* false: its kind has refused its settings */
     uint8_t n_devices;
     uint8_t output_row[CONFIG_OUTPUTS]; /* of each output in settings->output */
     uint8_t output_at[CONFIG_OUTPUTS];  /* its index in firmware/outputs */

@@ -348,14 +348,14 @@ OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
       "its pin (PA4), address (0x48), or number on a wire (28000005e2fdc3)"),
     ROW(6, PARAMETER_U16, offsetof(struct device_config, input), "input", "", 0, 3, 0,
         "which input of a chip with several"),
-    W(device_config, type, 7, "type", "-|2wire|3wire|4wire|B|E|J|K|N|R|S|T|4-20mA|0-10V|volt|ntc",
-      0, "of the sensor"),
+    W(device_config, type, 7, "type", "-|2wire|3wire|4wire|B|E|J|K|N|R|S|T|4-20mA|0-10V|volt", 0,
+      "of the sensor"),
     F(device_config, lo, 8, "lo", "EU", -BIG, BIG, 0, "value at the lower end of the signal"),
     F(device_config, hi, 9, "hi", "EU", -BIG, BIG, 100, "value at the upper end of the signal"),
     F(device_config, reference, 10, "reference", "ohm", 0, 1e6f, 0,
-      "reference or shunt resistor; 0 = what such boards usually have"),
+      "reference or shunt resistor, upper one of a divider; 0 = usual"),
     F(device_config, nominal, 11, "nominal", "ohm", 0, 1e6f, 0,
-      "of the sensor at 0 degC, of an ntc at 25 degC; 0 = usual"))};
+      "of the sensor at 0 degC; of a divider, its lower resistor; 0 = usual"))};
 
 /* Place of each in the list: hal/pin.h and one more. */
 #define PORT_PINS(p)                                                                               \
