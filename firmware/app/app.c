@@ -132,6 +132,11 @@ size_t app_keep_alive(struct app *app, uint8_t *wire)
     return plant_link_keep_alive(&app->link, wire);
 }
 
+void app_clock(struct app *app, uint32_t now_ms)
+{
+    source_clock(app, now_ms);
+}
+
 void app_tick(struct app *app)
 {
     tick_context_run(app);

@@ -63,12 +63,19 @@ void binding_announce(struct app *app);
 #if CONFIG_DEVICES
 /* Has the plant where the plan in force says it is: at the link or at the board's pins. */
 void binding_take_source(struct app *app);
+/* Board clock. */
+void source_clock(struct app *app, uint32_t now_ms);
 /* Main loop: has turned, which outputs of kind `enable` want to know. */
 void source_main_loop_turns(void);
 #else
 static inline void binding_take_source(struct app *app)
 {
     (void)app;
+}
+static inline void source_clock(struct app *app, uint32_t now_ms)
+{
+    (void)app;
+    (void)now_ms;
 }
 static inline void source_main_loop_turns(void) {}
 #endif

@@ -4,7 +4,6 @@
  */
 #include "app/parts.h"
 
-#include "app/app.h"
 #include "hal/tick.h"
 #include "outputs/outputs.h"
 
@@ -27,7 +26,7 @@ void source_main_loop_turns(void)
     outputs_report(OUTPUTS_MAIN_LOOP);
 }
 
-void app_clock(struct app *app, uint32_t now_ms)
+void source_clock(struct app *app, uint32_t now_ms)
 {
     if (board_io_clock(&app->board_io, now_ms))
         hal_tick_request();

@@ -9,6 +9,7 @@
 
 #include "base/channel.h"
 #include "block/settings.h"
+#include "exchange/pins.h"
 
 #ifndef CONFIG_FEEDFORWARDS
 #define CONFIG_FEEDFORWARDS 4
@@ -28,8 +29,7 @@
 #endif
 /* Boards with start-up, which may propose a loop for every channel, have more of the rest as well. CONFIG_ANALYSERS: measurements that
  * come every n-th tick; CONFIG_CALIBRATION: meas.gain, zero, valid_lo and valid_hi, and watch.c; CONFIG_PEOPLE: help for people at the
- * console (events as sentences, suggestions, names in place of numbers); CONFIG_DEVICES: devices at the board's own pins, which needs
- * blocks, because ids of their parameters are wide; 0 leaves them out. */
+ * console (events as sentences, suggestions, names in place of numbers); 0 leaves them out. */
 #if COMMISSION_CHANNELS
 #ifndef CONFIG_LOOPS
 #define CONFIG_LOOPS 16
@@ -45,9 +45,6 @@
 #endif
 #ifndef CONFIG_PEOPLE
 #define CONFIG_PEOPLE 1
-#endif
-#ifndef CONFIG_DEVICES
-#define CONFIG_DEVICES 12
 #endif
 #else
 #ifndef CONFIG_LOOPS
@@ -70,7 +67,6 @@
     0 /* such a board says so in its limits, because its port looks there (hal/tick.h) */
 #endif
 #endif
-#include "exchange/pins.h"
 /* Loops that act keep their sense, and have alarms of their own; interlocks can latch; 0 leaves these out. */
 #ifndef CONFIG_LOOP_GUARD
 #define CONFIG_LOOP_GUARD 1

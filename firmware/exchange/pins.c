@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
-#include "exchange/config.h"
+#include "exchange/pins.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -12,6 +12,12 @@
 #include "base/error.h"
 #include "outputs/output_settings.h"
 
+/* Devices that a board may have. 0: it takes its plant from the link only; such a board says so in its limits, because its port looks there
+ * (hal/tick.h). Boards with devices have blocks, because ids of their parameters are wide. */
+#ifndef CONFIG_DEVICES
+#define CONFIG_DEVICES 12
+#endif
+
 /* Words of chan.device and chan.bus in settings/parameter_table.c, in their order. */
 enum device_word {
     DEVICE_NONE,
@@ -63,7 +69,6 @@ struct output_config {
     struct output_settings settings;
 };
 
-/* Where CONFIG_DEVICES is 0 the board takes its plant from the link only. */
 #if CONFIG_DEVICES
 #define CONFIG_OUTPUTS OUTPUTS_MAX
 struct pins_config {

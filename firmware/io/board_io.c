@@ -42,7 +42,7 @@ static void open_devices(struct board_io *b)
         if (c->name[0] == '\0' || kind == NULL)
             continue;
         struct device_settings s = board_device_settings(b->settings, c);
-        b->told[b->n_devices] = 0;
+        b->reported[b->n_devices] = 0;
         b->loop[b->n_devices] = (struct current_loop){.failing_s = 0.0f};
         b->row[b->n_devices] = i;
         b->works[b->n_devices] =
@@ -129,9 +129,9 @@ void board_io_stand_by(bool begins)
 static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
 {
     uint16_t first = (uint16_t)(faults & (uint16_t)-faults);
-    if (first == b->told[i])
+    if (first == b->reported[i])
         return;
-    b->told[i] = first;
+    b->reported[i] = first;
     uint8_t number = 0;
     while (first >> number != 0)
         number++;
@@ -139,7 +139,7 @@ static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
               b->settings->device[b->row[i]].name, (float)faults, number);
 }
 
-static struct io_reading reading_of(struct board_io *b, unsigned i, uint64_t now_ms)
+static struct io_reading newest_reading(struct board_io *b, unsigned i, uint64_t now_ms)
 {
     struct io_reading reading = {.quality = QUALITY_MISSING};
     const struct device *d = &b->device[i];
@@ -200,7 +200,7 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     sample->time = now_ms - now_ms % b->tick_ms;
     sample->n_measurements = b->n_devices;
     for (unsigned i = 0; i < b->n_devices; i++)
-        sample->measurement[i] = reading_of(b, i, now_ms);
+        sample->measurement[i] = newest_reading(b, i, now_ms);
     sample->n_readback = b->n_outputs;
     for (uint8_t i = 0; i < b->n_outputs; i++) {
         const struct output_config *o = &b->settings->output[b->output_row[i]];

@@ -21,8 +21,8 @@
 struct board_io {
     const struct pins_config *settings; /* of the plan in force */
     struct device device[CONFIG_DEVICES];
-    uint8_t row[CONFIG_DEVICES];   /* of each device in settings->device */
-    uint16_t told[CONFIG_DEVICES]; /* fault of each device that an event has told */
+    uint8_t row[CONFIG_DEVICES];       /* of each device in settings->device */
+    uint16_t reported[CONFIG_DEVICES]; /* fault of each device that an event has told */
     struct current_loop loop[CONFIG_DEVICES];
     bool works[CONFIG_DEVICES]; /* false: its kind has refused its settings */
     uint8_t n_devices;

@@ -19,8 +19,9 @@ struct claims {
     unsigned n;
 };
 
-static enum err refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
-                       const char *field, const char *subject, const char *wanted)
+static enum err refuse_pins(struct config_fault *fault, enum err code, const char *group,
+                            unsigned index, const char *field, const char *subject,
+                            const char *wanted)
 {
     *fault = (struct config_fault){
         .code = code, .group = group, .index = (uint8_t)index, .field = field, .wanted = wanted};
@@ -49,9 +50,9 @@ static enum err claim_pin(struct claims *claims, const char *group, unsigned ind
 {
     hal_pin pin;
     if (pins_parse_pin(text, &pin) != ERR_OK || !hal_pin_is_free(pin))
-        return refuse(fault, ERR_RANGE, group, index, field, text, PIN_WANTED);
+        return refuse_pins(fault, ERR_RANGE, group, index, field, text, PIN_WANTED);
     if (!claim(claims, pin, BUS_NONE))
-        return refuse(fault, ERR_CONFLICT, group, index, field, text, PIN_TWICE);
+        return refuse_pins(fault, ERR_CONFLICT, group, index, field, text, PIN_TWICE);
     return ERR_OK;
 }
 
@@ -79,13 +80,13 @@ static enum err check_select(const struct config *config, unsigned i, struct cla
     switch (family) {
     case BUS_FAMILY_I2C:
         if (pins_parse_address(d->select, &address) != ERR_OK)
-            return refuse(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
-                          "must be its address on the bus, 0x08 to 0x77");
+            return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
+                               "must be its address on the bus, 0x08 to 0x77");
         break;
     case BUS_FAMILY_WIRE:
         if (pins_parse_rom(d->select, rom) != ERR_OK)
-            return refuse(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
-                          "must be family and serial number, 14 digits: 28000005e2fdc3");
+            return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
+                               "must be family and serial number, 14 digits: 28000005e2fdc3");
         break;
     default:
         return claim_pin(claims, "chan", i + 1, "select", d->select, fault);
@@ -96,11 +97,11 @@ static enum err check_select(const struct config *config, unsigned i, struct cla
         if (other->name[0] == '\0' || other->bus != d->bus || strcmp(other->select, d->select) != 0)
             continue;
         if (other->device != d->device)
-            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "select", d->select,
-                          "is the address of another chip as well");
+            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "select", d->select,
+                               "is the address of another chip as well");
         if (other->input == d->input)
-            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "input", d->name,
-                          "is read by another channel already");
+            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "input", d->name,
+                               "is read by another channel already");
     }
     return ERR_OK;
 }
@@ -113,22 +114,23 @@ static enum err check_device(const struct config *config, unsigned i, struct cla
     uint8_t number;
     for (unsigned k = 0; k < i; k++)
         if (strcmp(config->pins.device[k].name, d->name) == 0)
-            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "name", d->name, "is used twice");
+            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "name", d->name,
+                               "is used twice");
     if (d->device == DEVICE_NONE)
-        return refuse(fault, ERR_EMPTY, "chan", i + 1, "device", d->name,
-                      "must say what is at the pins");
+        return refuse_pins(fault, ERR_EMPTY, "chan", i + 1, "device", d->name,
+                           "must say what is at the pins");
     enum bus_family family = pins_device_family((enum device_word)d->device);
     if (pins_bus_family((enum bus_word)d->bus, &number) != family)
-        return refuse(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name, BUS_WANTED);
+        return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name, BUS_WANTED);
     unsigned n = family == BUS_FAMILY_PINS ? 0 : bus_pins((enum bus_word)d->bus, pins);
     if (family != BUS_FAMILY_PINS && n == 0)
-        return refuse(fault, ERR_UNKNOWN, "chan", i + 1, "bus", d->name, BUS_LACKING);
+        return refuse_pins(fault, ERR_UNKNOWN, "chan", i + 1, "bus", d->name, BUS_LACKING);
     for (unsigned k = 0; k < n; k++)
         if (!claim(claims, pins[k], d->bus))
-            return refuse(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name,
-                          "needs a pin that is taken by another device or output");
+            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name,
+                               "needs a pin that is taken by another device or output");
     if (!(d->lo < d->hi))
-        return refuse(fault, ERR_RANGE, "chan", i + 1, "lo", d->name, "must be below hi");
+        return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "lo", d->name, "must be below hi");
     return check_select(config, i, claims, family, fault);
 }
 
@@ -141,8 +143,8 @@ static enum err refuse_output(const struct output_config *o, unsigned i,
     const char *field = problem->number != NULL      ? problem->number->name
                         : problem->pin < OUTPUT_PINS ? pin_fields[problem->pin]
                                                      : "kind";
-    return refuse(fault, problem->number != NULL ? ERR_RANGE : ERR_CONFLICT, "out", i + 1, field,
-                  o->name, problem->words);
+    return refuse_pins(fault, problem->number != NULL ? ERR_RANGE : ERR_CONFLICT, "out", i + 1,
+                       field, o->name, problem->words);
 }
 
 static enum err check_output(const struct config *config, unsigned i, struct claims *claims,
@@ -153,19 +155,20 @@ static enum err check_output(const struct config *config, unsigned i, struct cla
     struct output_problem problem;
     for (unsigned k = 0; k < i; k++)
         if (strcmp(config->pins.output[k].name, o->name) == 0)
-            return refuse(fault, ERR_CONFLICT, "out", i + 1, "name", o->name, "is used twice");
+            return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, "name", o->name, "is used twice");
     if (o->settings.type == OUTPUT_NONE)
-        return refuse(fault, ERR_EMPTY, "out", i + 1, "kind", o->name,
-                      "must say what is done with the pin");
+        return refuse_pins(fault, ERR_EMPTY, "out", i + 1, "kind", o->name,
+                           "must say what is done with the pin");
     for (unsigned k = 0; k <= i; k++)
         all[k] = pins_output(&config->pins, k);
     if (!output_check(all, (uint8_t)(i + 1u), (uint8_t)i, &problem))
         return refuse_output(o, i, &problem, fault);
     for (unsigned k = 0; k < OUTPUT_PINS; k++)
         if (all[i].pin[k] != HAL_PIN_NONE && !claim(claims, all[i].pin[k], BUS_NONE))
-            return refuse(fault, ERR_CONFLICT, "out", i + 1, pin_fields[k], o->name, PIN_TWICE);
+            return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, pin_fields[k], o->name,
+                               PIN_TWICE);
     if (!(o->lo < o->hi))
-        return refuse(fault, ERR_RANGE, "out", i + 1, "lo", o->name, "must be below hi");
+        return refuse_pins(fault, ERR_RANGE, "out", i + 1, "lo", o->name, "must be below hi");
     return ERR_OK;
 }
 
