@@ -14,9 +14,9 @@ target_include_directories(test_heartbeat PRIVATE "${REFLUX_LAYERS}/service")
 reflux_test(host_watchdog LABEL unit SOURCES
   "${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c" "${PROJECT_SOURCE_DIR}/hal/host/host_port.c"
   "${PROJECT_SOURCE_DIR}/hal/host/line.c" "${PROJECT_SOURCE_DIR}/hal/host/hold.c" "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
-  "${PROJECT_SOURCE_DIR}/hal/host/process.c" "${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c"
+  "${PROJECT_SOURCE_DIR}/hal/host/process.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c" "${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c"
   LIBS reflux_hal)
 target_include_directories(test_host_watchdog PRIVATE
-  "${PROJECT_SOURCE_DIR}/hal/host" "${REFLUX_LAYERS}/app" "${REFLUX_LAYERS}/service")
+  "${PROJECT_SOURCE_DIR}/hal/host" "${PROJECT_SOURCE_DIR}/host_sim" "${REFLUX_LAYERS}/app" "${REFLUX_LAYERS}/service")
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)

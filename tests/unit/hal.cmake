@@ -2,9 +2,9 @@
 foreach(port memory host)
   reflux_test(hal_${port} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_hal_${port}.c" LIBS reflux_hal)
   target_include_directories(test_hal_${port} PRIVATE
-    "${PROJECT_SOURCE_DIR}/hal/memory" "${PROJECT_SOURCE_DIR}/hal/host" "${REFLUX_LAYERS}/app")
+    "${PROJECT_SOURCE_DIR}/hal/memory" "${PROJECT_SOURCE_DIR}/hal/host" "${PROJECT_SOURCE_DIR}/host_sim" "${REFLUX_LAYERS}/app")
   target_sources(test_hal_${port} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
-    "${PROJECT_SOURCE_DIR}/hal/host/process.c")
+    "${PROJECT_SOURCE_DIR}/hal/host/process.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c")
 endforeach()
 target_sources(test_hal_memory PRIVATE "${PROJECT_SOURCE_DIR}/hal/memory/memory_port.c")
 target_sources(test_hal_host PRIVATE
