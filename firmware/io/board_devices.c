@@ -11,8 +11,10 @@
 #include "devices/pins/level.h"
 #include "devices/xgzp6897/xgzp6897.h"
 
-/* Words of chan.type in settings/parameter_table.c, in their order. */
-enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE };
+/* Words of chan.type in settings/parameter_table.c, in their order; from SENSOR_B on one for each letter of a thermocouple. */
+enum sensor_word { SENSOR_NONE, SENSOR_2WIRE, SENSOR_3WIRE, SENSOR_4WIRE, SENSOR_B };
+
+static const char letters[] = "BEJKNRST";
 
 #define RTD_WIRES     3u
 #define RTD_NOMINAL   100.0f
@@ -28,6 +30,19 @@ const struct device_kind *board_device_kind(const struct device_config *row)
         [DEVICE_FLOW] = &flow_kind,         [DEVICE_LEVEL] = &level_kind,
     };
     return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
+}
+
+static bool is_thermocouple(const struct device_config *row)
+{
+    return row->type >= SENSOR_B && row->type < SENSOR_B + sizeof letters - 1u;
+}
+
+bool board_device_takes_type(const struct device_config *row)
+{
+    if (row->device == DEVICE_MAX31856)
+        return is_thermocouple(row);
+    return row->type == SENSOR_NONE ||
+           (row->device == DEVICE_MAX31865 && row->type <= SENSOR_4WIRE);
 }
 
 static void platinum(const struct device_config *row, struct device_settings *s)
@@ -63,5 +78,7 @@ struct device_settings board_device_settings(const struct pins_config *pins,
     }
     if (row->device == DEVICE_MAX31865)
         platinum(row, &s);
+    if (row->device == DEVICE_MAX31856 && is_thermocouple(row))
+        s.type = (uint8_t)letters[row->type - SENSOR_B];
     return s;
 }
