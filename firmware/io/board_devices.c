@@ -47,6 +47,21 @@ const struct device_kind *board_device_kind(const struct device_config *row)
     return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
 }
 
+static bool is_thermocouple(const struct device_config *row)
+{
+    return row->type >= SENSOR_B && row->type <= SENSOR_T;
+}
+
+bool board_device_takes_type(const struct device_config *row)
+{
+    if (row->device == DEVICE_MAX31856)
+        return is_thermocouple(row);
+    if (row->device == DEVICE_ADS1115 || row->device == DEVICE_ANALOG)
+        return row->type == SENSOR_NONE || row->type >= SENSOR_4_20_MA;
+    return row->type == SENSOR_NONE ||
+           (row->device == DEVICE_MAX31865 && row->type <= SENSOR_4WIRE);
+}
+
 static void platinum(const struct device_config *row, struct device_settings *s)
 {
     s->type = row->type >= SENSOR_2WIRE && row->type <= SENSOR_4WIRE
@@ -88,9 +103,8 @@ struct device_settings board_device_settings(const struct pins_config *pins,
         platinum(row, &s);
         break;
     case DEVICE_MAX31856:
-        s.type = row->type >= SENSOR_B && row->type <= SENSOR_T
-                     ? (uint8_t) "BEJKNRST"[row->type - SENSOR_B]
-                     : (uint8_t)'K';
+        if (is_thermocouple(row))
+            s.type = (uint8_t) "BEJKNRST"[row->type - SENSOR_B];
         break;
     case DEVICE_ADS1115:
         s.type = RANGE_4_096_V;

@@ -13,6 +13,9 @@
 /* NULL: none. */
 const struct device_kind *board_device_kind(const struct device_config *row);
 
+/* Whether chan.type is one that the device of the row can have. */
+bool board_device_takes_type(const struct device_config *row);
+
 /* The settings of a row that service/pins_check.c has accepted. */
 struct device_settings board_device_settings(const struct pins_config *pins,
                                              const struct device_config *row);

@@ -146,6 +146,8 @@ static struct io_reading newest_reading(struct board_io *b, unsigned i, uint64_t
     struct device_result result;
     device_read(d, &result);
     uint32_t oldest = READINGS_MISSED * d->interval_ms + b->tick_ms;
+    if (!b->works[i])
+        tell_faults(b, i, DEVICE_WRONG_CHIP); /* its kind has refused its settings */
     if (result.number == 0)
         return reading;
     if (result.faults == 0 && (uint32_t)now_ms - result.stamp_ms > oldest)

@@ -3,9 +3,11 @@
 
 #include <string.h>
 
+#include "hal/analog.h"
 #include "hal/i2c.h"
 #include "hal/onewire.h"
 #include "hal/spi.h"
+#include "io/board_devices.h"
 #include "outputs/output_check.h"
 
 /* Select or address, three pins of a bus, of each device; and the pins of each output. */
@@ -72,11 +74,32 @@ static unsigned bus_pins(enum bus_word bus, hal_pin pins[3])
     }
 }
 
+/* Whether two rows are on the same bus and there the same chip. Letters among the digits are of either case. */
+static bool is_same_chip(const struct device_config *a, const struct device_config *b)
+{
+    uint8_t address[2], rom[2][PINS_ROM_BYTES];
+    if (a->name[0] == '\0' || a->bus != b->bus)
+        return false;
+    if (pins_device_family((enum device_word)b->device) == BUS_FAMILY_I2C)
+        return pins_parse_address(a->select, &address[0]) == ERR_OK &&
+               pins_parse_address(b->select, &address[1]) == ERR_OK && address[0] == address[1];
+    return pins_parse_rom(a->select, rom[0]) == ERR_OK &&
+           pins_parse_rom(b->select, rom[1]) == ERR_OK &&
+           memcmp(rom[0], rom[1], sizeof rom[0]) == 0;
+}
+
+/* Pressure and temperature of one barometer are two devices of one chip. */
+static bool is_barometer(const struct device_config *d)
+{
+    return d->device == DEVICE_BME280 || d->device == DEVICE_BME280_TEMPERATURE;
+}
+
 static enum err check_select(const struct config *config, unsigned i, struct claims *claims,
                              enum bus_family family, struct config_fault *fault)
 {
     const struct device_config *d = &config->pins.device[i];
     uint8_t address, rom[PINS_ROM_BYTES];
+    hal_pin pin;
     switch (family) {
     case BUS_FAMILY_I2C:
         if (pins_parse_address(d->select, &address) != ERR_OK)
@@ -89,12 +112,18 @@ static enum err check_select(const struct config *config, unsigned i, struct cla
                                "must be family and serial number, 14 digits: 28000005e2fdc3");
         break;
     default:
+        if (d->device == DEVICE_ANALOG && pins_parse_pin(d->select, &pin) == ERR_OK &&
+            !hal_analog_has(pin))
+            return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "select", d->select,
+                               "has no analogue input");
         return claim_pin(claims, "chan", i + 1, "select", d->select, fault);
     }
     /* Several inputs of one chip may be read, each once. */
     for (unsigned k = 0; k < i; k++) {
         const struct device_config *other = &config->pins.device[k];
-        if (other->name[0] == '\0' || other->bus != d->bus || strcmp(other->select, d->select) != 0)
+        if (!is_same_chip(other, d))
+            continue;
+        if (other->device != d->device && is_barometer(other) && is_barometer(d))
             continue;
         if (other->device != d->device)
             return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "select", d->select,
@@ -129,6 +158,9 @@ static enum err check_device(const struct config *config, unsigned i, struct cla
         if (!claim(claims, pins[k], d->bus))
             return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name,
                                "needs a pin that is taken by another device or output");
+    if (!board_device_takes_type(d))
+        return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "type", d->name,
+                           "must be one that the device can have");
     if (!(d->lo < d->hi))
         return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "lo", d->name, "must be below hi");
     return check_select(config, i, claims, family, fault);

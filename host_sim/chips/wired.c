@@ -46,6 +46,19 @@ static double part_on(const struct wiring_output *o, const struct load *l)
     return is_on(o, l->drive[0]) ? 1.0 : 0.0;
 }
 
+/* Moves a valve with two pins for so long; returns the integral of its position, ns. At its end it stays. */
+static double turn_valve(const struct wiring_output *o, struct load *l, double ns)
+{
+    double way = (is_on(o, l->drive[0]) ? 1.0 : 0.0) - (is_on(o, l->drive[1]) ? 1.0 : 0.0);
+    if (o->broken || way == 0.0)
+        return ns * l->position;
+    double before = l->position, end = way > 0.0 ? 1.0 : 0.0;
+    double to_end_ns = fabs(end - before) * o->travel_s * NS_PER_S;
+    l->position = ns < to_end_ns ? before + way * ns / NS_PER_S / o->travel_s : end;
+    double moving_ns = fmin(ns, to_end_ns);
+    return moving_ns * (before + l->position) / 2.0 + (ns - moving_ns) * l->position;
+}
+
 /* Brings the sum of an output up to now. */
 static void pass(struct wired *w, size_t i, uint64_t now_ns)
 {
@@ -55,11 +68,7 @@ static void pass(struct wired *w, size_t i, uint64_t now_ns)
     if (o->close_pin == HAL_PIN_NONE) {
         l->sum_ns += ns * part_on(o, l);
     } else {
-        double way = (is_on(o, l->drive[0]) ? 1.0 : 0.0) - (is_on(o, l->drive[1]) ? 1.0 : 0.0);
-        double before = l->position;
-        l->position += o->broken ? 0.0 : way * ns / NS_PER_S / o->travel_s;
-        l->position = fmin(fmax(l->position, 0.0), 1.0);
-        l->sum_ns += ns * (before + l->position) / 2.0;
+        l->sum_ns += turn_valve(o, l, ns);
     }
     l->since_ns = now_ns;
 }
@@ -222,6 +231,14 @@ size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns)
     return w->n_outputs;
 }
 
+static bool has_sensor(const struct wired *w, const char *name)
+{
+    for (size_t i = 0; i < wiring_n_sensors(w->wiring); i++)
+        if (strcmp(wiring_sensor(w->wiring, i)->name, name) == 0)
+            return true;
+    return false;
+}
+
 /* A line without its end: "T1 78.3", "T1.open 1". */
 static bool one_line(struct wired *w, uint64_t now_ns, char *line, char *err, size_t err_size)
 {
@@ -231,6 +248,8 @@ static bool one_line(struct wired *w, uint64_t now_ns, char *line, char *err, si
         return sim_fail(err, err_size, "pins.%s: must be a name, a blank and a number", line);
     *blank = '\0';
     char *dot = strchr(line, '.');
+    if (dot == NULL && !has_sensor(w, line))
+        return sim_fail(err, err_size, "pins.%s: the wiring has no sensor of that name", line);
     if (dot == NULL) {
         wired_measure(w, now_ns, line, value);
         return true;
