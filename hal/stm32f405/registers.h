@@ -31,9 +31,12 @@
 #define RCC_CFGR_PPRE2_2    (4u << 13)
 #define RCC_CFGR_RTCPRE(n)  ((uint32_t)(n) << 16)
 #define RCC_CIR             REG32(0x4002380Cu)
+#define RCC_APB1RSTR        REG32(0x40023820u)
+#define RCC_APB2RSTR        REG32(0x40023824u)
 #define RCC_AHB1ENR_ADDRESS 0x40023830u /* ram_test.c reaches these without a stack */
 #define RCC_AHB1ENR         REG32(RCC_AHB1ENR_ADDRESS)
 #define RCC_AHB1ENR_GPIOA   BIT(0)
+#define RCC_AHB1ENR_GPIO(n) BIT(n) /* 0: GPIOA */
 #define RCC_AHB1ENR_CCM     BIT(20)
 #define RCC_APB1ENR         REG32(0x40023840u)
 #define RCC_APB1ENR_TIM2    BIT(0)
@@ -81,6 +84,34 @@
 #define GPIOA_PUPDR REG32(0x4002000Cu)
 #define GPIOA_AFRL  REG32(0x40020020u)
 #define GPIOA_AFRH  REG32(0x40020024u)
+
+/* Each port; n: 0 for GPIOA */
+#define GPIO_BASE(n)      (0x40020000u + 0x400u * (n))
+#define GPIO_MODER(n)     REG32(GPIO_BASE(n) + 0x00u)
+#define GPIO_OTYPER(n)    REG32(GPIO_BASE(n) + 0x04u)
+#define GPIO_OSPEEDR(n)   REG32(GPIO_BASE(n) + 0x08u)
+#define GPIO_PUPDR(n)     REG32(GPIO_BASE(n) + 0x0Cu)
+#define GPIO_IDR(n)       REG32(GPIO_BASE(n) + 0x10u)
+#define GPIO_BSRR(n)      REG32(GPIO_BASE(n) + 0x18u)
+#define GPIO_AFR(n, high) REG32(GPIO_BASE(n) + 0x20u + 4u * (high))
+#define GPIO_INPUT        0u
+#define GPIO_OUTPUT       1u
+#define GPIO_FUNCTION     2u
+#define GPIO_ANALOG       3u
+
+/* SPI (RM0090 28.5). Where the bits stand is from memory (unverified). */
+#define SPI_CR1(base)  REG32((base) + 0x00u)
+#define SPI_CR2(base)  REG32((base) + 0x04u)
+#define SPI_SR(base)   REG32((base) + 0x08u)
+#define SPI_DR(base)   REG32((base) + 0x0Cu)
+#define SPI_CR1_MSTR   BIT(2)
+#define SPI_CR1_BR(n)  ((uint32_t)(n) << 3)
+#define SPI_CR1_SPE    BIT(6)
+#define SPI_CR1_SSI    BIT(8)
+#define SPI_CR1_SSM    BIT(9)
+#define SPI_CR2_RXNEIE BIT(6)
+#define SPI_SR_RXNE    BIT(0)
+#define SPI_SR_BSY     BIT(7)
 
 /* RM0090 30.6: serial ports */
 #define USART1_BASE 0x40011000u

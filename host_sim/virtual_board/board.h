@@ -17,9 +17,11 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "world.h"
+
 #define BOARD_NEVER      UINT64_MAX
 #define BOARD_LINES      2 /* serial lines: 0 console, 1 plant link */
-#define BOARD_EVENTS     48
+#define BOARD_EVENTS     64
 #define BOARD_PARTS      48
 #define BOARD_VERDICT    240
 #define BOARD_NAMED      32
@@ -89,6 +91,9 @@ struct board {
         struct part *part;
     } named[BOARD_NAMED];
     struct line lines[BOARD_LINES];
+    struct world world; /* empty until board_set_world() */
+    bool has_world;
+    enum pin_level wired[WORLD_PINS]; /* by the world */
 
     uint64_t stalled_until_ns; /* the flash answers no fetch */
     bool held;                 /* no supply, or the reset pin is low: nothing runs */

@@ -45,6 +45,7 @@ void bus_reset(struct board *b, enum board_reset kind)
 {
     for (size_t i = 0; i < b->n_parts; i++) {
         struct part *p = b->parts[i];
+        p->held_in_reset = false;
         if (p->row->class->reset != NULL) {
             p->row->class->reset(p, kind);
             continue;
@@ -78,7 +79,7 @@ struct part *bus_part(struct board *b, const char *name)
 
 struct part *pins_part(struct board *b, char port)
 {
-    static const char *const names[] = {"GPIOA", "GPIOB", "GPIOC"};
+    static const char *const names[] = {"GPIOA", "GPIOB", "GPIOC", "GPIOD"};
     return bus_part(b, names[port - 'A']);
 }
 
@@ -125,6 +126,11 @@ static struct part *find(struct board *b, uint32_t address, unsigned bytes, cons
         }
         if (!clocked(p)) {
             board_verdict(b, "%s of %s_%s (0x%08x) while its clock is off", what, row->name,
+                          row->class->regs[*reg].name, address);
+            return NULL;
+        }
+        if (p->held_in_reset) {
+            board_verdict(b, "%s of %s_%s (0x%08x), which the RCC holds in reset", what, row->name,
                           row->class->regs[*reg].name, address);
             return NULL;
         }

@@ -27,6 +27,8 @@ struct part_class {
     void (*start)(struct part *p);       /* once */
     void (*stop)(struct part *p);        /* gives back what it has beside its state */
     void (*reset)(struct part *p, enum board_reset kind);
+    /* A reset of this part alone, by the RCC; NULL: not modelled. */
+    void (*restart)(struct part *p);
     /* What is read in place of the stored word; NULL: the stored word. */
     uint32_t (*read)(struct part *p, uint32_t offset, uint32_t stored);
     /* After the word has been stored; before: what was there. NULL: nothing happens. */
@@ -91,6 +93,7 @@ struct part {
     uint32_t *words; /* in the order of the class's registers, and one for what is none of them */
     uint8_t *index;  /* of the word at each offset, in words */
     void *state;
+    bool held_in_reset; /* by the RCC */
 };
 
 extern const struct chip chip_stm32f405, chip_stm32f100;
@@ -111,7 +114,7 @@ uint32_t bus_read(struct board *b, uint32_t address, unsigned bytes);
 void bus_write(struct board *b, uint32_t address, unsigned bytes, uint32_t value);
 /* name: one that lives as long as the board, a literal. NULL: the chip has none. */
 struct part *bus_part(struct board *b, const char *name);
-struct part *pins_part(struct board *b, char port); /* port: 'A' to 'C' */
+struct part *pins_part(struct board *b, char port); /* port: 'A' to 'D'; NULL: the chip has none */
 uint32_t part_get(const struct part *p, uint32_t offset);
 void part_set(struct part *p, uint32_t offset, uint32_t word);
 

@@ -276,7 +276,7 @@ static void test_pins(void)
     put_ok(GPIOA_BSRR, BIT(5) | BIT(6) | BIT(5 + 16)); /* to set goes first */
     TEST_ASSERT_EQUAL_HEX32(BIT(5) | BIT(6), get(GPIOA_ODR));
     put_ok(GPIOA_BSRR, BIT(6 + 16));
-    TEST_ASSERT_EQUAL_HEX32(BIT(5), get(GPIOA_IDR));
+    TEST_ASSERT_EQUAL_HEX32(BIT(5) | BIT(13) | BIT(15), get(GPIOA_IDR)); /* two are pulled up */
     TEST_ASSERT_EQUAL_HEX32(0, get(GPIOA_BSRR));
     TEST_ASSERT_EQUAL_HEX32(BIT(5), bus_read(b, GPIOA_ODR, 1));
     (void)bus_read(b, GPIOA_IDR, 2);

@@ -12,6 +12,8 @@ enum {
     PLLCFGR = 0x04,
     CFGR = 0x08,
     CIR = 0x0C,
+    APB1RSTR = 0x20,
+    APB2RSTR = 0x24,
     AHB1ENR = 0x30,
     AHB2ENR = 0x34,
     AHB3ENR = 0x38,
@@ -50,6 +52,8 @@ static const struct reg regs[] = {
     {"PLLCFGR", PLLCFGR, 0x24003010u, 0x0F437FFFu, 0x0F437FFFu},
     {"CFGR", CFGR, 0, 0xFFFFFCFFu, 0xFFFFFCF3u},
     {"CIR", CIR, 0, 0x00BF3FBFu, 0x00003F00u},
+    {"APB1RSTR", APB1RSTR, 0, 0x36FEC9FFu, 0x36FEC9FFu},
+    {"APB2RSTR", APB2RSTR, 0, 0x00075933u, 0x00075933u},
     {"AHB1ENR", AHB1ENR, 0x00100000u, 0x7E7411FFu, 0x7E7411FFu},
     {"AHB2ENR", AHB2ENR, 0, 0xF1u, 0xF1u},
     {"AHB3ENR", AHB3ENR, 0, 0x1u, 0x1u},
@@ -304,6 +308,26 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     part_set(p, CR, word);
 }
 
+/* 7.3.8, 7.3.9: a part is reset while its bit is set, which has the place of its enable. Converters share one bit (unverified). */
+static void reset_parts(const struct part *rcc, uint32_t offset)
+{
+    struct board *b = rcc->board;
+    uint32_t enable = offset + (APB1ENR - APB1RSTR), bits = part_get(rcc, offset);
+    for (size_t i = 0; i < b->n_parts; i++) {
+        struct part *p = b->parts[i];
+        if (p->row->enable_offset != enable)
+            continue;
+        bool held = (bits >> p->row->enable_bit & 1u) != 0;
+        if (held && !p->held_in_reset) {
+            if (p->row->class->restart == NULL)
+                board_verdict(b, "a reset of %s alone is not modelled", p->row->name);
+            else
+                p->row->class->restart(p);
+        }
+        p->held_in_reset = held;
+    }
+}
+
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
 {
     uint32_t word = part_get(p, offset);
@@ -324,6 +348,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         }
         if ((part_get(p, CIR) & CIR_IRQS) != 0)
             board_verdict(p->board, "interrupts of the RCC are not modelled");
+    } else if (offset == APB1RSTR || offset == APB2RSTR) {
+        reset_parts(p, offset);
     } else if (offset == CSR) {
         struct rcc *r = p->state;
         if ((written & CSR_RMVF) != 0)

@@ -1,0 +1,23 @@
+/* Pins as other models see them: by number, PA0 is 0, PB0 16.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_VIRTUAL_BOARD_PINS_H
+#define REFLUX_VIRTUAL_BOARD_PINS_H
+
+#include "models.h"
+
+#define PIN_NUMBER(port, number) ((unsigned)((port) - 'A') * 16u + (number))
+
+/* The pin is given to this alternate function. */
+bool pin_has_function(struct board *b, unsigned pin, uint8_t function);
+/* It drives low only. */
+bool pin_is_open_drain(struct board *b, unsigned pin);
+/* Code of its speed, of edges: 0 is the slowest. */
+unsigned pin_speed(struct board *b, unsigned pin);
+/* It is an analogue pin. */
+bool pin_is_analog(struct board *b, unsigned pin);
+/* Level at the pin, from what the board drives and what the world does. */
+bool pin_level(struct board *b, unsigned pin);
+
+#endif
