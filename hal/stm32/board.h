@@ -7,6 +7,7 @@
 
 /* Interrupt priorities: the upper four bits count, a smaller number goes first. */
 #define PRIORITY_UART  0x40u
+#define PRIORITY_BUS   0x60u /* SPI, I2C, 1-wire, converter, pulses */
 #define PRIORITY_CLOCK 0x80u
 #define PRIORITY_TICK  0xF0u /* PendSV: below every interrupt, above the main loop */
 

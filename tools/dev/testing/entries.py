@@ -123,6 +123,8 @@ def script_tests(label: str) -> list[Test]:
             wanted |= needs("host", "reflux-board")
         if path.stem == "test_board_campaign":
             wanted |= needs("host", "board-campaign")
+        if path.stem == "test_board_io":
+            wanted |= needs("host", "board-io") | needs("stm32f405")
         if path.stem in ("test_board_faults", "test_board_flips"):
             wanted |= needs("stm32f405")
         if path.stem in ("test_self_checks", "test_virtual_board"):

@@ -1,0 +1,41 @@
+/* Interrupts of the STM32F405's buses and inputs (RM0090 table 62), and their rows of a vector table: IO_VECTORS within the braces of a table that
+ * begins with the core's sixteen. All have the priority PRIORITY_BUS.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef REFLUX_STM32F405_IO_INTERRUPTS_H
+#define REFLUX_STM32F405_IO_INTERRUPTS_H
+
+#include "board.h"
+#include "registers.h"
+
+#define SPI1_IRQ 35u
+#define SPI2_IRQ 36u
+#define SPI3_IRQ 51u
+
+void interrupt_spi1(void);
+void interrupt_spi2(void);
+void interrupt_spi3(void);
+
+#define IO_VECTORS                                                                                 \
+    [16 + SPI1_IRQ] = {.handler = interrupt_spi1}, [16 + SPI2_IRQ] = {.handler = interrupt_spi2},  \
+          [16 + SPI3_IRQ] = {.handler = interrupt_spi3}
+
+static inline void io_interrupt_on(uint32_t irq)
+{
+    NVIC_IPR(irq) = PRIORITY_BUS;
+    NVIC_ISER(irq / 32u) = BIT(irq % 32u);
+}
+
+/* Holds the interrupts of buses off; io_release() with what this has returned. */
+static inline uint32_t io_hold(void)
+{
+    return mask_raise(PRIORITY_BUS);
+}
+
+static inline void io_release(uint32_t before)
+{
+    mask_restore(before);
+}
+
+#endif

@@ -1,0 +1,94 @@
+/* The io image (tests/target/io_image) on the virtual STM32F405, with a small plant at its pins.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef BOARD_IO_H
+#define BOARD_IO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "../io_image/mailbox.h"
+#include "base/error.h"
+#include "chip.h"
+#include "hal/pin.h"
+#include "hal/transfer.h"
+#include "world.h"
+
+#define MS UINT64_C(1000000)
+
+/* Ends the program with status 1. */
+_Noreturn void fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
+#define CHECK(what, ...)                                                                           \
+    do {                                                                                           \
+        if (!(what))                                                                               \
+            fail(__VA_ARGS__);                                                                     \
+    } while (0)
+
+/* ---- bench.c ---- */
+
+struct bench {
+    struct board *board;
+    volatile struct mailbox *box; /* in the board's memory */
+    uint32_t asked;               /* number of the last request */
+    uint64_t random;
+};
+
+void bench_start(struct bench *bench, const char *image, uint64_t seed);
+void bench_stop(struct bench *bench);
+/* A reset by the pin; the image starts again. */
+void bench_reset(struct bench *bench);
+void bench_run(struct bench *bench, uint64_t ns);
+/* 0 to n - 1 */
+uint32_t bench_random(struct bench *bench, uint32_t n);
+
+/* Fills the mailbox for a request of this kind: everything else is 0. */
+volatile struct mailbox *bench_prepare(struct bench *bench, enum io_command command);
+/* The board begins with it at its next millisecond. */
+void bench_ask(struct bench *bench);
+/* Runs until it is done, and returns its err; the program fails if that takes longer than 1 s: a hang. */
+enum err bench_wait(struct bench *bench);
+enum err bench_do(struct bench *bench, enum io_command command, unsigned pin, uint32_t mode,
+                  uint32_t value);
+
+/* ---- plant.c ---- */
+
+#define PLANT_HEARD 512u
+
+struct plant_spi {
+    unsigned pin, modes; /* modes: a bit each that it takes */
+    bool selected;
+    unsigned heard; /* bytes since it was selected */
+    uint32_t sum;   /* of them */
+    uint8_t bytes[PLANT_HEARD];
+    uint64_t selected_ns, released_ns;
+};
+
+#define PLANT_CHIPS 3u
+
+struct plant {
+    enum pin_drive pins[WORLD_PINS];
+    uint64_t moved_ns[WORLD_PINS];
+    uint32_t moves[WORLD_PINS];
+    struct plant_spi spi[PLANT_CHIPS]; /* one on each bus */
+    uint32_t errors_per_million;       /* bits that change on a bus */
+    uint64_t random;
+    uint32_t errors; /* that there were */
+};
+
+extern struct plant plant;
+
+struct world plant_world(void);
+void plant_reset(uint64_t seed);
+/* Answer of an SPI chip to its k-th byte, after bytes of this sum. */
+uint8_t plant_spi_answer(uint32_t sum, unsigned k);
+
+/* ---- cases ---- */
+
+void case_pins(const char *image);
+void case_outputs(const char *image);
+void case_spi(const char *image);
+void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
+
+#endif

@@ -1,0 +1,37 @@
+/* What the io image and the program around the virtual board tell each other: a place in the memory of the board. The program writes a request and
+ * then its number; the image does it in its board clock, and writes the number into `done`.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#ifndef IO_IMAGE_MAILBOX_H
+#define IO_IMAGE_MAILBOX_H
+
+#include <stdint.h>
+
+#define MAILBOX_ADDRESS 0x2001F000u /* image.ld */
+#define MAILBOX_READY   0x494F4F4Bu
+
+enum io_command {
+    IO_SPI_OPEN = 1, /* bus, pin, mode, hz */
+    IO_SPI,          /* the same, n_out, n_in, limit_ms */
+    IO_PIN_FREE,     /* pin */
+    IO_PIN_USE,      /* pin, mode: enum hal_pin_use */
+    IO_PIN_READ,     /* pin */
+    IO_PIN_WRITE,    /* pin, value */
+    IO_OUTPUT_OPEN,  /* pin, mode: low */
+    IO_OUTPUT_SET,   /* pin, value */
+    IO_OUTPUT_SAFE
+};
+
+struct mailbox {
+    uint32_t ready;
+    uint32_t request, done; /* numbers */
+    uint32_t command, bus, pin, mode, hz, value;
+    uint32_t n_out, n_in, limit_ms; /* 0: no limit */
+    int32_t err;                    /* enum err */
+    uint32_t state;                 /* enum transfer_state */
+    uint32_t result, took_ms;
+    uint8_t out[256], in[256];
+};
+
+#endif

@@ -1,0 +1,124 @@
+/* Requests of the mailbox, each one call of the port's contracts.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
+#include "requests.h"
+
+#include <stddef.h>
+
+#include "hal/output.h"
+#include "hal/spi.h"
+#include "mailbox.h"
+
+static volatile struct mailbox box __attribute__((section(".mailbox")));
+
+static struct transfer transfer;
+static struct spi_device spi;
+static uint8_t out[256], in[256];
+static uint32_t waited_ms;
+static bool runs;
+
+static void finish(enum err err)
+{
+    runs = false;
+    box.err = err;
+    box.state = transfer.state;
+    box.took_ms = waited_ms;
+    for (unsigned i = 0; i < sizeof(in); i++) {
+        box.in[i] = in[i];
+    }
+    box.done = box.request;
+}
+
+static void stop_bus(void)
+{
+    if (box.command == IO_SPI) {
+        hal_spi_stop((uint8_t)box.bus);
+    }
+}
+
+static void prepare(void)
+{
+    for (unsigned i = 0; i < sizeof(out); i++) {
+        out[i] = box.out[i];
+        in[i] = 0xEE;
+    }
+    transfer = (struct transfer){
+        .out = out, .in = in, .n_out = (uint8_t)box.n_out, .n_in = (uint8_t)box.n_in};
+    spi = (struct spi_device){.bus = (uint8_t)box.bus,
+                              .select = (hal_pin)box.pin,
+                              .mode = (uint8_t)box.mode,
+                              .hz = box.hz};
+    waited_ms = 0;
+}
+
+static void begin(enum err err)
+{
+    runs = err == ERR_OK;
+    if (!runs) {
+        finish(err);
+    }
+}
+
+static void obey(void)
+{
+    hal_pin pin = (hal_pin)box.pin;
+    enum err err = ERR_OK;
+    prepare();
+    switch (box.command) {
+    case IO_SPI_OPEN:
+        err = hal_spi_open(&spi);
+        break;
+    case IO_SPI:
+        begin(hal_spi_start(&spi, &transfer));
+        return;
+    case IO_PIN_FREE:
+        box.result = hal_pin_is_free(pin);
+        break;
+    case IO_PIN_USE:
+        hal_pin_use(pin, (enum hal_pin_use)box.mode);
+        break;
+    case IO_PIN_READ:
+        box.result = hal_pin_read(pin);
+        break;
+    case IO_PIN_WRITE:
+        hal_pin_write(pin, box.value != 0);
+        break;
+    case IO_OUTPUT_OPEN:
+        err = hal_output_open(pin, box.mode != 0);
+        break;
+    case IO_OUTPUT_SET:
+        hal_output_set(pin, box.value != 0);
+        break;
+    case IO_OUTPUT_SAFE:
+        hal_output_safe();
+        break;
+    default:
+        err = ERR_UNKNOWN;
+        break;
+    }
+    finish(err);
+}
+
+void requests_start(void)
+{
+    box.request = box.done = 0;
+    box.ready = MAILBOX_READY;
+}
+
+void requests_clock(void)
+{
+    if (!runs) {
+        if (box.request != box.done) {
+            obey();
+        }
+        return;
+    }
+    waited_ms++;
+    if (transfer.state != TRANSFER_RUNS) {
+        finish(ERR_OK);
+    } else if (box.limit_ms != 0 && waited_ms >= box.limit_ms) {
+        stop_bus();
+        finish(ERR_TIMEOUT);
+    }
+}

@@ -1,0 +1,42 @@
+#!/usr/bin/python3
+"""The STM32F405's own pins and buses: tests/target/io_image on the virtual board, with a small plant at its pins (tests/target/board_io)."""
+
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+IMAGE = board.ROOT / "build" / "stm32f405" / "io-stm32f405.bin"
+PROGRAM = board.ROOT / "build" / "host" / "board-io"
+COUNT = 20000  # transfers of a campaign
+
+
+@unittest.skipUnless(PROGRAM.exists(), "no board-io: libunicorn-dev is not installed")
+class BoardIoTest(unittest.TestCase):
+    def case(self, name: str, *arguments: str) -> str:
+        done = subprocess.run([PROGRAM, IMAGE, name, *arguments], capture_output=True, text=True, timeout=900, check=False)
+        print(done.stdout, end="")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def campaign(self, name: str, seed: int) -> None:
+        self.assertIn(" 0 hung", self.case(name, str(COUNT), str(seed)))
+
+    def test_free_pins_do_what_they_are_told_and_the_others_stay_as_they_are(self) -> None:
+        self.case("pins")
+
+    def test_outputs_are_on_only_when_they_are_set(self) -> None:
+        self.case("outputs")
+
+    def test_spi_exchanges_bytes_with_chips(self) -> None:
+        self.case("spi")
+
+    def test_no_spi_transfer_hangs(self) -> None:
+        self.campaign("spi-campaign", 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
