@@ -114,8 +114,13 @@
 #define SPI_SR_BSY     BIT(7)
 
 /* RM0090 30.6: serial ports */
-#define USART1_BASE 0x40011000u
-#define USART2_BASE 0x40004400u
+#define USART1_BASE     0x40011000u
+#define USART2_BASE     0x40004400u
+#define USART6_BASE     0x40011400u
+#define UART4_BASE      0x40004C00u
+#define USART_CR3(base) REG32((base) + 0x14u)
+#define USART_CR1_TCIE  BIT(6)
+#define USART_CR3_HDSEL BIT(3)
 /* RM0090 18.4, 19.5: TIM2 counts for hal_cycles() on the emulator, TIM11 measures the crystal */
 #define TIM2_CR1          REG32(0x40000000u)
 #define TIM2_EGR          REG32(0x40000014u)

@@ -26,8 +26,8 @@ enum pin_level { PIN_LEVEL_OPEN, PIN_LEVEL_LOW, PIN_LEVEL_HIGH };
 #define I2C_CLOCK_HELD 1u
 #define I2C_DATA_HELD  2u
 
-/* What answers a reset pulse on a wire. */
-enum wire_answer { WIRE_SILENT, WIRE_PRESENT, WIRE_SHORTED };
+/* What the board sees on a wire after its own pulse: nobody pulls, somebody does as the bus has it, or it stays low. */
+enum wire_answer { WIRE_SILENT, WIRE_PULLED, WIRE_SHORTED };
 
 struct world {
     void *context;
@@ -55,9 +55,8 @@ struct world {
     void (*i2c_clock)(void *context, uint64_t now_ns, unsigned bus);
 
     enum wire_answer (*wire_reset)(void *context, uint64_t now_ns, unsigned bus);
-    /* A time slot. out: the board lets go early, which is a 1 written or a bit asked for: the wire cannot tell them apart. Returns what the
-     * wire was when the board looked: 0 where somebody held it low. */
-    bool (*wire_bit)(void *context, uint64_t now_ns, unsigned bus, bool out);
+    /* A time slot. out: the board lets go early, which is a 1 written or a bit asked for: the wire cannot tell them apart. Pulled: a 0. */
+    enum wire_answer (*wire_bit)(void *context, uint64_t now_ns, unsigned bus, bool out);
 };
 
 /* The world's context lives longer than the board. With a world, verdicts of a run by blocks name the block and not the instruction (replay.h). */

@@ -15,6 +15,7 @@ extern const struct part_class watchdog_class;
 extern const struct part_class usart_class;
 extern const struct part_class gpio_f4_class, gpio_f1_class;
 extern const struct part_class spi_class;
+extern const struct part_class wire_class;
 extern const struct part_class timer32_class, timer_capture_class;
 extern const struct part_class debug_f4_class, debug_f1_class;
 extern const struct part_class rtc_f1_class;
