@@ -9,17 +9,23 @@
 #include "board.h"
 #include "registers.h"
 
-#define SPI1_IRQ 35u
-#define SPI2_IRQ 36u
-#define SPI3_IRQ 51u
+#define SPI1_IRQ   35u
+#define SPI2_IRQ   36u
+#define SPI3_IRQ   51u
+#define UART4_IRQ  52u
+#define USART6_IRQ 71u
 
 void interrupt_spi1(void);
 void interrupt_spi2(void);
 void interrupt_spi3(void);
+void interrupt_uart4(void);
+void interrupt_usart6(void);
 
 #define IO_VECTORS                                                                                 \
     [16 + SPI1_IRQ] = {.handler = interrupt_spi1}, [16 + SPI2_IRQ] = {.handler = interrupt_spi2},  \
-          [16 + SPI3_IRQ] = {.handler = interrupt_spi3}
+          [16 + SPI3_IRQ] = {.handler = interrupt_spi3},                                           \
+          [16 + UART4_IRQ] = {.handler = interrupt_uart4},                                         \
+          [16 + USART6_IRQ] = {.handler = interrupt_usart6}
 
 static inline void io_interrupt_on(uint32_t irq)
 {

@@ -37,6 +37,12 @@ class BoardIoTest(unittest.TestCase):
     def test_no_spi_transfer_hangs(self) -> None:
         self.campaign("spi-campaign", 1)
 
+    def test_1_wire_finds_chips_and_exchanges_bytes_with_them(self) -> None:
+        self.case("wire")
+
+    def test_no_1_wire_transfer_hangs(self) -> None:
+        self.campaign("wire-campaign", 1)
+
 
 if __name__ == "__main__":
     unittest.main()

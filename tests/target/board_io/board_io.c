@@ -11,12 +11,13 @@
 static const struct {
     const char *name;
     void (*run)(const char *image);
-} cases[] = {{"pins", case_pins}, {"outputs", case_outputs}, {"spi", case_spi}};
+} cases[] = {
+    {"pins", case_pins}, {"outputs", case_outputs}, {"spi", case_spi}, {"wire", case_wire}};
 
 static const struct {
     const char *name;
     void (*run)(const char *image, uint32_t count, uint64_t seed);
-} campaigns[] = {{"spi-campaign", case_spi_campaign}};
+} campaigns[] = {{"spi-campaign", case_spi_campaign}, {"wire-campaign", case_wire_campaign}};
 
 int main(int argc, char **argv)
 {

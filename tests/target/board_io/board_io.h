@@ -67,12 +67,34 @@ struct plant_spi {
 
 #define PLANT_CHIPS 3u
 
+#define PLANT_WIRES     2u
+#define PLANT_ON_A_WIRE 8u
+
+/* A chip on a wire: after a reset pulse a command of its address (search, match, skip), then a byte n, n bytes that it hears, and answers. */
+struct plant_on_wire {
+    uint8_t rom[8];
+    uint8_t stage; /* of plant_wire.c */
+    uint8_t byte;  /* that comes in or goes out */
+    unsigned bits, wanted, heard, answered;
+    uint32_t sum;
+    uint8_t bytes[PLANT_HEARD];
+};
+
+struct plant_wire {
+    struct plant_on_wire chips[PLANT_ON_A_WIRE];
+    unsigned n;
+    bool shorted;
+    uint64_t reset_ns, slot_ns; /* of the last one, and of the shortest distance of two slots */
+    uint64_t last_ns;
+};
+
 struct plant {
     enum pin_drive pins[WORLD_PINS];
     uint64_t moved_ns[WORLD_PINS];
     uint32_t moves[WORLD_PINS];
     struct plant_spi spi[PLANT_CHIPS]; /* one on each bus */
-    uint32_t errors_per_million;       /* bits that change on a bus */
+    struct plant_wire wires[PLANT_WIRES];
+    uint32_t errors_per_million; /* bits that change on a bus */
     uint64_t random;
     uint32_t errors; /* that there were */
 };
@@ -81,8 +103,15 @@ extern struct plant plant;
 
 struct world plant_world(void);
 void plant_reset(uint64_t seed);
-/* Answer of an SPI chip to its k-th byte, after bytes of this sum. */
-uint8_t plant_spi_answer(uint32_t sum, unsigned k);
+/* Answer of a chip: its k-th byte, after it has heard bytes of this sum. */
+uint8_t plant_answer(uint32_t sum, unsigned k);
+
+/* A bit of an answer, as noise leaves it. */
+bool plant_disturbs(void);
+
+/* plant_wire.c */
+enum wire_answer plant_wire_reset(void *context, uint64_t now_ns, unsigned bus);
+enum wire_answer plant_wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out);
 
 /* ---- cases ---- */
 
@@ -90,5 +119,7 @@ void case_pins(const char *image);
 void case_outputs(const char *image);
 void case_spi(const char *image);
 void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
+void case_wire(const char *image);
+void case_wire_campaign(const char *image, uint32_t count, uint64_t seed);
 
 #endif

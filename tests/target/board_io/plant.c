@@ -15,15 +15,18 @@ static const struct plant_spi chips[PLANT_CHIPS] = {
     {.pin = HAL_PIN('D', 2), .modes = 0xF},
 };
 
+bool plant_disturbs(void)
+{
+    bool noise = plant.errors_per_million != 0 &&
+                 random_word(&plant.random) % 1000000u < plant.errors_per_million;
+    plant.errors += noise ? 1u : 0;
+    return noise;
+}
+
 static uint8_t disturbed(uint8_t byte)
 {
-    for (unsigned bit = 0; bit < 8; bit++) {
-        if (plant.errors_per_million != 0 &&
-            random_word(&plant.random) % 1000000u < plant.errors_per_million) {
-            byte ^= (uint8_t)(1u << bit);
-            plant.errors++;
-        }
-    }
+    for (unsigned bit = 0; bit < 8; bit++)
+        byte ^= (uint8_t)((plant_disturbs() ? 1u : 0) << bit);
     return byte;
 }
 
@@ -48,7 +51,7 @@ static void pin_driven(void *context, uint64_t now_ns, unsigned pin, enum pin_dr
     }
 }
 
-uint8_t plant_spi_answer(uint32_t sum, unsigned k)
+uint8_t plant_answer(uint32_t sum, unsigned k)
 {
     return (uint8_t)(sum * 5u + 17u * k + 0xA5u);
 }
@@ -63,7 +66,7 @@ static uint8_t spi_exchange(void *context, uint64_t now_ns, unsigned bus, unsign
         return 0xFF;
     if ((c->modes >> mode & 1u) == 0)
         return (uint8_t)random_word(&plant.random);
-    uint8_t answer = plant_spi_answer(c->sum, c->heard);
+    uint8_t answer = plant_answer(c->sum, c->heard);
     if (c->heard < PLANT_HEARD)
         c->bytes[c->heard] = out;
     c->heard++;
@@ -79,5 +82,8 @@ void plant_reset(uint64_t seed)
 
 struct world plant_world(void)
 {
-    return (struct world){.pin_driven = pin_driven, .spi_exchange = spi_exchange};
+    return (struct world){.pin_driven = pin_driven,
+                          .spi_exchange = spi_exchange,
+                          .wire_reset = plant_wire_reset,
+                          .wire_bit = plant_wire_bit};
 }

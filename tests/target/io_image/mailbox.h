@@ -20,7 +20,10 @@ enum io_command {
     IO_PIN_WRITE,    /* pin, value */
     IO_OUTPUT_OPEN,  /* pin, mode: low */
     IO_OUTPUT_SET,   /* pin, value */
-    IO_OUTPUT_SAFE
+    IO_OUTPUT_SAFE,
+    IO_WIRE_OPEN, /* bus */
+    IO_WIRE,      /* bus, n_out, n_in, limit_ms */
+    IO_WIRE_SEARCH /* bus, limit_ms, out: the address before, value: the branch; result: the next one */
 };
 
 struct mailbox {

@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 
+#include "hal/onewire.h"
 #include "hal/output.h"
 #include "hal/spi.h"
 #include "mailbox.h"
@@ -16,6 +17,7 @@ static struct transfer transfer;
 static struct spi_device spi;
 static uint8_t out[256], in[256];
 static uint32_t waited_ms;
+static volatile uint8_t branch;
 static bool runs;
 
 static void finish(enum err err)
@@ -24,6 +26,9 @@ static void finish(enum err err)
     box.err = err;
     box.state = transfer.state;
     box.took_ms = waited_ms;
+    if (box.command == IO_WIRE_SEARCH) {
+        box.result = branch;
+    }
     for (unsigned i = 0; i < sizeof(in); i++) {
         box.in[i] = in[i];
     }
@@ -34,6 +39,8 @@ static void stop_bus(void)
 {
     if (box.command == IO_SPI) {
         hal_spi_stop((uint8_t)box.bus);
+    } else {
+        hal_onewire_stop((uint8_t)box.bus);
     }
 }
 
@@ -50,6 +57,15 @@ static void prepare(void)
                               .mode = (uint8_t)box.mode,
                               .hz = box.hz};
     waited_ms = 0;
+}
+
+static enum err search(void)
+{
+    branch = (uint8_t)box.value;
+    for (unsigned i = 0; i < ONEWIRE_ROM_BYTES; i++) {
+        in[i] = out[i];
+    }
+    return hal_onewire_search((uint8_t)box.bus, &transfer, &branch);
 }
 
 static void begin(enum err err)
@@ -93,6 +109,15 @@ static void obey(void)
     case IO_OUTPUT_SAFE:
         hal_output_safe();
         break;
+    case IO_WIRE_OPEN:
+        err = hal_onewire_open((uint8_t)box.bus);
+        break;
+    case IO_WIRE:
+        begin(hal_onewire_start((uint8_t)box.bus, &transfer));
+        return;
+    case IO_WIRE_SEARCH:
+        begin(search());
+        return;
     default:
         err = ERR_UNKNOWN;
         break;
