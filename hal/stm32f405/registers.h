@@ -113,6 +113,33 @@
 #define SPI_SR_RXNE    BIT(0)
 #define SPI_SR_BSY     BIT(7)
 
+/* I2C (RM0090 27.6). Where the bits stand is from memory (unverified). */
+#define I2C_CR1(base)   REG32((base) + 0x00u)
+#define I2C_CR2(base)   REG32((base) + 0x04u)
+#define I2C_DR(base)    REG32((base) + 0x10u)
+#define I2C_SR1(base)   REG32((base) + 0x14u)
+#define I2C_SR2(base)   REG32((base) + 0x18u)
+#define I2C_CCR(base)   REG32((base) + 0x1Cu)
+#define I2C_TRISE(base) REG32((base) + 0x20u)
+#define I2C_CR1_PE      BIT(0)
+#define I2C_CR1_START   BIT(8)
+#define I2C_CR1_STOP    BIT(9)
+#define I2C_CR1_ACK     BIT(10)
+#define I2C_CR1_POS     BIT(11)
+#define I2C_CR1_SWRST   BIT(15)
+#define I2C_CR2_ITERREN BIT(8)
+#define I2C_CR2_ITEVTEN BIT(9)
+#define I2C_CR2_ITBUFEN BIT(10)
+#define I2C_SR1_SB      BIT(0)
+#define I2C_SR1_ADDR    BIT(1)
+#define I2C_SR1_BTF     BIT(2)
+#define I2C_SR1_RXNE    BIT(6)
+#define I2C_SR1_BERR    BIT(8)
+#define I2C_SR1_ARLO    BIT(9)
+#define I2C_SR1_AF      BIT(10)
+#define I2C_SR1_ERRORS  0xDF00u
+#define I2C_SR2_BUSY    BIT(1)
+
 /* RM0090 30.6: serial ports */
 #define USART1_BASE     0x40011000u
 #define USART2_BASE     0x40004400u

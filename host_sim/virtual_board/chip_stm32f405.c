@@ -36,6 +36,8 @@ static const struct chip_part parts[] = {
     {"SPI1", &spi_class, 0x40013000u, 0x400, "apb2", APB2ENR, 12, 35, 1},
     {"SPI2", &spi_class, 0x40003800u, 0x400, "apb1", APB1ENR, 14, 36, 2},
     {"SPI3", &spi_class, 0x40003C00u, 0x400, "apb1", APB1ENR, 15, 51, 3},
+    {"I2C1", &i2c_class, 0x40005400u, 0x400, "apb1", APB1ENR, 21, 31, 1},
+    {"I2C2", &i2c_class, 0x40005800u, 0x400, "apb1", APB1ENR, 22, 33, 2},
     {"USART6", &wire_class, 0x40011400u, 0x400, "apb2", APB2ENR, 5, 71, 1},
     {"UART4", &wire_class, 0x40004C00u, 0x400, "apb1", APB1ENR, 19, 52, 2},
     {"TIM2", &timer32_class, 0x40000000u, 0x400, "apb1", APB1ENR, 0, NO_IRQ, 0},

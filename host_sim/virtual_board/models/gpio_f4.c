@@ -61,6 +61,7 @@ static void look(struct part *p)
         g->drives[k] = drive;
         if (b->world.pin_driven != NULL)
             b->world.pin_driven(b->world.context, board_ns(b), pin, drive);
+        i2c_pin_moved(b, pin, drive);
     }
 }
 
@@ -112,7 +113,7 @@ bool pin_level(struct board *b, unsigned pin)
     enum pin_drive drive = drive_of(p, pin % 16u);
     if (drive == PIN_LOW || drive == PIN_HIGH)
         return drive == PIN_HIGH;
-    if ((part_get(p, MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG)
+    if ((part_get(p, MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG || i2c_holds_pin(b, pin))
         return false;
     if (b->wired[pin] != PIN_LEVEL_OPEN)
         return b->wired[pin] == PIN_LEVEL_HIGH;

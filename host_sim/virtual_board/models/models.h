@@ -16,6 +16,7 @@ extern const struct part_class usart_class;
 extern const struct part_class gpio_f4_class, gpio_f1_class;
 extern const struct part_class spi_class;
 extern const struct part_class wire_class;
+extern const struct part_class i2c_class;
 extern const struct part_class timer32_class, timer_capture_class;
 extern const struct part_class debug_f4_class, debug_f1_class;
 extern const struct part_class rtc_f1_class;
@@ -50,6 +51,11 @@ uint32_t voltage_detector(struct part *p, uint32_t cr, uint32_t falling_mv, uint
 uint8_t pin_function(struct board *b, char port, unsigned pin);
 uint8_t pin_function_f4(struct board *b, char port, unsigned pin);
 uint8_t pin_function_f1(struct board *b, char port, unsigned pin);
+
+/* A glitch has set BUSY of this I2C bus, though both lines are high. */
+void i2c_lock_busy(struct board *b, unsigned bus);
+/* The part tells a bus error that was none, and goes on. */
+void i2c_tell_bus_error(struct board *b, unsigned bus);
 
 /* The flash interface decides what a store into the array does. */
 void flash_f4_store(struct board *b, uint32_t at, unsigned bytes, uint32_t word);
