@@ -9,12 +9,20 @@
 #include "board.h"
 #include "registers.h"
 
-#define SPI1_IRQ   35u
-#define SPI2_IRQ   36u
-#define SPI3_IRQ   51u
-#define UART4_IRQ  52u
-#define USART6_IRQ 71u
+#define I2C1_EV_IRQ 31u
+#define I2C1_ER_IRQ 32u
+#define I2C2_EV_IRQ 33u
+#define I2C2_ER_IRQ 34u
+#define SPI1_IRQ    35u
+#define SPI2_IRQ    36u
+#define SPI3_IRQ    51u
+#define UART4_IRQ   52u
+#define USART6_IRQ  71u
 
+void interrupt_i2c1_event(void);
+void interrupt_i2c1_error(void);
+void interrupt_i2c2_event(void);
+void interrupt_i2c2_error(void);
 void interrupt_spi1(void);
 void interrupt_spi2(void);
 void interrupt_spi3(void);
@@ -22,7 +30,12 @@ void interrupt_uart4(void);
 void interrupt_usart6(void);
 
 #define IO_VECTORS                                                                                 \
-    [16 + SPI1_IRQ] = {.handler = interrupt_spi1}, [16 + SPI2_IRQ] = {.handler = interrupt_spi2},  \
+    [16 + I2C1_EV_IRQ] = {.handler = interrupt_i2c1_event},                                        \
+          [16 + I2C1_ER_IRQ] = {.handler = interrupt_i2c1_error},                                  \
+          [16 + I2C2_EV_IRQ] = {.handler = interrupt_i2c2_event},                                  \
+          [16 + I2C2_ER_IRQ] = {.handler = interrupt_i2c2_error},                                  \
+          [16 + SPI1_IRQ] = {.handler = interrupt_spi1},                                           \
+          [16 + SPI2_IRQ] = {.handler = interrupt_spi2},                                           \
           [16 + SPI3_IRQ] = {.handler = interrupt_spi3},                                           \
           [16 + UART4_IRQ] = {.handler = interrupt_uart4},                                         \
           [16 + USART6_IRQ] = {.handler = interrupt_usart6}

@@ -143,7 +143,7 @@ void pin_make_output(hal_pin pin, enum pin_kind kind, bool high)
 {
     forget_switched(pin);
     put_level(pin, high);
-    set_pin(pin, GPIO_OUTPUT, 0, kind, 0);
+    set_pin(pin, GPIO_OUTPUT, 0, kind, kind == PIN_OPEN_DRAIN ? PULL_UP : 0);
 }
 
 /* The word that switches off is there before the pin drives. */

@@ -19,7 +19,7 @@ void pin_give(hal_pin pin, unsigned function, enum pin_kind kind, bool pulled_up
 bool pin_is_given(hal_pin pin, unsigned function);
 /* Makes it an analogue input. */
 void pin_make_analog(hal_pin pin);
-/* Makes it a plain output at this level at once, free or not. */
+/* Makes it a plain output at this level at once, free or not. An open drain has a pull-up. */
 void pin_make_output(hal_pin pin, enum pin_kind kind, bool high);
 
 /* Makes it an output of hal/output.h that is off; off_high: off is high. */

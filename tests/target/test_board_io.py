@@ -43,6 +43,12 @@ class BoardIoTest(unittest.TestCase):
     def test_no_1_wire_transfer_hangs(self) -> None:
         self.campaign("wire-campaign", 1)
 
+    def test_i2c_exchanges_bytes_and_frees_a_bus_that_is_held(self) -> None:
+        self.case("i2c")
+
+    def test_no_i2c_transfer_hangs(self) -> None:
+        self.campaign("i2c-campaign", 1)
+
 
 if __name__ == "__main__":
     unittest.main()

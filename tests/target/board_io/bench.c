@@ -64,6 +64,7 @@ void bench_reset(struct bench *bench)
 {
     bench->box->ready = 0;
     board_ask_reset(bench->board, RESET_PIN);
+    plant_i2c_board_reset();
     await_ready(bench);
 }
 

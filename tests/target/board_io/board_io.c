@@ -11,13 +11,18 @@
 static const struct {
     const char *name;
     void (*run)(const char *image);
-} cases[] = {
-    {"pins", case_pins}, {"outputs", case_outputs}, {"spi", case_spi}, {"wire", case_wire}};
+} cases[] = {{"pins", case_pins},
+             {"outputs", case_outputs},
+             {"spi", case_spi},
+             {"wire", case_wire},
+             {"i2c", case_i2c}};
 
 static const struct {
     const char *name;
     void (*run)(const char *image, uint32_t count, uint64_t seed);
-} campaigns[] = {{"spi-campaign", case_spi_campaign}, {"wire-campaign", case_wire_campaign}};
+} campaigns[] = {{"spi-campaign", case_spi_campaign},
+                 {"wire-campaign", case_wire_campaign},
+                 {"i2c-campaign", case_i2c_campaign}};
 
 int main(int argc, char **argv)
 {

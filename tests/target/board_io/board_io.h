@@ -88,11 +88,30 @@ struct plant_wire {
     uint64_t last_ns;
 };
 
+#define PLANT_I2C_BUSES 2u
+#define PLANT_ADDRESS   0x48u
+
+/* A chip of registers: the first byte that is written says which, what follows goes into it and the next ones. It refuses to write from
+ * PLANT_REFUSES on. */
+#define PLANT_REFUSES 0xF0u
+struct plant_i2c {
+    uint8_t registers[256], at;
+    bool addressed, reads, first; /* first: the register is written next */
+    unsigned held;                /* lines that it holds, I2C_*_HELD */
+    unsigned clocks;              /* that it wants until it lets go of the data line */
+    unsigned starts, stops, taken, given;
+    bool last_was_acknowledged;
+    bool
+        by_hand; /* the board has clocked the line outside of a transfer, and may stop wherever the chip is */
+    uint64_t began_ns, ended_ns;
+};
+
 struct plant {
     enum pin_drive pins[WORLD_PINS];
     uint64_t moved_ns[WORLD_PINS];
     uint32_t moves[WORLD_PINS];
     struct plant_spi spi[PLANT_CHIPS]; /* one on each bus */
+    struct plant_i2c i2c[PLANT_I2C_BUSES];
     struct plant_wire wires[PLANT_WIRES];
     uint32_t errors_per_million; /* bits that change on a bus */
     uint64_t random;
@@ -113,6 +132,11 @@ bool plant_disturbs(void);
 enum wire_answer plant_wire_reset(void *context, uint64_t now_ns, unsigned bus);
 enum wire_answer plant_wire_bit(void *context, uint64_t now_ns, unsigned bus, bool out);
 
+/* plant_i2c.c: fills in the functions of its buses. */
+void plant_i2c_world(struct world *world);
+/* The board has been reset: a chip that was giving a byte may hold the data line now. */
+void plant_i2c_board_reset(void);
+
 /* ---- cases ---- */
 
 void case_pins(const char *image);
@@ -120,6 +144,8 @@ void case_outputs(const char *image);
 void case_spi(const char *image);
 void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire(const char *image);
+void case_i2c(const char *image);
+void case_i2c_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire_campaign(const char *image, uint32_t count, uint64_t seed);
 
 #endif

@@ -82,8 +82,10 @@ void plant_reset(uint64_t seed)
 
 struct world plant_world(void)
 {
-    return (struct world){.pin_driven = pin_driven,
+    struct world world = {.pin_driven = pin_driven,
                           .spi_exchange = spi_exchange,
                           .wire_reset = plant_wire_reset,
                           .wire_bit = plant_wire_bit};
+    plant_i2c_world(&world);
+    return world;
 }

@@ -23,7 +23,9 @@ enum io_command {
     IO_OUTPUT_SAFE,
     IO_WIRE_OPEN, /* bus */
     IO_WIRE,      /* bus, n_out, n_in, limit_ms */
-    IO_WIRE_SEARCH /* bus, limit_ms, out: the address before, value: the branch; result: the next one */
+    IO_WIRE_SEARCH, /* bus, limit_ms, out: the address before, value: the branch; result: the next one */
+    IO_I2C_OPEN, /* bus */
+    IO_I2C       /* bus, mode: address, n_out, n_in, limit_ms */
 };
 
 struct mailbox {

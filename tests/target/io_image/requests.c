@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 
+#include "hal/i2c.h"
 #include "hal/onewire.h"
 #include "hal/output.h"
 #include "hal/spi.h"
@@ -39,6 +40,8 @@ static void stop_bus(void)
 {
     if (box.command == IO_SPI) {
         hal_spi_stop((uint8_t)box.bus);
+    } else if (box.command == IO_I2C) {
+        hal_i2c_stop((uint8_t)box.bus);
     } else {
         hal_onewire_stop((uint8_t)box.bus);
     }
@@ -117,6 +120,12 @@ static void obey(void)
         return;
     case IO_WIRE_SEARCH:
         begin(search());
+        return;
+    case IO_I2C_OPEN:
+        err = hal_i2c_open((uint8_t)box.bus);
+        break;
+    case IO_I2C:
+        begin(hal_i2c_start((uint8_t)box.bus, (uint8_t)box.mode, &transfer));
         return;
     default:
         err = ERR_UNKNOWN;
