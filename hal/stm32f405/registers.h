@@ -43,6 +43,8 @@
 #define RCC_APB1ENR_USART2  BIT(17)
 #define RCC_APB2ENR         REG32(0x40023844u)
 #define RCC_APB2ENR_USART1  BIT(4)
+#define RCC_APB2ENR_ADC1    BIT(8)
+#define RCC_APB2ENR_SYSCFG  BIT(14)
 #define RCC_APB2ENR_TIM11   BIT(18)
 #define RCC_CSR_ADDRESS     0x40023874u
 #define RCC_CSR             REG32(RCC_CSR_ADDRESS)
@@ -149,11 +151,22 @@
 #define USART_CR1_TCIE  BIT(6)
 #define USART_CR3_HDSEL BIT(3)
 /* RM0090 18.4, 19.5: TIM2 counts for hal_cycles() on the emulator, TIM11 measures the crystal */
-#define TIM2_CR1          REG32(0x40000000u)
-#define TIM2_EGR          REG32(0x40000014u)
-#define TIM2_CNT          REG32(0x40000024u)
-#define TIM2_PSC          REG32(0x40000028u)
-#define TIM2_ARR          REG32(0x4000002Cu)
+#define TIM2_CR1 REG32(0x40000000u)
+#define TIM2_EGR REG32(0x40000014u)
+#define TIM2_CNT REG32(0x40000024u)
+#define TIM2_PSC REG32(0x40000028u)
+#define TIM2_ARR REG32(0x4000002Cu)
+/* RM0090 18.4: TIM3, TIM4, TIM5, TIM12; where the bits of the channels stand is from memory (unverified). */
+#define TIM_CR1(base)     REG32((base) + 0x00u)
+#define TIM_EGR(base)     REG32((base) + 0x14u)
+#define TIM_CCMR(base, n) REG32((base) + 0x18u + 4u * (n))
+#define TIM_CCER(base)    REG32((base) + 0x20u)
+#define TIM_PSC(base)     REG32((base) + 0x28u)
+#define TIM_ARR(base)     REG32((base) + 0x2Cu)
+#define TIM_CCR(base, n)  REG32((base) + 0x34u + 4u * (n)) /* n: channel, from 0 */
+#define TIM_CCMR_PWM1     0x60u
+#define TIM_CCER_E        1u
+#define TIM_CCER_P        2u
 #define TIM_CR1_CEN       BIT(0)
 #define TIM_EGR_UG        BIT(0)
 #define TIM11_CR1         REG32(0x40014800u)
@@ -168,6 +181,36 @@
 #define TIM11_CCR1        REG32(0x40014834u)
 #define TIM11_OR          REG32(0x40014850u)
 #define TIM11_OR_HSE_RTC  2u
+
+/* Interrupts of pins (RM0090 9.2 and 12.3). Where the bits stand is from memory (unverified). */
+#define SYSCFG_EXTICR(n) REG32(0x40013808u + 4u * (n))
+#define EXTI_IMR         REG32(0x40013C00u)
+#define EXTI_FTSR        REG32(0x40013C0Cu)
+#define EXTI_PR          REG32(0x40013C14u)
+
+/* Converter (RM0090 13.13). Where the bits stand is from memory (unverified). */
+#define ADC1_SR         REG32(0x40012000u)
+#define ADC1_CR1        REG32(0x40012004u)
+#define ADC1_CR2        REG32(0x40012008u)
+#define ADC1_SMPR1      REG32(0x4001200Cu)
+#define ADC1_SMPR2      REG32(0x40012010u)
+#define ADC1_SQR1       REG32(0x4001202Cu)
+#define ADC1_SQR2       REG32(0x40012030u)
+#define ADC1_SQR3       REG32(0x40012034u)
+#define ADC1_DR         REG32(0x4001204Cu)
+#define ADC_CCR         REG32(0x40012304u)
+#define ADC_SR_EOC      BIT(1)
+#define ADC_SR_OVR      BIT(5)
+#define ADC_SR_ALL      0x3Fu
+#define ADC_CR1_EOCIE   BIT(5)
+#define ADC_CR1_SCAN    BIT(8)
+#define ADC_CR1_OVRIE   BIT(26)
+#define ADC_CR2_ADON    BIT(0)
+#define ADC_CR2_EOCS    BIT(10)
+#define ADC_CR2_SWSTART BIT(30)
+#define ADC_CCR_DIV4    BIT(16)
+#define ADC_CCR_TSVREFE BIT(23)
+#define VREFIN_CAL      REG16(0x1FFF7A2Au) /* code of the chip's reference at 3.3 V */
 
 /* RM0090 38.6.1: which chip; revision A tells a wrong one (errata sheet ES0182) */
 #define DBGMCU_IDCODE     REG32(0xE0042000u)

@@ -90,10 +90,12 @@ bool address_map_windows(struct board *b, struct processor *p)
     p->windows[0] = (struct window){b, 0x40000000u, 0x00080000u, false};
     p->windows[1] = (struct window){b, 0x50000000u, 0x00061000u, false};
     p->windows[2] = (struct window){b, 0xE0000000u, 0x00100000u, false};
-    p->windows[3] = (struct window){b, b->chip->stored_base, b->chip->stored_size, true};
+    p->windows[3] = (struct window){b, b->chip->factory_base, 0x00001000u, false};
+    p->windows[4] = (struct window){b, b->chip->stored_base, b->chip->stored_size, true};
     for (size_t i = 0; i < WINDOWS; i++) {
         struct window *w = &p->windows[i];
-        if (uc_mmio_map(p->uc, w->base, w->size, on_read, w, on_write, w) != UC_ERR_OK)
+        if (w->base != 0 &&
+            uc_mmio_map(p->uc, w->base, w->size, on_read, w, on_write, w) != UC_ERR_OK)
             return false;
     }
     return true;

@@ -77,6 +77,7 @@ struct chip {
     const struct chip_memory *memory;
     size_t n_memory;
     uint32_t stored_base, stored_size; /* flash that the firmware writes */
+    uint32_t factory_base;             /* page with bytes of the factory; 0: not modelled */
     uint32_t flash_control;            /* address of FLASH_CR */
     uint32_t flash_cache; /* of FLASH_ACR, whose bit 10 turns a cache of data on; 0: none */
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */

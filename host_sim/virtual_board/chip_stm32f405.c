@@ -42,6 +42,15 @@ static const struct chip_part parts[] = {
     {"UART4", &wire_class, 0x40004C00u, 0x400, "apb1", APB1ENR, 19, 52, 2},
     {"TIM2", &timer32_class, 0x40000000u, 0x400, "apb1", APB1ENR, 0, NO_IRQ, 0},
     {"TIM11", &timer_capture_class, 0x40014800u, 0x400, "apb2", APB2ENR, 18, NO_IRQ, 0},
+    {"TIM3", &pwm_class, 0x40000400u, 0x400, "apb1", APB1ENR, 1, NO_IRQ, 3},
+    {"TIM4", &pwm_class, 0x40000800u, 0x400, "apb1", APB1ENR, 2, NO_IRQ, 4},
+    {"TIM5", &pwm32_class, 0x40000C00u, 0x400, "apb1", APB1ENR, 3, NO_IRQ, 5},
+    {"TIM12", &pwm_class, 0x40001800u, 0x400, "apb1", APB1ENR, 6, NO_IRQ, 12},
+    {"SYSCFG", &syscfg_class, 0x40013800u, 0x400, "apb2", APB2ENR, 14, NO_IRQ, 0},
+    {"EXTI", &exti_class, 0x40013C00u, 0x400, "apb2", 0, 0, NO_IRQ, 0},
+    {"ADC1", &adc_class, 0x40012000u, 0x100, "apb2", APB2ENR, 8, 18, 1},
+    {"ADC", &adc_common_class, 0x40012300u, 0x100, "apb2", APB2ENR, 8, NO_IRQ, 0},
+    {"FACTORY", &factory_class, 0x1FFF7A00u, 0x40, "core", 0, 0, NO_IRQ, 0},
     {"DBGMCU", &debug_f4_class, 0xE0042000u, 0x400, "core", 0, 0, NO_IRQ, 0},
 };
 
@@ -62,6 +71,7 @@ const struct chip chip_stm32f405 = {
     .n_memory = sizeof(memory) / sizeof(memory[0]),
     .stored_base = 0x080C0000u,
     .stored_size = 0x40000u,
+    .factory_base = 0x1FFF7000u,
     .flash_cache = 0x40023C00u,
     .flash_control = 0x40023C10u,
     .store = flash_f4_store,

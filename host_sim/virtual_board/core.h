@@ -13,7 +13,7 @@
 
 #define EXC_RETURNS 0xFFFFFF00u /* a jump to here or above returns from an exception */
 #define XPSR_THUMB  (UINT32_C(1) << 24)
-#define WINDOWS     4
+#define WINDOWS     5
 
 /* Addresses that go to models. */
 struct window {

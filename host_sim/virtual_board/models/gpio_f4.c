@@ -62,6 +62,7 @@ static void look(struct part *p)
         if (b->world.pin_driven != NULL)
             b->world.pin_driven(b->world.context, board_ns(b), pin, drive);
         i2c_pin_moved(b, pin, drive);
+        exti_look(b, pin);
     }
 }
 
@@ -129,6 +130,7 @@ void board_set_world(struct board *b, const struct world *world)
 void board_set_pin(struct board *b, unsigned pin, enum pin_level level)
 {
     b->wired[pin] = level;
+    exti_look(b, pin);
 }
 
 uint8_t pin_function_f4(struct board *b, char port, unsigned pin)
@@ -159,6 +161,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
     else if (offset == LCKR)
         board_verdict(p->board, "locking of pins is not modelled");
     look(p);
+    if (offset == MODER || offset == AFRL || offset == AFRH)
+        pwm_look(p->board);
 }
 
 /* 8.4.5, 8.4.8 */

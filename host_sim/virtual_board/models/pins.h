@@ -20,6 +20,10 @@ bool pin_is_analog(struct board *b, unsigned pin);
 /* Level at the pin, from what the board drives and what the world does. */
 bool pin_level(struct board *b, unsigned pin);
 
+/* exti.c: the pin's level may be another. */
+void exti_look(struct board *b, unsigned pin);
+/* pwm.c: pins were given to timers, or taken from them. */
+void pwm_look(struct board *b);
 /* i2c.c: a pin of a bus is moved by hand; whether the world holds a pin of a bus low. */
 void i2c_pin_moved(struct board *b, unsigned pin, enum pin_drive drive);
 bool i2c_holds_pin(struct board *b, unsigned pin);
