@@ -1,10 +1,52 @@
-/* Outputs of the STM32F405.
+/* Outputs of the STM32F405: pins that switch, and pulse widths of the timers TIM3, TIM4, TIM5 and TIM12 (RM0090 chapters 18 and 19). A timer has
+ * one frequency for all of its channels.
+ *
+ * A compare value has no preload, so that one that is written acts at once: hal_output_safe() need not wait for the end of a period, which
+ * may be a second. The price is a pulse of another width where the value changes within one.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/output.h"
 
+#include <stddef.h>
+
+#include "board.h"
+#include "hal/clock.h"
 #include "pin_map.h"
+#include "registers.h"
+
+#define CHANNELS   4u
+#define HZ_MOST    100000u
+#define COUNT_MOST 65535u /* counts of a period, so that one more fits a compare value of 16 bits */
+
+enum { TIMER_3, TIMER_4, TIMER_5, TIMER_12, TIMERS };
+
+static const struct pwm_timer {
+    uint32_t base, clock;
+    uint8_t function;
+} timers[TIMERS] = {
+    [TIMER_3] = {0x40000400u, BIT(1), 2},
+    [TIMER_4] = {0x40000800u, BIT(2), 2},
+    [TIMER_5] = {0x40000C00u, BIT(3), 2},
+    [TIMER_12] = {0x40001800u, BIT(6), 9},
+};
+
+static const struct pwm_pin {
+    hal_pin pin;
+    uint8_t timer, channel; /* channel: from 0 */
+} pwm_pins[] = {
+    {HAL_PIN('A', 0), TIMER_5, 0},   {HAL_PIN('A', 1), TIMER_5, 1}, {HAL_PIN('A', 6), TIMER_3, 0},
+    {HAL_PIN('A', 7), TIMER_3, 1},   {HAL_PIN('B', 0), TIMER_3, 2}, {HAL_PIN('B', 1), TIMER_3, 3},
+    {HAL_PIN('C', 6), TIMER_3, 0},   {HAL_PIN('C', 7), TIMER_3, 1}, {HAL_PIN('C', 8), TIMER_3, 2},
+    {HAL_PIN('C', 9), TIMER_3, 3},   {HAL_PIN('B', 6), TIMER_4, 0}, {HAL_PIN('B', 7), TIMER_4, 1},
+    {HAL_PIN('B', 8), TIMER_4, 2},   {HAL_PIN('B', 9), TIMER_4, 3}, {HAL_PIN('B', 14), TIMER_12, 0},
+    {HAL_PIN('B', 15), TIMER_12, 1},
+};
+
+static struct pwm_run {
+    uint32_t hz;                          /* 0: it has never run */
+    const struct pwm_pin *used[CHANNELS]; /* NULL: free */
+} pwm_runs[TIMERS];
 
 enum err hal_output_open(hal_pin pin, bool low)
 {
@@ -15,7 +57,99 @@ enum err hal_output_open(hal_pin pin, bool low)
     return ERR_OK;
 }
 
+static const struct pwm_pin *find_pwm(hal_pin pin)
+{
+    for (size_t i = 0; i < sizeof(pwm_pins) / sizeof(pwm_pins[0]); i++) {
+        if (pwm_pins[i].pin == pin) {
+            return &pwm_pins[i];
+        }
+    }
+    return NULL;
+}
+
+/* Whether a channel's pin is still the timer's: it may have been put to another use. */
+static bool is_in_use(const struct pwm_pin *p)
+{
+    return p != NULL && pin_is_given(p->pin, timers[p->timer].function);
+}
+
+/* The timer may have this frequency, and the channel this pin. */
+static bool is_available(const struct pwm_pin *wanted, uint32_t hz)
+{
+    const struct pwm_run *r = &pwm_runs[wanted->timer];
+    for (unsigned channel = 0; channel < CHANNELS; channel++) {
+        const struct pwm_pin *p = r->used[channel];
+        if (p != wanted && is_in_use(p) && (r->hz != hz || channel == wanted->channel)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Timers of a bus that is divided run twice as fast as it (RM0090 7.2). */
+static uint32_t timer_hz(void)
+{
+    return clock_apb1_hz() == hal_core_hz() ? clock_apb1_hz() : 2u * clock_apb1_hz();
+}
+
+static void set_frequency(const struct pwm_timer *t, uint32_t hz)
+{
+    uint32_t counts = timer_hz() / hz, divider = counts / COUNT_MOST + 1u;
+    TIM_CR1(t->base) = 0;
+    TIM_PSC(t->base) = divider - 1u;
+    TIM_ARR(t->base) = counts / divider - 1u;
+    TIM_EGR(t->base) = TIM_EGR_UG;
+    TIM_CR1(t->base) = TIM_CR1_CEN;
+}
+
+enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
+{
+    const struct pwm_pin *p = find_pwm(pin);
+    if (p == NULL || !hal_pin_is_free(pin) || hz == 0 || hz > HZ_MOST) {
+        return ERR_RANGE;
+    }
+    if (!is_available(p, hz)) {
+        return ERR_FULL;
+    }
+    const struct pwm_timer *t = &timers[p->timer];
+    struct pwm_run *r = &pwm_runs[p->timer];
+    unsigned shift = 8u * (p->channel % 2u), place = 4u * p->channel;
+    uint32_t before = mask_raise(PRIORITY_UART);
+    RCC_APB1ENR |= t->clock;
+    (void)RCC_APB1ENR;
+    mask_restore(before);
+    TIM_CCR(t->base, p->channel) = 0;
+    if (r->hz != hz) {
+        r->hz = hz;
+        set_frequency(t, hz);
+    }
+    volatile uint32_t *mode = &TIM_CCMR(t->base, p->channel / 2u);
+    *mode = (*mode & ~(0xFFu << shift)) | TIM_CCMR_PWM1 << shift;
+    TIM_CCER(t->base) =
+        (TIM_CCER(t->base) & ~(15u << place)) | (TIM_CCER_E | (low ? TIM_CCER_P : 0)) << place;
+    r->used[p->channel] = p;
+    pin_give(pin, t->function, PIN_PUSH_PULL, false);
+    return ERR_OK;
+}
+
+void hal_pwm_set(hal_pin pin, uint16_t part)
+{
+    const struct pwm_pin *p = find_pwm(pin);
+    if (p == NULL || pwm_runs[p->timer].used[p->channel] != p) {
+        return;
+    }
+    uint32_t base = timers[p->timer].base;
+    TIM_CCR(base, p->channel) = part * (TIM_ARR(base) + 1u) / HAL_PWM_FULL;
+}
+
 void hal_output_safe(void)
 {
     pin_switch_all_off();
+    for (unsigned i = 0; i < TIMERS; i++) {
+        for (unsigned channel = 0; channel < CHANNELS; channel++) {
+            if (pwm_runs[i].used[channel] != NULL) {
+                TIM_CCR(timers[i].base, channel) = 0;
+            }
+        }
+    }
 }

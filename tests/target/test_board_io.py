@@ -31,6 +31,15 @@ class BoardIoTest(unittest.TestCase):
     def test_outputs_are_on_only_when_they_are_set(self) -> None:
         self.case("outputs")
 
+    def test_pulse_widths_are_as_they_are_set_and_off_at_once(self) -> None:
+        self.case("pwm")
+
+    def test_pulses_are_counted_and_bounces_are_not(self) -> None:
+        self.case("pulses")
+
+    def test_analogue_inputs_are_means_of_16_conversions(self) -> None:
+        self.case("analog")
+
     def test_spi_exchanges_bytes_with_chips(self) -> None:
         self.case("spi")
 

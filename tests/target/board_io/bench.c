@@ -45,6 +45,7 @@ void bench_start(struct bench *bench, const char *image, uint64_t seed)
     struct world world = plant_world();
     plant_reset(seed);
     bench->random = random_state(seed + 1u);
+    bench->hold_ms = 0;
     bench->board = board_new(&chip_stm32f405, &around, bytes, n, false, err, sizeof(err));
     CHECK(bench->board != NULL, "%s", err);
     board_set_world(bench->board, &world);
@@ -90,6 +91,8 @@ volatile struct mailbox *bench_prepare(struct bench *bench, enum io_command comm
 
 void bench_ask(struct bench *bench)
 {
+    bench->box->hold_ms = bench->hold_ms;
+    bench->hold_ms = 0;
     bench->box->request = ++bench->asked;
 }
 

@@ -11,11 +11,9 @@
 static const struct {
     const char *name;
     void (*run)(const char *image);
-} cases[] = {{"pins", case_pins},
-             {"outputs", case_outputs},
-             {"spi", case_spi},
-             {"wire", case_wire},
-             {"i2c", case_i2c}};
+} cases[] = {{"pins", case_pins},     {"outputs", case_outputs}, {"pwm", case_pwm},
+             {"pulses", case_pulses}, {"analog", case_analog},   {"spi", case_spi},
+             {"wire", case_wire},     {"i2c", case_i2c}};
 
 static const struct {
     const char *name;

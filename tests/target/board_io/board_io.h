@@ -32,6 +32,7 @@ struct bench {
     struct board *board;
     volatile struct mailbox *box; /* in the board's memory */
     uint32_t asked;               /* number of the last request */
+    uint32_t hold_ms;             /* of the next request */
     uint64_t random;
 };
 
@@ -110,7 +111,9 @@ struct plant {
     enum pin_drive pins[WORLD_PINS];
     uint64_t moved_ns[WORLD_PINS];
     uint32_t moves[WORLD_PINS];
-    struct plant_spi spi[PLANT_CHIPS]; /* one on each bus */
+    double hz[WORLD_PINS], high[WORLD_PINS]; /* of pulse widths; 0 Hz: none */
+    double volts[WORLD_PINS];                /* at analogue inputs */
+    struct plant_spi spi[PLANT_CHIPS];       /* one on each bus */
     struct plant_i2c i2c[PLANT_I2C_BUSES];
     struct plant_wire wires[PLANT_WIRES];
     uint32_t errors_per_million; /* bits that change on a bus */
@@ -141,6 +144,9 @@ void plant_i2c_board_reset(void);
 
 void case_pins(const char *image);
 void case_outputs(const char *image);
+void case_pwm(const char *image);
+void case_pulses(const char *image);
+void case_analog(const char *image);
 void case_spi(const char *image);
 void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire(const char *image);

@@ -108,7 +108,9 @@ void case_spi(const char *image)
     CHECK(!plant.spi[0].selected && plant.spi[0].heard < 510u, "still selected");
     ask_spi(&bench, 1, 3, 400000, 3, 5, 0);
     CHECK(bench_wait(&bench) == ERR_OK && spi_bytes_are_right(&bench, 1), "wrong after a stop");
-    /* without errors on the line no chip is there where none is selected */
+    bench.hold_ms = 3; /* interrupts held off in the middle */
+    ask_spi(&bench, 1, 1, 400000, 100, 155, 0);
+    CHECK(bench_wait(&bench) == ERR_OK && spi_bytes_are_right(&bench, 1), "wrong after a hold");
     uint64_t few = spi_instructions(&bench, 20), many = spi_instructions(&bench, 220);
     printf("SPI: %.1f instructions a byte\n", (double)(many - few) / 200.0);
     bench_stop(&bench);

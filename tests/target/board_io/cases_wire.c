@@ -135,6 +135,13 @@ static void exchange_on(struct bench *bench, unsigned bus)
         expect_state(bench, TRANSFER_DONE, "bytes");
         CHECK(wire_bytes_are_right(bench, bus), "wrong bytes");
     }
+    for (unsigned n = 0; n < 8;
+         n++) { /* interrupts held off, in the reset pulse or in the middle of a bit */
+        bench->hold_ms = 3;
+        ask_wire(bench, bus, n, 4, 50);
+        expect_state(bench, TRANSFER_DONE, "interrupts held off");
+        CHECK(wire_bytes_are_right(bench, bus), "wrong bytes after a hold");
+    }
     /* a reset pulse, and nothing else */
     volatile struct mailbox *box = bench_prepare(bench, IO_WIRE);
     box->bus = bus;

@@ -51,6 +51,21 @@ static void pin_driven(void *context, uint64_t now_ns, unsigned pin, enum pin_dr
     }
 }
 
+static void pin_pulses(void *context, uint64_t now_ns, unsigned pin, double hz, double high)
+{
+    (void)context;
+    (void)now_ns;
+    plant.hz[pin] = hz;
+    plant.high[pin] = high;
+}
+
+static double pin_volts(void *context, uint64_t now_ns, unsigned pin)
+{
+    (void)context;
+    (void)now_ns;
+    return plant.volts[pin];
+}
+
 uint8_t plant_answer(uint32_t sum, unsigned k)
 {
     return (uint8_t)(sum * 5u + 17u * k + 0xA5u);
@@ -83,6 +98,8 @@ void plant_reset(uint64_t seed)
 struct world plant_world(void)
 {
     struct world world = {.pin_driven = pin_driven,
+                          .pin_pulses = pin_pulses,
+                          .pin_volts = pin_volts,
                           .spi_exchange = spi_exchange,
                           .wire_reset = plant_wire_reset,
                           .wire_bit = plant_wire_bit};

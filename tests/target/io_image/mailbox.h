@@ -24,8 +24,17 @@ enum io_command {
     IO_WIRE_OPEN, /* bus */
     IO_WIRE,      /* bus, n_out, n_in, limit_ms */
     IO_WIRE_SEARCH, /* bus, limit_ms, out: the address before, value: the branch; result: the next one */
-    IO_I2C_OPEN, /* bus */
-    IO_I2C       /* bus, mode: address, n_out, n_in, limit_ms */
+    IO_I2C_OPEN,        /* bus */
+    IO_I2C,             /* bus, mode: address, n_out, n_in, limit_ms */
+    IO_PWM_OPEN,        /* pin, hz, mode: low */
+    IO_PWM_SET,         /* pin, value */
+    IO_PULSE_OPEN,      /* pin */
+    IO_PULSE_DEAD,      /* pin, value: ms */
+    IO_PULSE_COUNT,     /* pin; result */
+    IO_ANALOG_HAS,      /* pin; result */
+    IO_ANALOG_OPEN,     /* pin */
+    IO_ANALOG_READ,     /* pin; result, ERR_EMPTY: there is none yet */
+    IO_ANALOG_REFERENCE /* result: mV */
 };
 
 struct mailbox {
@@ -33,8 +42,10 @@ struct mailbox {
     uint32_t request, done; /* numbers */
     uint32_t command, bus, pin, mode, hz, value;
     uint32_t n_out, n_in, limit_ms; /* 0: no limit */
-    int32_t err;                    /* enum err */
-    uint32_t state;                 /* enum transfer_state */
+    uint32_t
+        hold_ms;    /* a millisecond after a transfer began, its interrupts are held off so long */
+    int32_t err;    /* enum err */
+    uint32_t state; /* enum transfer_state */
     uint32_t result, took_ms;
     uint8_t out[256], in[256];
 };

@@ -40,8 +40,18 @@ bool identity_crystal_failed(void)
     return false;
 }
 
+static volatile uint32_t now_ms;
+
+uint64_t hal_clock_ms(void)
+{
+    return now_ms;
+}
+
 void interrupt_systick(void)
 {
+    now_ms = now_ms + 1u;
+    analog_clock();
+    pulse_clock();
     requests_clock();
 }
 

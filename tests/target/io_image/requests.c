@@ -6,9 +6,13 @@
 
 #include <stddef.h>
 
+#include "board.h"
+#include "hal/analog.h"
+#include "hal/clock.h"
 #include "hal/i2c.h"
 #include "hal/onewire.h"
 #include "hal/output.h"
+#include "hal/pulse.h"
 #include "hal/spi.h"
 #include "mailbox.h"
 
@@ -79,6 +83,44 @@ static void begin(enum err err)
     }
 }
 
+/* Returns whether the command is one of an input or output of the chip itself. */
+static bool obey_own(hal_pin pin, enum err *err)
+{
+    uint16_t code = 0;
+    switch (box.command) {
+    case IO_PWM_OPEN:
+        *err = hal_pwm_open(pin, box.hz, box.mode != 0);
+        return true;
+    case IO_PWM_SET:
+        hal_pwm_set(pin, (uint16_t)box.value);
+        return true;
+    case IO_PULSE_OPEN:
+        *err = hal_pulse_open(pin);
+        return true;
+    case IO_PULSE_DEAD:
+        hal_pulse_set_dead_time(pin, (uint8_t)box.value);
+        return true;
+    case IO_PULSE_COUNT:
+        box.result = hal_pulse_count(pin);
+        return true;
+    case IO_ANALOG_HAS:
+        box.result = hal_analog_has(pin);
+        return true;
+    case IO_ANALOG_OPEN:
+        *err = hal_analog_open(pin);
+        return true;
+    case IO_ANALOG_READ:
+        *err = hal_analog_read(pin, &code) ? ERR_OK : ERR_EMPTY;
+        box.result = code;
+        return true;
+    case IO_ANALOG_REFERENCE:
+        box.result = (uint32_t)(hal_analog_reference() * 1000.0f + 0.5f);
+        return true;
+    default:
+        return false;
+    }
+}
+
 static void obey(void)
 {
     hal_pin pin = (hal_pin)box.pin;
@@ -128,7 +170,9 @@ static void obey(void)
         begin(hal_i2c_start((uint8_t)box.bus, (uint8_t)box.mode, &transfer));
         return;
     default:
-        err = ERR_UNKNOWN;
+        if (!obey_own(pin, &err)) {
+            err = ERR_UNKNOWN;
+        }
         break;
     }
     finish(err);
@@ -140,6 +184,15 @@ void requests_start(void)
     box.ready = MAILBOX_READY;
 }
 
+/* As an erase of the flash does. */
+static void hold_interrupts(uint32_t ms)
+{
+    uint32_t before = mask_raise(PRIORITY_UART), from = hal_cycles();
+    while (hal_cycles() - from < ms * (hal_core_hz() / 1000u)) {
+    }
+    mask_restore(before);
+}
+
 void requests_clock(void)
 {
     if (!runs) {
@@ -149,6 +202,9 @@ void requests_clock(void)
         return;
     }
     waited_ms++;
+    if (box.hold_ms != 0 && waited_ms == 1u) {
+        hold_interrupts(box.hold_ms);
+    }
     if (transfer.state != TRANSFER_RUNS) {
         finish(ERR_OK);
     } else if (box.limit_ms != 0 && waited_ms >= box.limit_ms) {
