@@ -25,6 +25,12 @@ class BoardIoTest(unittest.TestCase):
     def campaign(self, name: str, seed: int) -> None:
         self.assertIn(" 0 hung", self.case(name, str(COUNT), str(seed)))
 
+    def test_barriers_stand_where_the_manuals_want_them(self) -> None:
+        """The exact mode checks them (host_sim/virtual_board/barrier_rules.h)."""
+        for name in ("pins", "outputs", "pwm", "pulses", "analog", "spi", "wire", "i2c"):
+            with self.subTest(name):
+                self.case(name, "exact")
+
     def test_free_pins_do_what_they_are_told_and_the_others_stay_as_they_are(self) -> None:
         self.case("pins")
 

@@ -8,6 +8,8 @@
 
 #define HANG_NS (1000u * MS)
 
+bool bench_exact;
+
 _Noreturn void fail(const char *format, ...)
 {
     va_list list;
@@ -46,7 +48,7 @@ void bench_start(struct bench *bench, const char *image, uint64_t seed)
     plant_reset(seed);
     bench->random = random_state(seed + 1u);
     bench->hold_ms = 0;
-    bench->board = board_new(&chip_stm32f405, &around, bytes, n, false, err, sizeof(err));
+    bench->board = board_new(&chip_stm32f405, &around, bytes, n, bench_exact, err, sizeof(err));
     CHECK(bench->board != NULL, "%s", err);
     board_set_world(bench->board, &world);
     bench->box = (volatile struct mailbox *)(void *)processor_memory(bench->board, MAILBOX_ADDRESS,

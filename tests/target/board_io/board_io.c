@@ -1,4 +1,4 @@
-/* usage: board-io IMAGE CASE [COUNT SEED]. Prints what it saw; status 1 with the reason when that is not what it should be.
+/* usage: board-io IMAGE CASE [exact], or IMAGE CAMPAIGN COUNT SEED. Prints what it saw; status 1 with the reason when that is not what it should be.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -24,12 +24,13 @@ static const struct {
 
 int main(int argc, char **argv)
 {
-    if (argc != 3 && argc != 5) {
-        (void)fputs("usage: board-io IMAGE CASE [COUNT SEED]\n", stderr);
+    bench_exact = argc == 4 && strcmp(argv[3], "exact") == 0;
+    if (argc != 3 && argc != 5 && !bench_exact) {
+        (void)fputs("usage: board-io IMAGE CASE [exact], or IMAGE CAMPAIGN COUNT SEED\n", stderr);
         return 2;
     }
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        if (argc == 3 && strcmp(cases[i].name, argv[2]) == 0) {
+        if (argc < 5 && strcmp(cases[i].name, argv[2]) == 0) {
             cases[i].run(argv[1]);
             return 0;
         }

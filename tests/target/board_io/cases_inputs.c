@@ -209,6 +209,9 @@ void case_analog(const char *image)
         CHECK(err == (n < 8u ? ERR_OK : ERR_FULL), "input %u: %d", n, (int)err);
         if (n == 0) {
             CHECK(bench_do(&bench, IO_ANALOG_READ, pin, 0, 0) == ERR_EMPTY, "a code at once");
+            bench_run(&bench, 8u * MS);
+            CHECK(bench_do(&bench, IO_ANALOG_READ, pin, 0, 0) == ERR_EMPTY,
+                  "a code of fewer than 16 conversions");
             bench_run(&bench, 20u * MS);
         }
         last = n < 8u ? pin : last;
