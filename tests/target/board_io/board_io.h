@@ -155,6 +155,7 @@ void case_spi(const char *image);
 void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire(const char *image);
 void case_i2c(const char *image);
+void case_together(const char *image);
 void case_i2c_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire_campaign(const char *image, uint32_t count, uint64_t seed);
 
