@@ -64,8 +64,9 @@ void uart_hold_interrupts(bool hold);
  * or *more. Returns true if it took that one. more: NULL, or a byte in RAM. */
 bool uart_serve_link(const uint8_t *more);
 
-/* analog.c, where the board has it: once a millisecond, from the board clock. */
+/* analog.c and pulse.c, where the board has them: once a millisecond, from the board clock. */
 void analog_clock(void);
+void pulse_clock(void);
 
 /* identity.c: after clock_start(). */
 void identity_start(void);

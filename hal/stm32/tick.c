@@ -19,8 +19,11 @@ void interrupt_systick(void)
         ms_high = ms_high + 1u;
     }
     ms_low = low;
-    if (HAL_BOARD_CLOCK)
+    if (HAL_BOARD_CLOCK) {
+        analog_clock();
+        pulse_clock();
         app_clock(app_instance(), low);
+    }
     work = true;
     if (until_tick > 1u) {
         until_tick = until_tick - 1u;

@@ -1,6 +1,6 @@
 /* Analogue inputs by the first converter (RM0090 chapter 13): each millisecond the board clock starts a scan of all of them and of the chip's own
- * reference; an interrupt for each conversion adds it to the mean. No DMA, so that where the memory lies does not matter. A conversion takes 23 us,
- * nearly all of it for the input to settle, so that sources of 50 kohm are right.
+ * reference; an interrupt for each conversion adds it to the mean. No DMA, so that where the memory lies does not matter. A conversion takes 23 us
+ * at 168 MHz, nearly all of it for the input to settle, so that sources of 50 kohm are right.
  *
  * The converter stops when an interrupt was held off for longer than that, as in an erase of the flash; the next scan begins anew.
  *
@@ -23,17 +23,18 @@
 #define LONGEST       7u  /* code of the sampling time: 480 cycles */
 #define ALL_LONGEST   0x3FFFFFFFu
 #define ALL_LONGEST_1 0x07FFFFFFu /* nine channels */
-#define FACTORY_V     3.3f
-#define FIRST_WORD    6u /* channels in each of the registers of the sequence */
+#define FAST_BUS_HZ                                                                                \
+    60000000u /* above it, half of the bus's clock is more than the 30 MHz that are allowed */
+#define FACTORY_V  3.3f
+#define FIRST_WORD 6u /* channels in each of the registers of the sequence */
 
 /* Input 0 is the reference. */
 static struct analog_input {
-    uint8_t channel, next;
-    hal_pin pin;
-    uint16_t last[MEAN];
     uint32_t sum;             /* of `last` */
     volatile uint32_t meaned; /* the sum, once it is of 16 conversions; plus 1: 0 is none yet */
-    uint8_t n;
+    uint16_t last[MEAN];
+    hal_pin pin;
+    uint8_t channel, next, n; /* n: conversions so far, at most 16 */
 } inputs[1u + INPUTS_MOST];
 
 static struct analog_run {
@@ -62,14 +63,14 @@ bool hal_analog_has(hal_pin pin)
     return hal_pin_is_free(pin) && channel_of(pin) != CHANNEL_REF;
 }
 
-/* From here on the converter has time to settle: the first scan begins with the next millisecond. */
+/* The converter settles for 3 us. `runs` makes analog_clock() wait a whole millisecond, however soon it comes. */
 static void start_converter(void)
 {
     uint32_t before = io_hold();
     RCC_APB2ENR |= RCC_APB2ENR_ADC1;
     (void)RCC_APB2ENR;
     io_release(before);
-    ADC_CCR = ADC_CCR_DIV4 | ADC_CCR_TSVREFE; /* 21 MHz */
+    ADC_CCR = ADC_CCR_TSVREFE | (clock_apb2_hz() > FAST_BUS_HZ ? ADC_CCR_DIV4 : 0);
     ADC1_SMPR1 = ALL_LONGEST_1;
     ADC1_SMPR2 = ALL_LONGEST;
     ADC1_CR1 = ADC_CR1_EOCIE | ADC_CR1_OVRIE | ADC_CR1_SCAN;
@@ -77,6 +78,7 @@ static void start_converter(void)
     io_interrupt_on(ADC_IRQ);
     inputs[0].channel = CHANNEL_REF;
     inputs[0].pin = HAL_PIN_NONE;
+    run.runs = true;
 }
 
 static struct analog_input *find_input(hal_pin pin)

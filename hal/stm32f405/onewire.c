@@ -10,6 +10,7 @@
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/onewire.h"
+#include "board_pins.h"
 
 #include <stddef.h>
 
@@ -32,8 +33,8 @@ static const struct wire_hardware {
     uint8_t irq, fast; /* fast: on APB2 */
     hal_pin pin;
 } hardware[WIRES] = {
-    {USART6_BASE, BIT(5), USART6_IRQ, 1, HAL_PIN('C', 6)},
-    {UART4_BASE, BIT(19), UART4_IRQ, 0, HAL_PIN('A', 0)},
+    {USART6_BASE, BIT(5), USART6_IRQ, 1, WIRE1_PIN},
+    {UART4_BASE, BIT(19), UART4_IRQ, 0, WIRE2_PIN},
 };
 
 enum wire_stage {
@@ -161,10 +162,6 @@ static void after_reset(const struct wire_hardware *h, struct wire_run *r, uint8
     const struct transfer *t = r->transfer;
     if (byte == RESET_BYTE) {
         end(h, r, TRANSFER_NO_ANSWER);
-        return;
-    }
-    if (byte == 0) {
-        end(h, r, TRANSFER_FAILED);
         return;
     }
     r->slot = 0;

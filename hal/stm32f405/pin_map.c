@@ -18,15 +18,13 @@
 #include "pin_map.h"
 
 #include "board.h"
+#include "board_pins.h"
 #include "hal/output.h"
 #include "registers.h"
 
-#define FREE_A 0x01F3u /* PA0 PA1, PA4 to PA8 */
-#define FREE_B 0xD3C3u /* PB0 PB1, PB6 to PB9, PB12, PB14 PB15 */
-#define FREE_C 0x13FFu /* PC0 to PC9, PC12 */
-#define FREE_D 0x0004u /* PD2 */
-
 #define PULL_UP 1u
+/* Edges of a bus: the slowest ones are for 4 MHz at most into 50 pF, of DS8626 (unverified). */
+#define MEDIUM_SPEED 1u
 
 /* Of each port, what GPIO_BSRR is given to switch its outputs off: a bit below 16 where off is high, above where it is low. */
 static volatile uint32_t off_words[PIN_PORTS];
@@ -42,20 +40,29 @@ static void put_field(volatile uint32_t *word, unsigned number, unsigned bits, u
     *word = (*word & ~(((1u << bits) - 1u) << shift)) | value << shift;
 }
 
+static void start_clock_of(uint32_t port)
+{
+    uint32_t before = mask_raise(PRIORITY_UART);
+    RCC_AHB1ENR |= RCC_AHB1ENR_GPIO(port);
+    (void)RCC_AHB1ENR; /* a clock needs two cycles to arrive */
+    mask_restore(before);
+}
+
 /* Sets all of a pin but its level. Interrupts that set pins of the same port are held off. */
 static void set_pin(hal_pin pin, uint32_t mode, unsigned function, enum pin_kind kind,
                     uint32_t pull)
 {
     uint32_t port = PIN_PORT(pin);
     unsigned number = PIN_NUMBER(pin);
+    start_clock_of(port);
     uint32_t before = mask_raise(PRIORITY_UART);
-    RCC_AHB1ENR |= RCC_AHB1ENR_GPIO(port);
-    (void)RCC_AHB1ENR;         /* a clock needs two cycles to arrive */
     if (mode != GPIO_OUTPUT) { /* first what it drives: then nothing that follows is an edge */
         put_field(&GPIO_MODER(port), number, 2, mode == GPIO_FUNCTION ? GPIO_INPUT : mode);
     }
     put_field(&GPIO_OTYPER(port), number, 1, kind == PIN_OPEN_DRAIN ? 1u : 0u);
     put_field(&GPIO_PUPDR(port), number, 2, pull);
+    put_field(&GPIO_OSPEEDR(port), number, 2,
+              mode == GPIO_FUNCTION && kind == PIN_PUSH_PULL ? MEDIUM_SPEED : 0);
     put_field(&GPIO_AFR(port, number / 8u), number % 8u, 4, function);
     put_field(&GPIO_MODER(port), number, 2, mode);
     mask_restore(before);
@@ -124,8 +131,7 @@ void pin_make_analog(hal_pin pin)
 
 static void put_level(hal_pin pin, bool high)
 {
-    RCC_AHB1ENR |= RCC_AHB1ENR_GPIO(PIN_PORT(pin));
-    (void)RCC_AHB1ENR;
+    start_clock_of(PIN_PORT(pin));
     hal_pin_write(pin, high);
 }
 

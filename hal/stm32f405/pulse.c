@@ -1,25 +1,33 @@
 /* Counts of falling edges, an interrupt each. Sixteen lines see a pin each, of one port: PA0, PB0, PC0 and PD0 share the line 0.
  *
+ * A line with EDGES_MOST edges in a millisecond is muted until pulse_clock() begins the next one, because a wire that picks up noise could keep the
+ * processor from everything below. That is four times as many as HAL_PULSE_HZ_MAX makes.
+ *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/pulse.h"
 
+#include "board.h"
 #include "hal/clock.h"
 #include "io_interrupts.h"
 #include "pin_map.h"
 #include "registers.h"
 
 #define LINES      16u
+#define EDGES_MOST 8u /* in a millisecond */
 #define LINES_9_5  0x03E0u
 #define LINES_OVER 0xFC00u /* 10 to 15 */
 
 static struct pulse_line {
     bool open, seen; /* seen: there was an edge */
     hal_pin pin;
-    uint8_t dead_ms;
+    uint8_t dead_ms, lately; /* lately: edges in this millisecond */
     volatile uint32_t edges;
     uint32_t last_ms, last_cycles; /* of the edge before, counted or not */
 } lines[LINES];
+
+/* Lines with edges in this millisecond, and those of them that are muted: a bit each. */
+static uint32_t lively, muted;
 
 static uint32_t irq_of(unsigned line)
 {
@@ -41,6 +49,7 @@ enum err hal_pulse_open(hal_pin pin)
     RCC_APB2ENR |= RCC_APB2ENR_SYSCFG;
     (void)RCC_APB2ENR;
     EXTI_IMR &= ~BIT(line);
+    muted &= ~BIT(line);
     SYSCFG_EXTICR(line / 4u) = (SYSCFG_EXTICR(line / 4u) & ~(15u << shift)) | PIN_PORT(pin)
                                                                                   << shift;
     EXTI_FTSR |= BIT(line);
@@ -80,8 +89,14 @@ static void serve_edges(uint32_t group)
     uint32_t pending = EXTI_PR & group & EXTI_IMR, ms = (uint32_t)hal_clock_ms(),
              cycles = hal_cycles();
     EXTI_PR = pending;
+    lively |= pending;
     for (; pending != 0; pending &= pending - 1u) {
         struct pulse_line *p = &lines[__builtin_ctz(pending)];
+        p->lately++;
+        if (p->lately >= EDGES_MOST) {
+            muted |= pending & -pending;
+            EXTI_IMR &= ~muted;
+        }
         if (!bounces(p, ms, cycles)) {
             p->edges = p->edges + 1u;
         }
@@ -89,6 +104,20 @@ static void serve_edges(uint32_t group)
         p->last_ms = ms;
         p->last_cycles = cycles;
     }
+}
+
+void pulse_clock(void)
+{
+    uint32_t before = io_hold();
+    for (; lively != 0; lively &= lively - 1u) {
+        lines[__builtin_ctz(lively)].lately = 0;
+    }
+    if (muted != 0) {
+        EXTI_PR = muted;
+        EXTI_IMR |= muted;
+        muted = 0;
+    }
+    io_release(before);
 }
 
 void interrupt_exti0(void)

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/spi.h"
+#include "board_pins.h"
 
 #include <stddef.h>
 
@@ -21,9 +22,9 @@ static const struct spi_hardware {
     uint8_t irq, function, fast; /* fast: on APB2 */
     hal_pin pins[3];             /* clock, in, out */
 } hardware[BUSES] = {
-    {0x40013000u, BIT(12), SPI1_IRQ, 5, 1, {HAL_PIN('A', 5), HAL_PIN('A', 6), HAL_PIN('A', 7)}},
-    {0x40003800u, BIT(14), SPI2_IRQ, 5, 0, {HAL_PIN('B', 13), HAL_PIN('B', 14), HAL_PIN('B', 15)}},
-    {0x40003C00u, BIT(15), SPI3_IRQ, 6, 0, {HAL_PIN('C', 10), HAL_PIN('C', 11), HAL_PIN('C', 12)}},
+    {0x40013000u, BIT(12), SPI1_IRQ, 5, 1, {SPI1_PINS}},
+    {0x40003800u, BIT(14), SPI2_IRQ, 5, 0, {SPI2_PINS}},
+    {0x40003C00u, BIT(15), SPI3_IRQ, 6, 0, {SPI3_PINS}},
 };
 
 static struct spi_run {

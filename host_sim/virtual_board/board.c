@@ -64,8 +64,12 @@ void board_add_event(struct board *b, struct board_event *e)
 
 void board_schedule(struct board *b, struct board_event *e, uint64_t at_ns)
 {
+    bool was_next = e->at_ns == b->next_ns;
     e->at_ns = at_ns;
-    find_next(b);
+    if (at_ns <= b->next_ns)
+        b->next_ns = at_ns;
+    else if (was_next)
+        find_next(b);
     processor_break(b);
 }
 

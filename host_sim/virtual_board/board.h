@@ -91,10 +91,11 @@ struct board {
         struct part *part;
     } named[BOARD_NAMED];
     struct line lines[BOARD_LINES];
-    struct world world;               /* empty until board_set_world() */
+    struct world world; /* empty until board_set_world() */
+    bool has_world;
     enum pin_level wired[WORLD_PINS]; /* by the world */
-    uint64_t clock_ms,
-        clock_began_ns; /* interrupts of SysTick, which are the firmware's clock; where that was 0 */
+    /* Interrupts of SysTick, which are the firmware's clock; where that was 0. */
+    uint64_t clock_ms, clock_began_ns;
 
     uint64_t stalled_until_ns; /* the flash answers no fetch */
     bool held;                 /* no supply, or the reset pin is low: nothing runs */

@@ -97,7 +97,8 @@ bool replay_find_pc(struct board *b, uint64_t block_began, uint32_t *pc)
 {
     const struct replay *r = b->replay;
     char err[BOARD_VERDICT];
-    if (r == NULL)
+    if (r == NULL ||
+        b->has_world) /* what a world does is not kept: a second board would go another way */
         return false;
     struct board *second =
         board_new(b->chip, &r->around, r->image, r->image_bytes, false, err, sizeof(err));

@@ -9,7 +9,7 @@
 
 struct board;
 
-/* The world lives longer than the board. */
+/* The world's context lives longer than the board. With a world, verdicts of a run by blocks name the block and not the instruction (replay.h). */
 void board_set_world(struct board *b, const struct world *world);
 
 /* What is wired to an input has another level from now on; interrupts of edges come from here. */

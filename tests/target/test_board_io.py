@@ -27,7 +27,7 @@ class BoardIoTest(unittest.TestCase):
 
     def test_barriers_stand_where_the_manuals_want_them(self) -> None:
         """The exact mode checks them (host_sim/virtual_board/barrier_rules.h)."""
-        for name in ("pins", "outputs", "pwm", "pulses", "analog", "spi", "wire", "i2c"):
+        for name in ("pins", "outputs", "pwm", "pulses", "analog", "spi", "wire", "i2c", "together"):
             with self.subTest(name):
                 self.case(name, "exact")
 
@@ -60,6 +60,9 @@ class BoardIoTest(unittest.TestCase):
 
     def test_i2c_exchanges_bytes_and_frees_a_bus_that_is_held(self) -> None:
         self.case("i2c")
+
+    def test_all_buses_and_inputs_run_at_the_same_time(self) -> None:
+        self.case("together")
 
     def test_no_i2c_transfer_hangs(self) -> None:
         self.campaign("i2c-campaign", 1)

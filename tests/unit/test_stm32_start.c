@@ -17,6 +17,10 @@ struct app *app_instance(void)
     return NULL;
 }
 
+void analog_clock(void) {}
+
+void pulse_clock(void) {}
+
 void app_clock(struct app *app, uint32_t now_ms)
 {
     (void)app;

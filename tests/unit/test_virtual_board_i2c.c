@@ -195,6 +195,14 @@ static void test_two_bytes_come_in_with_the_refusal_told_a_byte_ahead(void)
     TEST_ASSERT_EQUAL_HEX32(0, events());
 }
 
+static void test_the_refusal_a_byte_ahead_is_chosen_before_the_first_byte(void)
+{
+    addressed(0x91, ON | I2C_CR1_ACK);
+    look();
+    put(I2C_CR1(I2C1), ON | I2C_CR1_POS);
+    expect_verdict("POS of I2C1 is set when a byte comes in already");
+}
+
 static void test_three_bytes_come_in_and_the_clock_waits_behind_the_second(void)
 {
     addressed(0x91, ON | I2C_CR1_ACK);
@@ -378,6 +386,7 @@ int main(void)
     RUN_TEST(test_bytes_go_out_and_the_clock_waits_for_the_program);
     RUN_TEST(test_one_byte_comes_in);
     RUN_TEST(test_two_bytes_come_in_with_the_refusal_told_a_byte_ahead);
+    RUN_TEST(test_the_refusal_a_byte_ahead_is_chosen_before_the_first_byte);
     RUN_TEST(test_three_bytes_come_in_and_the_clock_waits_behind_the_second);
     RUN_TEST(test_a_reception_that_is_not_ended_in_time_ends_the_run);
     RUN_TEST(test_a_start_again_keeps_the_bus);

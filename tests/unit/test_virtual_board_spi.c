@@ -33,6 +33,7 @@ void setUp(void)
     put_ok(RCC_AHB1ENR, RCC_AHB1ENR_CCM | RCC_AHB1ENR_GPIOA);
     put_ok(RCC_APB2ENR, BIT(12));
     put_ok(GPIOA_AFRL, 0x55500000u);
+    put_ok(GPIO_OSPEEDR(0), 0x0C000000u | 1u << 10);
     put_ok(GPIOA_MODER, 0xA800A800u);
     seen.times = 0;
     seen.answer = 0x40;
@@ -160,6 +161,18 @@ static void test_it_does_not_send_while_a_pin_is_given_to_others(void)
     expect_verdict("SPI1 sends while its pins are given to others");
 }
 
+static void test_a_fast_clock_wants_fast_edges(void)
+{
+    put_ok(GPIO_OSPEEDR(0), 0x0C000000u);
+    on(SPI_CR1_BR(1)); /* 4 MHz */
+    put_ok(SPI_DR(SPI1), 1);
+    pass(20 * BIT_NS);
+    put_ok(SPI_CR1(SPI1), 0);
+    on(0);
+    put(SPI_DR(SPI1), 1);
+    expect_verdict("SPI1 sends faster than the edges of its clock's pin");
+}
+
 static void test_a_reset_of_the_part_ends_a_byte(void)
 {
     on(0);
@@ -181,6 +194,7 @@ int main(void)
     RUN_TEST(test_it_interrupts_while_a_byte_waits_to_be_read);
     RUN_TEST(test_what_a_program_must_not_do);
     RUN_TEST(test_it_does_not_send_while_a_pin_is_given_to_others);
+    RUN_TEST(test_a_fast_clock_wants_fast_edges);
     RUN_TEST(test_a_reset_of_the_part_ends_a_byte);
     board_free(b);
     return UNITY_END();

@@ -78,7 +78,7 @@ static unsigned channel_at(const struct part *p, unsigned index)
 static uint64_t clock_hz(const struct part *p)
 {
     uint32_t ccr = part_get(bus_part(p->board, "ADC"), CCR);
-    return bus_clock_hz(p->board, p->row->bus) / (2u * ((ccr >> 16 & 3u) + 1u));
+    return bus_clock_hz(p->board, p->row->bus) / (UINT64_C(2) * ((ccr >> 16 & 3u) + 1u));
 }
 
 static uint32_t sampling_cycles(const struct part *p, unsigned channel)

@@ -98,6 +98,11 @@ bool pin_is_open_drain(struct board *b, unsigned pin)
     return (part_get(pins_of(b, pin), OTYPER) >> pin % 16u & 1u) != 0;
 }
 
+unsigned pin_speed(struct board *b, unsigned pin)
+{
+    return part_get(pins_of(b, pin), OSPEEDR) >> 2 * (pin % 16u) & 3u;
+}
+
 bool pin_is_analog(struct board *b, unsigned pin)
 {
     return (part_get(pins_of(b, pin), MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG;
@@ -119,6 +124,7 @@ bool pin_level(struct board *b, unsigned pin)
 void board_set_world(struct board *b, const struct world *world)
 {
     b->world = *world;
+    b->has_world = true;
 }
 
 void board_set_pin(struct board *b, unsigned pin, enum pin_level level)

@@ -2,7 +2,7 @@
  * byte) and 26.3.4 (bus error, acknowledge failure), whose part this is, too: RM0090 has it as chapter 27. From memory are the other things,
  * as follows. The registers and their bits are those of I2C_CR1, CR2, DR, SR1, SR2, CCR and TRISE (unverified). SB goes after a read of SR1 and a write
  * of DR, ADDR after reads of SR1 and SR2, BTF after a read of SR1 and an access of DR, or with a start or stop (unverified). While SB, ADDR or BTF is
- * set the clock is held low (unverified). POS makes ACK decide of the byte after the one that comes in (unverified). No write of CR1 while START or
+ * set the clock is held low (unverified). POS makes ACK decide of the byte after the one that comes in, and is set before the first one does (unverified). No write of CR1 while START or
  * STOP waits (unverified). A master that refuses a byte and has not been told to stop goes on receiving, which ends the run here (unverified). A
  * level that is not the one that the master sends is a lost arbitration (unverified). START waits while the bus is busy, and SWRST
  * alone frees a BUSY that a glitch has set (unverified).
@@ -400,7 +400,7 @@ static void check_rate(struct part *p)
 {
     uint64_t from = bus_clock_hz(p->board, p->row->bus);
     uint32_t freq = part_get(p, CR2) & CR2_FREQ, ccr = part_get(p, CCR);
-    if ((ccr & 0xF000u) != 0 || ccr < 4u || from / (2u * ccr) > MOST_HZ)
+    if ((ccr & 0xF000u) != 0 || ccr < 4u || from / (UINT64_C(2) * ccr) > MOST_HZ)
         board_verdict(p->board, "%s_CCR of 0x%x: at most 100 kHz are modelled", p->row->name, ccr);
     else if (freq != from / 1000000u || part_get(p, TRISE) != freq + 1u)
         board_verdict(p->board, "%s_CR2 and _TRISE of %u and %u do not fit a bus of %llu Hz",
@@ -429,6 +429,11 @@ static void ask_start(struct part *p)
         after(p, STARTING, 2);
 }
 
+static bool is_receiving(const struct i2c *i)
+{
+    return i->phase == RECEIVES || i->phase == ACKNOWLEDGES || i->phase == STRETCHES;
+}
+
 static void write_cr1(struct part *p, uint32_t before, uint32_t written)
 {
     struct board *b = p->board;
@@ -439,6 +444,8 @@ static void write_cr1(struct part *p, uint32_t before, uint32_t written)
         part_set(p, CR1, written & CR1_SWRST);
     } else if ((before & (CR1_START | CR1_STOP)) != 0) {
         board_verdict(b, "write of %s_CR1 while a start or a stop waits", p->row->name);
+    } else if ((written & ~before & CR1_POS) != 0 && is_receiving(p->state)) {
+        board_verdict(b, "POS of %s is set when a byte comes in already", p->row->name);
     } else if ((written & CR1_PE) == 0) {
         clear(p);
     } else if ((written & CR1_STOP) != 0) {

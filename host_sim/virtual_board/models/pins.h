@@ -13,6 +13,8 @@
 bool pin_has_function(struct board *b, unsigned pin, uint8_t function);
 /* It drives low only. */
 bool pin_is_open_drain(struct board *b, unsigned pin);
+/* Code of its speed, of edges: 0 is the slowest. */
+unsigned pin_speed(struct board *b, unsigned pin);
 /* It is an analogue pin. */
 bool pin_is_analog(struct board *b, unsigned pin);
 /* Level at the pin, from what the board drives and what the world does. */

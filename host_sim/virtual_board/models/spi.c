@@ -10,21 +10,22 @@
 
 enum { CR1 = 0x00, CR2 = 0x04, SR = 0x08, DR = 0x0C };
 
-#define CR1_CPHA   1u
-#define CR1_MSTR   4u
-#define CR1_SPE    (UINT32_C(1) << 6)
-#define CR1_SSI    (UINT32_C(1) << 8)
-#define CR1_SSM    (UINT32_C(1) << 9)
-#define CR1_KNOWN  0x37Fu /* CPHA, CPOL, MSTR, BR, SPE, SSI, SSM */
-#define CR1_FIXED  0x3Fu  /* while it is on */
-#define CR2_ERRIE  (UINT32_C(1) << 5)
-#define CR2_RXNEIE (UINT32_C(1) << 6)
-#define CR2_TXEIE  (UINT32_C(1) << 7)
-#define SR_RXNE    1u
-#define SR_TXE     2u
-#define SR_OVR     (UINT32_C(1) << 6)
-#define SR_BSY     (UINT32_C(1) << 7)
-#define NS_PER_S   UINT64_C(1000000000)
+#define CR1_CPHA      1u
+#define CR1_MSTR      4u
+#define CR1_SPE       (UINT32_C(1) << 6)
+#define CR1_SSI       (UINT32_C(1) << 8)
+#define CR1_SSM       (UINT32_C(1) << 9)
+#define CR1_KNOWN     0x37Fu /* CPHA, CPOL, MSTR, BR, SPE, SSI, SSM */
+#define CR1_FIXED     0x3Fu  /* while it is on */
+#define CR2_ERRIE     (UINT32_C(1) << 5)
+#define CR2_RXNEIE    (UINT32_C(1) << 6)
+#define CR2_TXEIE     (UINT32_C(1) << 7)
+#define SR_RXNE       1u
+#define SR_TXE        2u
+#define SR_OVR        (UINT32_C(1) << 6)
+#define SR_BSY        (UINT32_C(1) << 7)
+#define NS_PER_S      UINT64_C(1000000000)
+#define SLOW_EDGES_HZ 4000000u
 
 static const struct reg regs[] = {
     {"CR1", CR1, 0, 0xFFFFu, 0xFFFFu},
@@ -62,6 +63,19 @@ static bool is_wired(const struct part *p)
     for (unsigned line = 0; line < 3; line++)
         if (!pin_has_function(p->board, of->pins[0][line], of->function) &&
             !pin_has_function(p->board, of->pins[1][line], of->function))
+            return false;
+    return true;
+}
+
+/* A clock of more than 4 MHz wants faster edges than a pin has after a reset, DS8626 (unverified). */
+static bool has_edges(const struct part *p)
+{
+    const struct spi_pins *of = &pins_of[p->row->number - 1u];
+    uint64_t hz =
+        bus_clock_hz(p->board, p->row->bus) / (UINT64_C(2) << (part_get(p, CR1) >> 3 & 7u));
+    for (unsigned place = 0; place < 2; place++)
+        if (pin_has_function(p->board, of->pins[place][0], of->function) && hz > SLOW_EDGES_HZ &&
+            pin_speed(p->board, of->pins[place][0]) == 0)
             return false;
     return true;
 }
@@ -202,6 +216,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
             board_verdict(b, "a byte written to %s while it is off", p->row->name);
         else if (!is_wired(p))
             board_verdict(b, "%s sends while its pins are given to others", p->row->name);
+        else if (!has_edges(p))
+            board_verdict(b, "%s sends faster than the edges of its clock's pin", p->row->name);
         else if (s->full)
             board_verdict(b, "a byte written to %s_DR over one that was not sent", p->row->name);
         else if (!s->shifts)

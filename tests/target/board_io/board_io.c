@@ -13,7 +13,7 @@ static const struct {
     void (*run)(const char *image);
 } cases[] = {{"pins", case_pins},     {"outputs", case_outputs}, {"pwm", case_pwm},
              {"pulses", case_pulses}, {"analog", case_analog},   {"spi", case_spi},
-             {"wire", case_wire},     {"i2c", case_i2c}};
+             {"wire", case_wire},     {"i2c", case_i2c},         {"together", case_together}};
 
 static const struct {
     const char *name;

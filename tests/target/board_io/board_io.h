@@ -87,7 +87,7 @@ struct plant_on_wire {
 struct plant_wire {
     struct plant_on_wire chips[PLANT_ON_A_WIRE];
     unsigned n;
-    bool shorted;
+    bool shorted, pulled;       /* pulled: somebody pulls in each slot */
     uint64_t reset_ns, slot_ns; /* of the last one, and of the shortest distance of two slots */
     uint64_t last_ns;
 };
@@ -105,6 +105,7 @@ struct plant_i2c {
     unsigned clocks;              /* that it wants until it lets go of the data line */
     unsigned starts, stops, taken, given;
     bool last_was_acknowledged;
+    bool gives_none; /* it does not answer to be read */
     bool
         by_hand; /* the board has clocked the line outside of a transfer, and may stop wherever the chip is */
     uint64_t began_ns, ended_ns;
@@ -154,6 +155,7 @@ void case_spi(const char *image);
 void case_spi_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire(const char *image);
 void case_i2c(const char *image);
+void case_together(const char *image);
 void case_i2c_campaign(const char *image, uint32_t count, uint64_t seed);
 void case_wire_campaign(const char *image, uint32_t count, uint64_t seed);
 

@@ -90,6 +90,11 @@ static void errors_on(struct bench *bench, unsigned bus)
         ask_i2c(bench, bus, PLANT_ADDRESS + 1u, n % 2u, n / 2u, 20);
         expect_i2c(bench, TRANSFER_NO_ANSWER, "no chip");
     }
+    c->gives_none = true; /* it takes a byte, and does not answer when it is addressed again */
+    ask_i2c(bench, bus, PLANT_ADDRESS, 1, 2, 20);
+    expect_i2c(bench, TRANSFER_NO_ANSWER, "no chip to be read");
+    c->gives_none = false;
+    bench_run(bench, MS);
     c->stops = 0;
     volatile struct mailbox *box = bench_prepare(bench, IO_I2C);
     box->bus = bus;

@@ -56,7 +56,13 @@ void case_pwm(const char *image)
         for (unsigned i = 0; r == 0 && i < sizeof(pins); i++)
             CHECK(open_pwm(&bench, pins[i], 2, 0) == ERR_FULL, "two frequencies on one timer");
         CHECK(open_pwm(&bench, HAL_PIN('C', 6), rates[r], 0) == ERR_FULL, "two pins, one channel");
+        uint64_t before = bench.board->instructions;
+        (void)bench_do(&bench, IO_PIN_FREE, 0, 0, 0);
+        uint64_t request = bench.board->instructions - before;
         (void)bench_do(&bench, IO_OUTPUT_SAFE, 0, 0, 0);
+        if (r == 0)
+            printf("all off: %lld instructions, with 12 pulse widths\n",
+                   (long long)(bench.board->instructions - before - 2u * request));
         for (unsigned i = 0; i < sizeof(pins); i++) {
             CHECK(plant.high[pins[i]] == (i % 2u != 0 ? 1 : 0), "pin %u is not off", pins[i]);
             (void)bench_do(&bench, IO_PIN_USE, pins[i], HAL_PIN_CLOSED, 0);
@@ -153,6 +159,21 @@ void case_pulses(const char *image)
     CHECK(count_of(&bench, one) == 200 && count_of(&bench, two) == 200, "%u and %u pulses",
           count_of(&bench, one), count_of(&bench, two));
     printf("pulses: %.0f instructions each\n", ((double)spent - (double)idle) / 400.0);
+    /* a wire that picks up 500 kHz: at most eight edges a millisecond are served, and later all count again */
+    uint32_t counted = count_of(&bench, one);
+    before = bench.board->instructions;
+    for (unsigned i = 0; i < 50000; i++)
+        pulse(&bench, one, 1000, 1000);
+    spent = bench.board->instructions - before;
+    printf("noise of 500 kHz at an input: %llu instructions a millisecond\n",
+           (unsigned long long)spent / 100u);
+    uint32_t noise = count_of(&bench, one) - counted;
+    CHECK(noise >= 700u && noise <= 900u, "%u edges of noise in 0.1 s", noise);
+    bench_run(&bench, 2u * MS);
+    counted = count_of(&bench, one);
+    for (unsigned i = 0; i < 20; i++)
+        pulse(&bench, one, 250000, 250000);
+    CHECK(count_of(&bench, one) == counted + 20u, "pulses behind noise do not count");
     bench_stop(&bench);
 }
 
@@ -188,6 +209,9 @@ void case_analog(const char *image)
         CHECK(err == (n < 8u ? ERR_OK : ERR_FULL), "input %u: %d", n, (int)err);
         if (n == 0) {
             CHECK(bench_do(&bench, IO_ANALOG_READ, pin, 0, 0) == ERR_EMPTY, "a code at once");
+            bench_run(&bench, 8u * MS);
+            CHECK(bench_do(&bench, IO_ANALOG_READ, pin, 0, 0) == ERR_EMPTY,
+                  "a code of fewer than 16 conversions");
             bench_run(&bench, 20u * MS);
         }
         last = n < 8u ? pin : last;

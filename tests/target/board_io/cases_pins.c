@@ -10,9 +10,10 @@
 static const uint8_t refused[] = {
     HAL_PIN('A', 13), HAL_PIN('A', 14), HAL_PIN('A', 15), HAL_PIN('B', 3),  HAL_PIN('B', 4),
     HAL_PIN('A', 9),  HAL_PIN('A', 10), HAL_PIN('A', 2),  HAL_PIN('A', 3),  HAL_PIN('B', 2),
-    HAL_PIN('C', 14), HAL_PIN('C', 15), HAL_PIN('B', 10), HAL_PIN('B', 11), HAL_PIN('C', 10),
-    HAL_PIN('C', 11), HAL_PIN('A', 11), HAL_PIN('A', 12), HAL_PIN('B', 5),  HAL_PIN('B', 13),
-    HAL_PIN('D', 0),  HAL_PIN('D', 3),  HAL_PIN('H', 0),  HAL_PIN('H', 1),  HAL_PIN_NONE};
+    HAL_PIN('C', 13), HAL_PIN('C', 14), HAL_PIN('C', 15), HAL_PIN('B', 10), HAL_PIN('B', 11),
+    HAL_PIN('C', 10), HAL_PIN('C', 11), HAL_PIN('A', 11), HAL_PIN('A', 12), HAL_PIN('B', 5),
+    HAL_PIN('B', 13), HAL_PIN('D', 0),  HAL_PIN('D', 3),  HAL_PIN('H', 0),  HAL_PIN('H', 1),
+    HAL_PIN_NONE};
 
 static bool is_free(struct bench *bench, unsigned pin)
 {

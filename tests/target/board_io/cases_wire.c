@@ -160,6 +160,13 @@ static void shorts_on(struct bench *bench, unsigned bus)
     plant.wires[bus - 1u].shorted = true; /* in the middle */
     expect_state(bench, TRANSFER_FAILED, "a short in a transfer");
     plant.wires[bus - 1u].shorted = false;
+    static const uint8_t nothing[8];
+    plant.wires[bus - 1u].pulled = true;
+    ask_wire(bench, bus, 1, 1, 20);
+    expect_state(bench, TRANSFER_FAILED, "a 1 that somebody pulls low");
+    ask_search(bench, bus, nothing, 0);
+    expect_state(bench, TRANSFER_FAILED, "a search command that somebody pulls low");
+    plant.wires[bus - 1u].pulled = false;
     ask_wire(bench, bus, 1, 200, 8);
     CHECK(bench_wait(bench) == ERR_TIMEOUT && bench->box->state == TRANSFER_FAILED, "not stopped");
     ask_wire(bench, bus, 3, 3, 20);

@@ -17,7 +17,7 @@ static bool address(void *context, uint64_t now_ns, unsigned bus, uint8_t with, 
         c->began_ns = now_ns;
     c->starts++;
     c->by_hand = false;
-    c->addressed = with == PLANT_ADDRESS && !plant_disturbs();
+    c->addressed = with == PLANT_ADDRESS && !(read && c->gives_none) && !plant_disturbs();
     c->reads = c->addressed && read;
     c->first = !read;
     c->last_was_acknowledged = true;

@@ -107,7 +107,7 @@ enum wire_answer plant_wire_bit(void *context, uint64_t now_ns, unsigned bus, bo
 {
     (void)context;
     struct plant_wire *w = &plant.wires[bus - 1u];
-    bool pulled = false;
+    bool pulled = w->pulled;
     if (w->slot_ns == 0 || now_ns - w->last_ns < w->slot_ns)
         w->slot_ns = now_ns - w->last_ns;
     w->last_ns = now_ns;

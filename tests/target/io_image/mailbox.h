@@ -24,18 +24,22 @@ enum io_command {
     IO_WIRE_OPEN, /* bus */
     IO_WIRE,      /* bus, n_out, n_in, limit_ms */
     IO_WIRE_SEARCH, /* bus, limit_ms, out: the address before, value: the branch; result: the next one */
-    IO_I2C_OPEN,        /* bus */
-    IO_I2C,             /* bus, mode: address, n_out, n_in, limit_ms */
-    IO_PWM_OPEN,        /* pin, hz, mode: low */
-    IO_PWM_SET,         /* pin, value */
-    IO_PULSE_OPEN,      /* pin */
-    IO_PULSE_DEAD,      /* pin, value: ms */
-    IO_PULSE_COUNT,     /* pin; result */
-    IO_ANALOG_HAS,      /* pin; result */
-    IO_ANALOG_OPEN,     /* pin */
-    IO_ANALOG_READ,     /* pin; result, ERR_EMPTY: there is none yet */
-    IO_ANALOG_REFERENCE /* result: mV */
+    IO_I2C_OPEN,         /* bus */
+    IO_I2C,              /* bus, mode: address, n_out, n_in, limit_ms */
+    IO_PWM_OPEN,         /* pin, hz, mode: low */
+    IO_PWM_SET,          /* pin, value */
+    IO_PULSE_OPEN,       /* pin */
+    IO_PULSE_DEAD,       /* pin, value: ms */
+    IO_PULSE_COUNT,      /* pin; result */
+    IO_ANALOG_HAS,       /* pin; result */
+    IO_ANALOG_OPEN,      /* pin */
+    IO_ANALOG_READ,      /* pin; result, ERR_EMPTY: there is none yet */
+    IO_ANALOG_REFERENCE, /* result: mV */
+    IO_TOGETHER /* bus, pin, mode and hz as of IO_SPI, value: an address on I2C, n_out, n_in: SPI, I2C and 1-wire at once on buses of this
+                 * number, each with a third of `out` and `in`; n_out + 2 bytes on the wire. state: each has a byte, SPI the lowest */
 };
+
+#define IO_THIRD 64u /* bytes of `out` and `in` for each bus of IO_TOGETHER */
 
 struct mailbox {
     uint32_t ready;

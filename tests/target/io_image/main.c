@@ -1,5 +1,7 @@
 /* An image that does with the port's buses and pins what the mailbox asks for. The board clock runs in SysTick as in the firmware, above the tick
  * and below the interrupts of buses; the main loop sleeps.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include <stdint.h>
 
@@ -49,6 +51,7 @@ void interrupt_systick(void)
 {
     now_ms = now_ms + 1u;
     analog_clock();
+    pulse_clock();
     requests_clock();
 }
 

@@ -1,4 +1,7 @@
-/* Requests of the mailbox, each one call of the port's contracts. */
+/* Requests of the mailbox, each one call of the port's contracts.
+ *
+ * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
+ */
 #include "requests.h"
 
 #include <stddef.h>
@@ -15,7 +18,7 @@
 
 static volatile struct mailbox box __attribute__((section(".mailbox")));
 
-static struct transfer transfer;
+static struct transfer transfer, others[2]; /* others: on I2C and 1-wire at the same time */
 static struct spi_device spi;
 static uint8_t out[256], in[256];
 static uint32_t waited_ms;
@@ -26,7 +29,7 @@ static void finish(enum err err)
 {
     runs = false;
     box.err = err;
-    box.state = transfer.state;
+    box.state = transfer.state | (uint32_t)others[0].state << 8 | (uint32_t)others[1].state << 16;
     box.took_ms = waited_ms;
     if (box.command == IO_WIRE_SEARCH) {
         box.result = branch;
@@ -39,11 +42,14 @@ static void finish(enum err err)
 
 static void stop_bus(void)
 {
-    if (box.command == IO_SPI) {
+    bool all = box.command == IO_TOGETHER;
+    if (all || box.command == IO_SPI) {
         hal_spi_stop((uint8_t)box.bus);
-    } else if (box.command == IO_I2C) {
+    }
+    if (all || box.command == IO_I2C) {
         hal_i2c_stop((uint8_t)box.bus);
-    } else {
+    }
+    if (all || box.command == IO_WIRE || box.command == IO_WIRE_SEARCH) {
         hal_onewire_stop((uint8_t)box.bus);
     }
 }
@@ -60,7 +66,23 @@ static void prepare(void)
                               .select = (hal_pin)box.pin,
                               .mode = (uint8_t)box.mode,
                               .hz = box.hz};
+    others[0].state = others[1].state = TRANSFER_IDLE;
     waited_ms = 0;
+}
+
+static enum err start_together(void)
+{
+    for (unsigned i = 0; i < 2; i++) {
+        others[i] = transfer;
+        others[i].out = out + (i + 1u) * IO_THIRD;
+        others[i].in = in + (i + 1u) * IO_THIRD;
+    }
+    others[1].n_out = (uint8_t)(others[1].n_out + 2u);
+    enum err err = hal_spi_start(&spi, &transfer);
+    if (err == ERR_OK) {
+        err = hal_i2c_start((uint8_t)box.bus, (uint8_t)box.value, &others[0]);
+    }
+    return err == ERR_OK ? hal_onewire_start((uint8_t)box.bus, &others[1]) : err;
 }
 
 static enum err search(void)
@@ -160,6 +182,9 @@ static void obey(void)
     case IO_WIRE_SEARCH:
         begin(search());
         return;
+    case IO_TOGETHER:
+        begin(start_together());
+        return;
     case IO_I2C_OPEN:
         err = hal_i2c_open((uint8_t)box.bus);
         break;
@@ -202,7 +227,8 @@ void requests_clock(void)
     if (box.hold_ms != 0 && waited_ms == 1u) {
         hold_interrupts(box.hold_ms);
     }
-    if (transfer.state != TRANSFER_RUNS) {
+    if (transfer.state != TRANSFER_RUNS && others[0].state != TRANSFER_RUNS &&
+        others[1].state != TRANSFER_RUNS) {
         finish(ERR_OK);
     } else if (box.limit_ms != 0 && waited_ms >= box.limit_ms) {
         stop_bus();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #ifndef IO_IMAGE_REQUESTS_H
 #define IO_IMAGE_REQUESTS_H
 
