@@ -89,6 +89,7 @@ void board_io_take(struct board_io *b, const struct config *config)
     b->tick_ms = tick_ms;
     atomic_signal_fence(memory_order_seq_cst);
     b->n_devices = b->n_outputs = 0;
+    memset(b->drive, 0, sizeof b->drive); /* no output gets the command of another one */
     if (pins_are_source(&config->pins))
         open_devices(b);
     if (pins_are_source(&config->pins))
