@@ -283,7 +283,7 @@ static enum transfer_state wire_reset(uint8_t bus)
 static void byte_out(uint8_t bus, uint8_t byte)
 {
     for (unsigned bit = 0; bit < 8; bit++)
-        (void)slot(bus, (byte >> bit & 1u) != 0);
+        (void)slot(bus, ((unsigned)byte >> bit & 1u) != 0);
 }
 
 enum err hal_onewire_start(uint8_t bus, struct transfer *t)

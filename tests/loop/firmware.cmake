@@ -9,3 +9,8 @@ reflux_test(interrupted_blocks LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test
             LIBS reflux_hal_memory reflux_app reflux_link)
 target_compile_definitions(test_interrupted_blocks PRIVATE SCENARIOS="${PROJECT_SOURCE_DIR}/host_sim/scenarios"
                            DECOUPLING="${CMAKE_CURRENT_LIST_DIR}/decoupling" FEEDFORWARD="${CMAKE_CURRENT_LIST_DIR}/feedforward")
+
+# The plant at the board's own pins, with models of chips.
+foreach(part board_pins board_pins_kinds)
+  reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_hal_memory reflux_app reflux_link reflux_chips)
+endforeach()

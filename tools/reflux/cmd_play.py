@@ -84,7 +84,8 @@ def play(bench: Bench, options: argparse.Namespace) -> int:
 # ---- what is started ----
 
 def names() -> list[str]:
-    return sorted(path.stem for path in SCENARIOS.glob("*.conf"))
+    """Configurations with a plant at the link; one with a wiring file beside it has its plant at the board's pins."""
+    return sorted(path.stem for path in SCENARIOS.glob("*.conf") if not path.with_suffix(".wiring").is_file())
 
 
 def bench_of(name: str, plant: str | None) -> Bench:

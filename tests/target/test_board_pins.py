@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""The pilot column at the board's own pins: the flashed image on the virtual board gives the log of the host, bit for bit."""
+
+import contextlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+from reflux import build  # noqa: E402
+
+IMAGE = "stm32f405"
+BOARD = board.ROOT / "build" / "host" / "reflux-board"
+SETTINGS = board.ROOT / "host_sim" / "scenarios" / "pilot-pins.conf"
+WIRING = board.ROOT / "host_sim" / "scenarios" / "pilot-pins.wiring"
+DURATION_S = 60
+# Plant time, s, and console line: manual outputs, both loops to automatic, a setpoint, and settings that come into force meanwhile.
+LATER = ((3, "out Lr 4.5"), (3, "out Qrb 0.8"), (8, "status"), (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"),
+         (35, "begin"), (35, "set loop1.gain 10"), (35, "apply"), (45, "mode bottom manual"), (46, "out Qrb 0.7"))
+SPENT = ("stat.tick",)  # processor time
+
+
+def settings() -> list[str]:
+    return [line for line in SETTINGS.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+
+
+def telemetry(out: Path) -> list[dict[str, str]]:
+    """The rows by the names of their header, without units and without what no two boards have in common."""
+    names: list[str] = []
+    rows = []
+    for line in (out / "telemetry.csv").read_text(encoding="utf-8").splitlines():
+        fields = line.split(",")
+        if fields[0] == "H":
+            names = [re.sub(r"\[.*", "", name) for name in fields]
+        else:
+            rows.append({name: field for name, field in zip(names, fields) if name not in SPENT})
+    return rows
+
+
+@unittest.skipUnless(BOARD.exists(), "no reflux-board: libunicorn-dev is not installed")
+class SameLogTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+        self.script = self.folder / "script.txt"
+        lines = [*((0, line) for line in (*settings(), "log on")), *LATER]
+        self.script.write_text("".join(f"{at} {line}\n" for at, line in lines), encoding="utf-8")
+
+    def simulate(self, program: str, where: str, name: str, *options: str) -> Path:
+        """The folder with log, telemetry and transcript of a run of the plant."""
+        out = self.folder / name
+        out.mkdir()
+        done = subprocess.run([str(build.find_program("host", program)), "--plant", "pilot", "--port", where, "--console", where,
+                               "--wiring", str(WIRING), "--tick", "1", "--duration", str(DURATION_S), "--script", str(self.script),
+                               "--log", str(out / "simulator.csv"), "--telemetry", str(out / "telemetry.csv"),
+                               "--transcript", str(out / "transcript.txt"), "--timeout", str(board.PATIENCE_S), *options],
+                              capture_output=True, text=True, timeout=board.PATIENCE_S, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        print(f"{name}: {done.stdout.strip()}{done.stderr.strip()}")
+        return out
+
+    def host(self, name: str = "host", *options: str) -> Path:
+        return self.simulate("reflux-sim-memory", "memory", name, *options)
+
+    @contextlib.contextmanager
+    def virtual_board(self):
+        control = self.folder / "control"
+        process = subprocess.Popen([str(BOARD), "--image", str(build.find_image(IMAGE)), "--control", str(control), "--wiring", str(WIRING),
+                                    "--statistics"], stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        end = time.monotonic() + board.PATIENCE_S
+        while not control.exists():
+            self.assertTrue(process.poll() is None and time.monotonic() < end, "reflux-board did not start")
+            time.sleep(0.01)
+        self.said = ""
+        yield f"board:{control}"
+        self.said = process.communicate(timeout=board.PATIENCE_S)[1]
+
+    def test_the_image_gives_the_log_of_the_host(self) -> None:
+        host = self.host()
+        with self.virtual_board() as where:
+            image = self.simulate("reflux-sim", where, "board")
+        print(self.said.strip())
+        self.assertEqual((host / "simulator.csv").read_bytes(), (image / "simulator.csv").read_bytes())
+        self.assertEqual(telemetry(host), telemetry(image))
+        for kind in ("software", "watchdog"):
+            self.assertIn(f"{kind} 0", self.said)
+
+    def test_the_run_is_a_column_that_is_controlled(self) -> None:
+        """Else two logs might be alike because nothing happens."""
+        out = self.host()
+        rows = telemetry(out)
+        self.assertGreaterEqual(len(rows), DURATION_S)
+        self.assertEqual({row[name] for row in rows for name in ("T1.q", "T10.q")}, {"0"})
+        last = rows[-1]
+        self.assertEqual((last["top.mode"], last["bottom.mode"], float(last["top.sp"])), ("1", "0", 87.5))
+        self.assertAlmostEqual(float(last["Qrb.cmd"]), 0.7, places=6)
+        header, *log = (line.split(",") for line in (out / "simulator.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#")
+        places = [header.index(next(name for name in header if name.startswith(f"{wanted}.meas"))) for wanted in ("T1", "T10")]
+        for row in log:  # what the sensors are given, and what the board reads a second later at most
+            for place, near in zip(places, (87.0, 104.0)):
+                self.assertAlmostEqual(float(row[place]), near, delta=5.0)
+        first = [float(rows[0][name]) for name in ("T1", "T10")]
+        for read, place in zip(first, places):
+            self.assertAlmostEqual(read, float(log[0][place]), delta=0.1)
+
+    def test_a_run_on_the_host_repeats_to_the_bit(self) -> None:
+        first, second = self.host("first"), self.host("second")
+        for kept in ("simulator.csv", "telemetry.csv", "transcript.txt"):
+            with self.subTest(kept):
+                self.assertEqual((first / kept).read_bytes(), (second / kept).read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main()
