@@ -299,22 +299,24 @@ static void test_nothing_is_erased_before_the_first_command(void)
     TEST_ASSERT_EQUAL(1, erases_told());
 }
 
+/* Each start erases too: the largest set of this build has no room behind the one that the save has left. */
 static void test_erases_are_counted_through_starts(void)
 {
     running();
     ask_ok("save");
-    for (unsigned so_far = 1; so_far < 5; so_far++) {
+    for (unsigned so_far = 1; so_far < 9; so_far += 2) {
         TEST_ASSERT_EQUAL(so_far, erases_told());
         for (unsigned n = 0; erases_told() == so_far; n++) {
             TEST_ASSERT_LESS_THAN(100, n);
             ask_ok("save");
         }
+        TEST_ASSERT_EQUAL(so_far + 1, erases_told());
         power_on();
         pass(2500);
         connect_plant();
         samples(2);
     }
-    TEST_ASSERT_EQUAL(5, erases_told());
+    TEST_ASSERT_EQUAL(9, erases_told());
 }
 
 static void test_rows_and_events_come_while_a_save_is_under_way(void)

@@ -250,7 +250,7 @@ static void every_parameter_of_a_block_is_found_by_name_and_id(void)
         TEST_ASSERT_TRUE_MESSAGE(found.field == p.field && found.index == p.index &&
                                      found.own == p.own && found.row == p.row,
                                  name);
-        of_blocks += parameter_id(&p) >> 16 != 0;
+        of_blocks += parameter_id(&p) >> 24 != 0;
     }
     TEST_ASSERT_EQUAL(n, parameter_count(&config));
     TEST_ASSERT_EQUAL(4 + 48 + 4 + 1 + 3 + 1 + 1 + 4 + 2 + 1 + 1, of_blocks);

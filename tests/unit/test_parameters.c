@@ -52,14 +52,14 @@ static void every_parameter_is_found_by_its_name(void)
 
 static void ids_and_places_are_unique(void)
 {
-    static uint8_t seen[65536];
+    static uint8_t seen[32u << 12];
     struct parameter p;
     unsigned n = 0;
     memset(seen, 0, sizeof seen);
     for (; parameter_at(n, &p); n++) {
         texts(&p);
+        TEST_ASSERT_TRUE_MESSAGE(p.field->id < 64 && p.group->id < 32 && p.index < 64, name);
         TEST_ASSERT_EQUAL_MESSAGE(0, seen[parameter_id(&p)]++, name);
-        TEST_ASSERT_TRUE_MESSAGE(p.field->id < 64 && p.group->id < 16 && p.index < 64, name);
     }
     TEST_ASSERT_TRUE(n > 300);
 }
@@ -141,7 +141,7 @@ static void words_are_taken_whole_and_nothing_else(void)
         refused(&p, "");
         refused(&p, "1");
         refused(&p, "o");
-        char words[80], *save = NULL;
+        char words[320], *save = NULL; /* the pins of all ports */
         strcpy(words, field_words(p.field));
         for (char *w = strtok_r(words, "|", &save); w; w = strtok_r(NULL, "|", &save)) {
             TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, w), w);
@@ -282,7 +282,8 @@ static void only_its_default_is_taken_for_the_default(void)
             TEST_ASSERT_TRUE_MESSAGE(parameter_is_default(&p, &config), name);
         if (!number(&p))
             continue;
-        float there = field_hi(p.field) > field_initial(p.field) ? field_hi(p.field) : 0.0f;
+        float there =
+            field_hi(p.field) > field_initial(p.field) ? field_hi(p.field) : field_lo(p.field);
         snprintf(text, sizeof text, p.field->type == PARAMETER_FLOAT ? "%.9g" : "%.0f",
                  (double)there);
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, text), name);

@@ -24,7 +24,7 @@ enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTP
 #define CR1_UE      (UINT32_C(1) << 13)
 #define CR1_KNOWN   0x20ECu /* UE, TXEIE, TCIE, RXNEIE, TE, RE */
 #define CR3_HDSEL   (UINT32_C(1) << 3)
-#define FUNCTION    8u /* of both ports on their pins (unverified) */
+#define FUNCTION    8u /* Both ports have this alternate function on their pins (unverified). */
 #define BITS        10u
 #define NS_PER_S    UINT64_C(1000000000)
 #define US          UINT64_C(1000)

@@ -50,10 +50,11 @@ static bool run(double command)
     return bench_on(pin);
 }
 
-/* To the last millisecond before a group. */
+/* Right behind begin(), to the last millisecond before a group. */
 static void run_to_group(void)
 {
-    for (uint32_t k = 1; k < group_ms; k++)
+    uint32_t left_ms = group_ms - bench_now % group_ms;
+    for (uint32_t k = 1; k < left_ms; k++)
         run(0.0);
 }
 

@@ -61,10 +61,11 @@ static void run(double command)
     owed += bench_whole((float)command) - (on ? MS : 0);
 }
 
-/* The next run() is the first one of a period. */
+/* Right behind begin(): a whole period and what is left of the one that the clock is in. The next run() is the first one of a period. */
 static void run_to_period(unsigned period_ms)
 {
-    for (unsigned k = 1; k < period_ms; k++)
+    unsigned left_ms = period_ms - bench_now % period_ms;
+    for (unsigned k = 1; k < period_ms + left_ms; k++)
         run(0.0);
 }
 
@@ -292,6 +293,7 @@ static void shares_too_small_for_a_pulse_or_a_pause_are_carried_over(void)
 static void the_mean_over_a_day_is_that_of_the_commands_to_a_millionth(void)
 {
     begin(10.0f, 0.05f, 0.05f);
+    run_to_period(10000);
     random_source = bench_random(38);
     int64_t integral = 0, on = 0;
     double command = 0.0;
