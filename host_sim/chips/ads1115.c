@@ -73,7 +73,7 @@ static void power_on(struct chip *c, uint64_t now_ns)
     a->reg[HIGH_THRESHOLD] = 0x7FFF;
     a->pointer = CONVERSION;
     a->converting = a->result_asked = a->general = false;
-    uint64_t own = c->random ^ 0x1115u;
+    uint64_t own = c->seed ^ 0x1115u;
     a->rate_factor = 1.0 + RATE_ERROR * (2.0 * chip_uniform(&own) - 1.0);
 }
 

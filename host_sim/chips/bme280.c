@@ -88,7 +88,7 @@ static bool has_humidity(const struct bme280 *b)
 static void power_on(struct chip *c, uint64_t now_ns)
 {
     struct bme280 *b = of(c);
-    uint64_t own = c->random ^ 0x280u;
+    uint64_t own = c->seed ^ 0x280u;
     b->slowness = chip_uniform(&own);
     for (unsigned i = 0; i < WORDS; i++) {
         double spread = 0.02 * (2.0 * chip_uniform(&own) - 1.0) * c->property[VARIED];

@@ -174,7 +174,7 @@ struct chip *chip_new(const char *kind_name, const char *properties, uint64_t se
         return NULL;
     }
     c->kind = kind;
-    c->random = seed;
+    c->seed = c->random = seed;
     for (size_t i = 0; i < kind->n_properties; i++) {
         c->property[i] = kind->properties[i].at_first;
     }

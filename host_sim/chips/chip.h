@@ -70,6 +70,7 @@ struct chip {
     const struct chip_kind *kind;
     double property[CHIP_INPUTS_MAX];
     double input[CHIP_INPUTS_MAX];
+    uint64_t seed;   /* what differs from chip to chip is made from it, at each power-on alike */
     uint64_t random; /* state of noise */
     bool powered, dead;
     unsigned stray_bits; /* SPI: bits of a byte that has not been clocked whole */

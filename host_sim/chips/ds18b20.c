@@ -127,7 +127,7 @@ static uint8_t crc8(const uint8_t *bytes, size_t n)
 static void make(struct ds18b20 *d)
 {
     static const uint8_t factory[EEPROM_BYTES] = {0x4B, 0x46, 0x7F}; /* 75, 70 degC, 12 bits */
-    uint64_t own = d->chip.random ^ 0x18B20u;
+    uint64_t own = d->chip.seed ^ 0x18B20u;
     uint64_t serial =
         isnan(d->chip.property[ROM]) ? chip_random(&own) >> 16 : (uint64_t)d->chip.property[ROM];
     d->chip.property[ROM] = (double)serial;

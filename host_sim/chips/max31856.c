@@ -114,7 +114,7 @@ static void power_on(struct chip *c, uint64_t now_ns)
     }
     m->converting = m->triggered = m->result_asked = false;
     m->asked_ns = now_ns;
-    uint64_t own = c->random ^ 0x31856u;
+    uint64_t own = c->seed ^ 0x31856u;
     m->slowness = chip_uniform(&own);
 }
 

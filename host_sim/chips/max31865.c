@@ -94,7 +94,7 @@ static void power_on(struct chip *c, uint64_t now_ns)
     m->result_asked = m->cycle_asked = m->settles = false;
     m->cycle = 0;
     m->bias_ns = now_ns;
-    uint64_t own = c->random ^ 0x31865u;
+    uint64_t own = c->seed ^ 0x31865u;
     m->slowness = chip_uniform(&own);
 }
 

@@ -65,7 +65,7 @@ static void power_on(struct chip *c, uint64_t now_ns)
     x->command = x->system = x->pointer = 0;
     x->pressure = x->temperature = 0;
     x->converting = x->result_asked = false;
-    uint64_t own = c->random ^ 0x6897u;
+    uint64_t own = c->seed ^ 0x6897u;
     x->slowness = 0.6 + 0.4 * chip_uniform(&own);
 }
 

@@ -246,6 +246,53 @@ static void the_board_goes_to_its_safe_state_where_that_is_declared(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, pins_mean("Q", 10000));
 }
 
+static void a_bus_that_is_stuck_is_told_for_its_devices_alone(void)
+{
+    pins_fault("i2c1", "stuck", 1);
+    pins_samples(4);
+    TEST_ASSERT_TRUE_MESSAGE(said("SENSOR_FAULT L "), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("SENSOR_FAULT L2 "), board.said);
+    TEST_ASSERT_FALSE(is_good("L"));
+    TEST_ASSERT_FALSE(is_good("L2"));
+    reads("T1", 78.3, 0.1);
+    reads("P", 98000, 20.0);
+    reads("Ta", 20.5, 0.1);
+    pins_fault("i2c1", "stuck", 0);
+    pins_samples(8);
+    all_readings_are(0);
+}
+
+static void a_noisy_bus_gives_no_wrong_number_for_a_good_one(void)
+{
+    static const char *const buses[] = {"spi1", "spi2", "wire1", "i2c1", "i2c2"};
+    static const struct {
+        const char *name;
+        double value, within;
+    } truth[] = {{"T1", 78.3, 0.1},  {"T10", 99.6, 0.1}, {"Ta", 20.5, 0.1},
+                 {"Tb", 31.25, 0.1}, {"L", 1.25, 0.001}, {"L2", 2.5, 0.001},
+                 {"P", 98000, 20.0}, {"Tair", 23, 0.1},  {"Tc", 150, 0.1}};
+    unsigned good = 0, bad = 0;
+    for (unsigned i = 0; i < 5; i++)
+        pins_fault(buses[i], "noise",
+                   1e-4); /* each bit, each way; more may disturb two reads alike */
+    for (unsigned n = 0; n < 900; n++) {
+        pins_samples(1);
+        for (unsigned k = 0; k < sizeof truth / sizeof *truth; k++) {
+            good += is_good(truth[k].name);
+            bad += !is_good(truth[k].name);
+            if (is_good(truth[k].name))
+                TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(truth[k].within, truth[k].value,
+                                                  pins_field(truth[k].name), truth[k].name);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(0, bad); /* else there was no noise */
+    TEST_ASSERT_GREATER_THAN_UINT(bad, good);
+    for (unsigned i = 0; i < 5; i++)
+        pins_fault(buses[i], "noise", 0);
+    pins_samples(8);
+    all_readings_are(0);
+}
+
 /* ---- outputs ---- */
 
 static void the_loads_are_what_is_commanded(void)
@@ -387,6 +434,8 @@ int main(void)
     RUN_TEST(a_chip_that_is_dead_is_told_within_two_samples);
     RUN_TEST(one_of_two_thermometers_on_a_wire_may_fail);
     RUN_TEST(a_fault_is_told_once);
+    RUN_TEST(a_bus_that_is_stuck_is_told_for_its_devices_alone);
+    RUN_TEST(a_noisy_bus_gives_no_wrong_number_for_a_good_one);
     RUN_TEST(the_loop_of_a_lost_thermometer_holds_and_then_goes_to_manual);
     RUN_TEST(the_board_goes_to_its_safe_state_where_that_is_declared);
     RUN_TEST(the_loads_are_what_is_commanded);

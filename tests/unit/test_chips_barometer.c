@@ -272,6 +272,28 @@ static void a_reset_and_the_supply_take_two_milliseconds(void)
     bench_expect_right();
 }
 
+static void expect_calibration(const uint8_t *wanted)
+{
+    uint8_t bytes[24];
+    TEST_ASSERT_TRUE(bench_i2c_read(AT, 0x88, bytes, 24));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(wanted, bytes, 24);
+}
+
+static void a_chip_keeps_its_calibration_through_resets(void)
+{
+    uint8_t own[24];
+    double pa;
+    double degc;
+    anew("bme280", "noise=1", BENCH_SEED);
+    TEST_ASSERT_TRUE(bench_i2c_read(AT, 0x88, own, 24));
+    for (unsigned i = 0; i < 3; i++) {
+        measure(&pa, &degc); /* which takes random numbers */
+        put(0xE0, 0xB6);
+        bench_wait_ms(3);
+        expect_calibration(own);
+    }
+}
+
 static void calibration_is_read_only(void)
 {
     put(0x88, 1);
@@ -313,6 +335,7 @@ int main(void)
     RUN_TEST(the_filter_approaches_a_step);
     RUN_TEST(humidity_takes_effect_with_the_next_measurement_only);
     RUN_TEST(a_reset_and_the_supply_take_two_milliseconds);
+    RUN_TEST(a_chip_keeps_its_calibration_through_resets);
     RUN_TEST(calibration_is_read_only);
     RUN_TEST(faults_are_silence_and_a_result_that_stays);
     return UNITY_END();

@@ -89,7 +89,7 @@ static uint8_t remainder_of(const uint8_t *bytes, unsigned n)
 {
     bool row[64 + 8] = {false};
     for (unsigned i = 0; i < 8 * n; i++)
-        row[i] = (bytes[i / 8] >> i % 8 & 1u) != 0;
+        row[i] = ((unsigned)bytes[i / 8] >> i % 8 & 1u) != 0;
     for (unsigned i = 0; i < 8 * n; i++)
         if (row[i]) {
             row[i] = false;

@@ -23,10 +23,10 @@
 /* From the start of a conversion to the first read, and some more. Each transfer renews it. */
 #define CHIP_MS 100u
 
-enum ads1115_stage { REST, CONVERT, STARTED, READ, COMPARE, CHECK };
+enum ads1115_stage { REST, CONVERT, STARTED, READ, COMPARE, CHECK, FAILED };
 
 /* Places in kept[]. */
-enum { KEPT_FIRST, KEPT_DIFFERENT };
+enum { KEPT_FIRST, KEPT_DIFFERENT, KEPT_FAULTS };
 
 static uint16_t ads1115_config(const struct device_settings *s)
 {
@@ -124,16 +124,36 @@ static bool ads1115_took(struct device *d, int32_t code[DEVICE_CODES], uint16_t 
     return false;
 }
 
+/* Time for which a conversion may still run that this device has begun, ms. A chip that converts takes a new configuration but goes on with
+ * the input that it had, which no read shows: until it is idle nobody may begin another. */
+static uint16_t conversion_left(const struct device *d, uint32_t now_ms)
+{
+    uint32_t passed = now_ms - d->began_ms;
+    return passed < ADS1115_MS ? (uint16_t)(ADS1115_MS - passed) : 0;
+}
+
 static uint16_t ads1115_step(struct device *d, uint32_t now_ms)
 {
     int32_t code[DEVICE_CODES] = {0};
+    if (d->stage == FAILED)
+        return device_finish(d, now_ms, code, (uint16_t)d->kept[KEPT_FAULTS]);
     if (device_has_begun(d)) {
         uint16_t faults = device_ended(d);
         bool started = d->stage == STARTED;
-        if (faults != 0 || ads1115_took(d, code, &faults))
+        bool heard = d->stage != CONVERT || faults != DEVICE_NO_CHIP;
+        bool over = faults != 0 || ads1115_took(d, code, &faults);
+        uint16_t left_ms = heard ? conversion_left(d, now_ms) : 0;
+        if (over && faults != 0 && left_ms != 0) {
+            d->kept[KEPT_FAULTS] = faults;
+            d->stage = FAILED;
+            return left_ms;
+        }
+        if (over)
             return device_finish(d, now_ms, code, faults);
         if (started && d->stage == READ)
             return ADS1115_MS;
+        if (started && left_ms != 0)
+            return left_ms; /* then it is begun again */
     }
     return ads1115_send(d, now_ms);
 }

@@ -7,11 +7,16 @@
 
 #define AT_ID          0xD0u
 #define AT_CALIBRATION 0x88u
+#define AT_RESET       0xE0u
 #define AT_STATUS      0xF3u
 #define AT_CONTROL     0xF4u
 #define ID_BME280      0x60u
 #define ID_BMP280      0x58u
 #define INTERVAL_MS    200u /* two devices of a chip, 75 ms each */
+
+/* Written to the reset register; the chip is as at power-on within 2 ms (BME280, 5.4.2 and table 1). */
+#define RESETS   0xB6u
+#define RESET_MS 3u
 
 /* Status register. */
 enum { MEASURING = 0x08, COPYING_CALIBRATION = 0x01 };
@@ -32,7 +37,7 @@ enum { MEASURING = 0x08, COPYING_CALIBRATION = 0x01 };
 #define PAIRS_MAX 4u
 #define CHIP_MS   80u /* from a transfer to the next; each one renews it */
 
-enum bme280_stage { REST, IDENTIFY, CALIBRATION, CALIBRATION_AGAIN, CONVERT, READ, COMPARE };
+enum bme280_stage { REST, IDENTIFY, CALIBRATION, CALIBRATION_AGAIN, CONVERT, READ, COMPARE, RESET };
 
 /* Places in kept[]: 24 bytes of calibration; status, control and raw numbers of the first of two reads. */
 enum { KEPT_CALIBRATION, KEPT_FIRST = BME280_CALIBRATION / 4 };
@@ -68,6 +73,10 @@ static uint16_t bme280_send(struct device *d, uint32_t now_ms)
         d->bytes[0] = AT_CONTROL;
         d->bytes[1] = ONE_CONVERSION;
         return device_begin(d, now_ms, 2, 0, BME280_MS);
+    case RESET:
+        d->bytes[0] = AT_RESET;
+        d->bytes[1] = RESETS;
+        return device_begin(d, now_ms, 2, 0, RESET_MS);
     default: /* READ, COMPARE */
         d->bytes[0] = AT_STATUS;
         return device_begin(d, now_ms, 1, REPLY, 0);
@@ -160,10 +169,15 @@ static uint16_t bme280_step(struct device *d, uint32_t now_ms)
     int32_t code[DEVICE_CODES] = {0};
     if (device_has_begun(d)) {
         uint16_t faults = device_ended(d);
+        if (d->stage == RESET)
+            return device_finish(d, now_ms, code, DEVICE_WRONG_CHIP);
         if (faults != 0 || bme280_took(d, code, &faults)) {
             if (faults != 0)
                 d->ready = false; /* another chip may be there: identify it again */
-            return device_finish(d, now_ms, code, faults);
+            if (faults != DEVICE_WRONG_CHIP || d->stage != COMPARE)
+                return device_finish(d, now_ms, code, faults);
+            /* A write that was disturbed may have set a register that nothing here writes, the filter's or the mode. */
+            d->stage = RESET;
         }
     }
     return bme280_send(d, now_ms);

@@ -263,6 +263,33 @@ static void a_failed_reading_gives_the_chip_free(void)
     TEST_ASSERT_EQUAL(6400, script_result(&e).code[0]);
 }
 
+/* A chip that converts takes another input's configuration, and goes on with the input that it had. */
+static void a_conversion_that_is_given_up_keeps_the_chip_until_it_must_be_over(void)
+{
+    static struct device e;
+    struct device *both[] = {&d, &e};
+    begin();
+    TEST_ASSERT_EQUAL(ERR_OK, device_open(&e, &ads1115_kind, &settings, 500));
+    script("01 C5 23", "");
+    script_fails("01", 2, TRANSFER_NO_ANSWER);
+    reading("19 00", "C5 23");
+    script_run_several(both, 2, 300);
+    script_is_done();
+    TEST_ASSERT_EQUAL_HEX16(DEVICE_NO_CHIP, script_result(&d).faults);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(69, script_began_ms(2) - script_began_ms(0));
+    TEST_ASSERT_EQUAL(6400, script_result(&e).code[0]);
+}
+
+static void one_that_began_with_another_configuration_is_over_before_the_next(void)
+{
+    script("01 C5 23", "");
+    script("01", "55 23"); /* input 1: a bit was disturbed */
+    reading("19 00", "C5 23");
+    begin();
+    TEST_ASSERT_EQUAL_HEX16(0, after_cycle().faults);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(69, script_began_ms(2) - script_began_ms(0));
+}
+
 static void settings_that_the_chip_cannot_have_are_refused(void)
 {
     settings.address = 0x47;
@@ -301,6 +328,8 @@ int main(void)
     RUN_TEST(a_conversion_without_an_end_is_a_wrong_chip);
     RUN_TEST(two_inputs_of_a_chip_are_measured_one_after_the_other);
     RUN_TEST(a_failed_reading_gives_the_chip_free);
+    RUN_TEST(a_conversion_that_is_given_up_keeps_the_chip_until_it_must_be_over);
+    RUN_TEST(one_that_began_with_another_configuration_is_over_before_the_next);
     RUN_TEST(settings_that_the_chip_cannot_have_are_refused);
     return UNITY_END();
 }

@@ -211,9 +211,11 @@ static void another_configuration_is_a_wrong_chip(void)
 {
     set_up("60");
     reading("00 24 00 00 " RAW);
+    script("E0 B6", ""); /* a reset, so that it is as after power-on */
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
     set_up("60");
     reading("00 54 10 00 " RAW); /* a filter, which nobody has set */
+    script("E0 B6", "");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
 }
 
@@ -304,6 +306,7 @@ static void a_conversion_without_an_end_is_a_wrong_chip(void)
     script("F4 55", "");
     for (unsigned k = 0; k < 8; k++)
         script("F3", "08 55 00 00 80 00 00 80 00 00");
+    script("E0 B6", "");
     TEST_ASSERT_EQUAL_HEX16(DEVICE_WRONG_CHIP, after_cycle().faults);
 }
 
