@@ -42,7 +42,7 @@ static uint64_t now_ns(void)
 bool hal_pin_is_free(hal_pin pin)
 {
     static const uint16_t free_pins[] = {FREE_A, FREE_B, FREE_C, FREE_D};
-    return pin < WORLD_PINS && (free_pins[pin / 16u] >> pin % 16u & 1u) != 0;
+    return pin < WORLD_PINS && ((unsigned)free_pins[pin / 16u] >> pin % 16u & 1u) != 0;
 }
 
 static void drive(unsigned pin, enum pin_drive drive)
@@ -83,7 +83,8 @@ void buses_set_pin(unsigned pin, enum pin_level level)
 {
     bool before = hal_pin_read((hal_pin)pin);
     pins[pin].level = level;
-    pins[pin].pulses += before && !hal_pin_read((hal_pin)pin);
+    if (before && !hal_pin_read((hal_pin)pin))
+        pins[pin].pulses++;
 }
 
 void buses_reset(void)
