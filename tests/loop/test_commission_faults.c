@@ -167,6 +167,7 @@ static void with_policy(const char *policy)
     wood_berry(more);
     ask_ok("save");
     pass(500);
+    TEST_ASSERT_FALSE(nothing_was_stored());
     memcpy(flash_before, memory_port_flash(), memory_port_flash_size());
     second_step();
     board_resets(HAL_RESET_WATCHDOG);

@@ -293,6 +293,7 @@ static void is_stored(const char *first, const char *second)
     tested[1] = second;
     ask_ok("save");
     pass(500);
+    TEST_ASSERT_FALSE(nothing_was_stored());
     memcpy(flash_before, memory_port_flash(), memory_port_flash_size());
     remember_settings();
 }

@@ -103,9 +103,11 @@ static inline void until(const char *text, unsigned ticks)
     TEST_ASSERT_TRUE_MESSAGE(said(text), text);
 }
 
+/* No set has come into the slot in use, the first half. A start may erase the other one, where the first has no room for the largest set of
+ * this build (docs/inside/storage.md). */
 static inline bool nothing_was_stored(void)
 {
-    return memcmp(flash_before, memory_port_flash(), memory_port_flash_size()) == 0;
+    return memcmp(flash_before, memory_port_flash(), memory_port_flash_size() / 2u) == 0;
 }
 
 #define ASSERT_OUTPUT(value, name)                                                                 \
