@@ -293,6 +293,24 @@ static void a_noisy_bus_gives_no_wrong_number_for_a_good_one(void)
     all_readings_are(0);
 }
 
+static void settings_that_come_within_a_conversion_mix_no_inputs(void)
+{
+    for (unsigned n = 0; n < 20; n++) {
+        pass(1000 - board.clock_ms % 1000 +
+             50 * n); /* one of the two inputs is converted now, or none */
+        PINS_ASK("begin", n % 2 ? "set chan1.hi 300" : "set chan1.hi 200", "apply");
+        for (unsigned k = 0; k < 3; k++) {
+            pins_samples(1);
+            if (is_good("L"))
+                reads("L", 1.25, 0.001);
+            if (is_good("L2"))
+                reads("L2", 2.5, 0.001);
+        }
+        reads("L", 1.25, 0.001);
+        reads("L2", 2.5, 0.001);
+    }
+}
+
 /* ---- outputs ---- */
 
 static void the_loads_are_what_is_commanded(void)
@@ -435,6 +453,7 @@ int main(void)
     RUN_TEST(one_of_two_thermometers_on_a_wire_may_fail);
     RUN_TEST(a_fault_is_told_once);
     RUN_TEST(a_bus_that_is_stuck_is_told_for_its_devices_alone);
+    RUN_TEST(settings_that_come_within_a_conversion_mix_no_inputs);
     RUN_TEST(a_noisy_bus_gives_no_wrong_number_for_a_good_one);
     RUN_TEST(the_loop_of_a_lost_thermometer_holds_and_then_goes_to_manual);
     RUN_TEST(the_board_goes_to_its_safe_state_where_that_is_declared);
