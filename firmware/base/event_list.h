@@ -167,7 +167,9 @@
     BLOCK(MANUAL_BY_BOARD, "the board has put this loop into manual", ALARM, PLAIN)                \
     BLOCK(MANUAL_BY_BOARD_OVER, "somebody has set the mode of this loop", INFO, PLAIN)             \
     BLOCK(SENSOR_FAULT, "sensor at the board's pins has a fault", ALARM, PLAIN)                    \
-    BLOCK(SENSOR_FINE, "sensor at the board's pins has no fault any more", INFO, PLAIN)
+    BLOCK(SENSOR_FINE, "sensor at the board's pins has no fault any more", INFO, PLAIN)            \
+    BLOCK(VALVE_FAULT, "end contact of a motor valve not closed in time (1), or both closed (2)",  \
+          ALARM, PLAIN)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS), and no MANUAL_BY_BOARD. */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0

@@ -187,6 +187,16 @@ static float output_part(const struct board_io *b, uint8_t i)
     return follows && (type == OUTPUT_WINDOW || type == OUTPUT_BURST) ? b->fraction[i] : really;
 }
 
+/* Tells faults of a motor valve's end contacts when they come. */
+static void tell_valve(struct board_io *b, uint8_t i)
+{
+    uint8_t faults = outputs_faults(b->output_at[i]) & (OUTPUT_END_MISSED | OUTPUT_BOTH_ENDS);
+    if (faults != 0 && faults != b->valve_fault[i])
+        event_put(b->events, *b->plant_time, EVENT_VALVE_FAULT,
+                  b->settings->output[b->output_row[i]].name, (float)faults, 0);
+    b->valve_fault[i] = faults;
+}
+
 static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct board_io *b = context;
@@ -208,6 +218,7 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     for (uint8_t i = 0; i < b->n_outputs; i++) {
         const struct output_config *o = &b->settings->output[b->output_row[i]];
         float part = output_part(b, i);
+        tell_valve(b, i);
         sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
     }
     b->due_ms = next_due(b, now_ms);
