@@ -102,14 +102,15 @@ class VirtualBoard:
         link, self.linked = self.linked + link, b""
         faults, self.faults = self.faults + faults, b""
         self.control.sendall(struct.pack("<QHHH", ns, len(console), len(link), len(faults)) + console + link + faults)
-        ns, n_console, n_link, state = struct.unpack("<QHHB", self._whole(13))
+        ns, n_console, n_link, state, clock_ns, n_loads = struct.unpack("<QHHBQB", self._whole(22))
         self.now_s = ns / 1e9
         self.text += self._whole(n_console).translate(None, FLOW).decode("latin-1").replace("\r", "")
         self.heard = (self.heard if self.plant else b"") + self._whole(n_link)
+        self._whole(8 * n_loads)  # nothing is wired to this board's pins
         if wanted is not None:
             self.due_s = self.now_s + FRAMES_APART_S if wanted[1] else self.due_s
             with contextlib.suppress(ConnectionError):  # it has gone meanwhile
-                self.plant.sendall(struct.pack("<QHHB", ns, 0, len(self.heard), state) + self.heard)
+                self.plant.sendall(struct.pack("<QHHBQB", ns, 0, len(self.heard), state, clock_ns, 0) + self.heard)
             self.asked, self.heard = None, b""
         if state != 0:
             raise Ended(self.close())
