@@ -203,9 +203,12 @@ static void buses_beyond_the_last_are_refused(void)
     }
 }
 
-static void every_bus_has_pins_of_its_own_that_are_free(void)
+static void every_bus_has_pins_of_its_own_beside_those_of_console_and_link(void)
 {
-    bool taken[256] = {false};
+    bool taken[256] = {[HAL_PIN('A', 2)] = true,
+                       [HAL_PIN('A', 3)] = true,
+                       [HAL_PIN('A', 9)] = true,
+                       [HAL_PIN('A', 10)] = true};
     hal_pin pins[3];
     unsigned n;
     for (uint8_t bus = 1; bus <= 3; bus++) {
@@ -223,7 +226,6 @@ static void every_bus_has_pins_of_its_own_that_are_free(void)
             n = there ? of[kind].n : 0;
             for (unsigned k = 0; k < n; k++) {
                 TEST_ASSERT_FALSE(taken[pins[k]]);
-                TEST_ASSERT_TRUE(hal_pin_is_free(pins[k]));
                 taken[pins[k]] = true;
             }
         }
@@ -411,7 +413,7 @@ int main(void)
     RUN_TEST(i2c_tells_that_nobody_answers);
     RUN_TEST(spi_reads_what_a_chip_has_and_selects_it_itself);
     RUN_TEST(buses_beyond_the_last_are_refused);
-    RUN_TEST(every_bus_has_pins_of_its_own_that_are_free);
+    RUN_TEST(every_bus_has_pins_of_its_own_beside_those_of_console_and_link);
     RUN_TEST(an_output_is_off_until_it_is_set);
     RUN_TEST(a_pulse_width_is_off_until_it_is_set);
     RUN_TEST(a_reset_switches_every_output_off);
