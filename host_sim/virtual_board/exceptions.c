@@ -33,12 +33,22 @@ void exception_fault(struct processor *p, unsigned exception, uint32_t status, u
     exception_enter(p, n, pc);
 }
 
+/* Where the firmware's clock was 0: not a moment later because this interrupt had to wait, but later where milliseconds were lost. */
+static void clock_ticks(struct board *b)
+{
+    uint64_t began_ns = board_ns(b) - ++b->clock_ms * NS_PER_MS;
+    bool waited =
+        began_ns > b->clock_began_ns && began_ns - b->clock_began_ns < NS_PER_MS / 10u * 9u;
+    if (!waited || b->clock_ms == 1u)
+        b->clock_began_ns = began_ns;
+}
+
 void exception_enter(struct processor *p, unsigned exception, uint32_t return_to)
 {
     uint32_t f[EXTENDED], sp = core_get(p, UC_ARM_REG_SP),
                           control = core_get(p, UC_ARM_REG_CONTROL);
     if (exception == EXCEPTION_SYSTICK)
-        p->board->clock_began_ns = board_ns(p->board) - ++p->board->clock_ms * NS_PER_MS;
+        clock_ticks(p->board);
     bool fp = p->board->chip->fpu && (control & CONTROL_FPCA) != 0;
     bool aligned = interrupts_align_stack(p->interrupts) && (sp & 4u) != 0;
     for (unsigned i = 0; i < BASIC_WORDS; i++)
