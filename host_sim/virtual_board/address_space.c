@@ -78,8 +78,7 @@ bool address_map_memory(struct board *b, struct processor *p)
                 return false;
         }
         /* SRAM from which nothing has been fetched is mapped as data: the library need not look for code at each store. */
-        uint32_t rights =
-            UC_PROT_READ | (m->kind == MEMORY_FLASH ? UC_PROT_EXEC : UC_PROT_WRITE);
+        uint32_t rights = UC_PROT_READ | (m->kind == MEMORY_FLASH ? UC_PROT_EXEC : UC_PROT_WRITE);
         if (uc_mem_map_ptr(p->uc, m->base, size, rights, p->memory[i]) != UC_ERR_OK)
             return false;
     }
