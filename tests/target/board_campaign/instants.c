@@ -35,7 +35,6 @@ static const struct {
 #define SAVED       1u
 #define TICKS_FIRST 12u
 #define RUNS_A_TICK 20u /* in a state that lasts, the snapshot moves on after so many runs */
-#define NEW_NS      (5u * SECOND) /* a new chip erases first, and may lose what it is sent */
 #define STRIKE_NS   (30u * SECOND)
 #define AFTER_NS    (1u * SECOND)
 #define TICK_NS     (5u * SECOND) /* an erase may come between */
@@ -159,7 +158,7 @@ static bool enter(struct station *s, const struct campaign *c, enum state state)
     char path[512], why[256];
     (void)snprintf(path, sizeof(path), "%s/%s", c->root, versions_use(false));
     board_power_on(s->board);
-    station_run(s, NEW_NS);
+    station_run(s, NEW_CHIP_NS);
     if (!station_greet(s) || !ticks(s, TICKS_FIRST))
         return refuse(s, state, "no start");
     if (!station_configure(s, path, why, sizeof(why)) || !versions_set(s, STORED) ||

@@ -14,7 +14,6 @@
 #define START_NS   (10u * SECOND)
 #define STEP_NS    (1u * MS)
 #define EARLIER_NS (5u * MS)
-#define SETTLE_NS  (5u * SECOND)
 
 static bool refuse(const char *what, const struct station *s)
 {
@@ -101,7 +100,7 @@ bool save_site_begin(struct save_site *site, const struct campaign *c)
     board_power_on(s->board);
     if (!station_greet(s))
         return refuse("start", s);
-    station_run(s, SETTLE_NS); /* a new chip erases its first slot */
+    station_run(s, NEW_CHIP_NS);
     if (!station_configure(s, path, why, sizeof(why)))
         return refuse(why, s);
     if (!versions_set(s, 0) || !versions_learn(s) || !station_ask(s, "save") || !versions_set(s, 1))

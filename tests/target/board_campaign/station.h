@@ -11,6 +11,7 @@
 #define MS           UINT64_C(1000000)
 #define SECOND       (1000u * MS)
 #define STATION_ROOM (1u << 18)
+#define NEW_CHIP_NS  (5u * SECOND) /* a new chip erases first, and may lose what it is sent */
 
 struct plant_side;
 
