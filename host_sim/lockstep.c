@@ -151,23 +151,43 @@ static enum outcome run_board(struct lockstep *k)
     return GOT_IT;
 }
 
-/* At the board's own pins its clock goes on by a tick. Console lines come when it has taken its sample: those of the first tick, which are settings
- * mostly, before plant time begins. */
-static enum outcome pass_tick(struct lockstep *k, const struct link_sample *sample)
+/* Until the clock of the board is a whole multiple of PINS_START_MS. */
+static enum outcome run_to_start(struct lockstep *k, const struct link_sample *sample)
 {
-    double time_s = (double)k->time_ms / 1000.0;
-    bool first = k->samples == 0;
-    enum outcome r = first ? lockstep_lines(k, time_s) : GOT_IT;
-    while (r == GOT_IT && first && !pins_side_is_set_up(k->pins)) {
+    enum outcome r;
+    do {
         pins_side_set_up(k->pins, sample);
         r = run_board(k);
+    } while (r == GOT_IT && !pins_side_is_set_up(k->pins));
+    return r;
+}
+
+/* Until a board that starts has erased its flash, which a new one does. Then it gets the lines of time 0, its settings, before plant time begins.
+ * So what its outputs do depends neither on the one nor on how long the other takes, as long as that is less than a tick. */
+static enum outcome set_up_board(struct lockstep *k, const struct link_sample *sample)
+{
+    enum outcome r = run_to_start(k, sample);
+    if (r == GOT_IT) {
+        pins_side_begin(k->pins, sample);
+        r = run_board(k);
     }
+    if (r == GOT_IT) {
+        r = lockstep_lines(k, (double)k->time_ms / 1000.0);
+    }
+    return r == GOT_IT ? run_to_start(k, sample) : r;
+}
+
+/* At the board's own pins its clock goes on by a tick. Console lines come when it has taken its sample. */
+static enum outcome pass_tick(struct lockstep *k, const struct link_sample *sample)
+{
+    bool first = k->samples == 0;
+    enum outcome r = first ? set_up_board(k, sample) : GOT_IT;
     if (r == GOT_IT) {
         pins_side_begin(k->pins, sample);
         r = run_board(k);
     }
     if (r == GOT_IT && !first) {
-        r = lockstep_lines(k, time_s);
+        r = lockstep_lines(k, (double)k->time_ms / 1000.0);
     }
     pins_side_go_on(k->pins);
     if (r == GOT_IT) {
