@@ -55,7 +55,7 @@ class ImageTree(Tree):
 
 
 def board_tests(board: str) -> list[Test]:
-    """Each test of the scripts by itself, the smoke scenario beside the host, and a start in the emulator."""
+    """Each test of the scripts by itself, and the smoke scenario on the virtual board and in the emulator."""
     out, image = [], str(build_root() / board / f"reflux-{board}.bin")
     for script in SCRIPTS[board]:
         path = ROOT / "tests" / "target" / f"{script}.py"
@@ -66,10 +66,9 @@ def board_tests(board: str) -> list[Test]:
                     name = f"{group.name}.{test.name}"
                     out.append(Test(name, (sys.executable, str(path), *given, name), str(ROOT), (), tuple(given)))
     twin = next(image.twin for image in boards.RUNS if image.preset == board)
-    out.append(Test("smoke", (sys.executable, str(ROOT / "tests" / "loop" / "same_log.py"),
-                              str(ROOT / "host_sim" / "scenarios" / "smoke.toml"), twin, f"board-{board}"), str(ROOT), (), ()))
     # What only the emulator needs, it alone notices.
-    out.append(Test("emulator", (sys.executable, str(ROOT / "tests" / "target" / "smoke.py"), "--image", image, "--board", board), str(ROOT), (), (image,)))
+    out += [Test(name, (sys.executable, str(ROOT / "tests" / "loop" / "same_log.py"), str(ROOT / "host_sim" / "scenarios" / "smoke.toml"), twin, firmware),
+                 str(ROOT), (), ()) for name, firmware in (("smoke", f"board-{board}"), ("emulator", board))]
     return out
 
 
