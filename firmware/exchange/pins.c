@@ -112,7 +112,7 @@ static uint8_t rom_crc(const uint8_t *bytes, size_t n)
 
 enum err pins_parse_rom(const char *text, uint8_t rom[PINS_ROM_BYTES])
 {
-    if (strlen(text) != 2u * (PINS_ROM_BYTES - 1u))
+    if (strlen(text) != (size_t)2 * (PINS_ROM_BYTES - 1u))
         return ERR_PARSE;
     for (unsigned i = 0; i < PINS_ROM_BYTES - 1u; i++) {
         unsigned place = i == 0 ? 0
