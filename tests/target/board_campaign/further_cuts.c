@@ -52,16 +52,16 @@ static void keep_flash(struct life *l, const struct station *s)
     (void)memcpy(l->carried->flash + size, stored_flash(s->board)->unstable, size);
 }
 
-/* Cuts a save somewhere. False: it ended before the place came. */
-static bool cut_a_save(struct life *l, struct station *s, bool with_erase)
+/* Cuts a save somewhere; sure: where every save comes. False: it ended before the place came. */
+static bool cut_a_save(struct life *l, struct station *s, bool sure)
 {
     const struct save_site *site = l->site;
-    if (with_erase && below(&l->random, 2) == 0) {
+    if (!sure && site->erases != 0 && below(&l->random, 2) == 0) {
         unsigned erase = 1u + below(&l->random, site->erases), per_mille = below(&l->random, 1001);
         say(l->carried, " save/erase%u@%u", erase, per_mille);
         return save_with_cut(s, 0, erase, per_mille);
     }
-    unsigned word = 1u + below(&l->random, site->words);
+    unsigned word = 1u + below(&l->random, sure ? site->words / 2u : site->words);
     say(l->carried, " save/word%u", word, 0);
     return save_with_cut(s, word, 0, 0);
 }
@@ -69,7 +69,7 @@ static bool cut_a_save(struct life *l, struct station *s, bool with_erase)
 static void first_life(struct life *l)
 {
     struct station *s = l->site->before;
-    if (!cut_a_save(l, s, l->site->erases != 0))
+    if (!cut_a_save(l, s, false))
         wrong(l->carried, s, "the first cut was not reached");
     l->carried->cut = true;
     keep_flash(l, s);
@@ -103,7 +103,8 @@ static bool found_set(struct life *l, struct station *s, bool whole)
     return true;
 }
 
-static bool save_next(struct life *l, struct station *s, bool cut)
+/* tries: saves that may be cut, this one counted; 0: it is not to be cut. False: it was, or something is wrong. */
+static bool save_next(struct life *l, struct station *s, unsigned tries)
 {
     struct carried *to = l->carried;
     unsigned version = to->next++;
@@ -111,12 +112,12 @@ static bool save_next(struct life *l, struct station *s, bool cut)
         wrong(to, s, "settings refused");
         return false;
     }
-    if (cut && cut_a_save(l, s, l->site->erases != 0)) {
+    if (tries != 0 && cut_a_save(l, s, tries == 1u)) {
         to->possible |= UINT64_C(1) << version;
         to->cut = true;
         return false;
     }
-    if (!cut && !station_ask(s, "save")) {
+    if (tries == 0 && !station_ask(s, "save")) {
         wrong(to, s, "save refused");
         return false;
     }
@@ -147,7 +148,7 @@ static void later_life(struct life *l)
     } else if (!loaded) {
         wrong(l->carried, s, "not loaded");
     } else if (found_set(l, s, last && l->number % l->c->whole == 0)) {
-        for (unsigned i = 0; i < (last ? 1u : TRIES) && save_next(l, s, !last); i++) {
+        for (unsigned i = last ? 0 : TRIES; save_next(l, s, i) && i > 1u; i--) {
         }
     }
     keep_flash(l, s);
