@@ -24,6 +24,8 @@ struct bench_pin {
     bool refuses;     /* cannot be opened */
     bool contact;     /* of an input: closed to ground */
     unsigned rises;   /* changes from off to on */
+    bool no_timer;    /* for a pulse width */
+    uint8_t timer, channel; /* 0: a timer of the pin's own */
 };
 
 extern struct bench_pin bench_pins[256];
