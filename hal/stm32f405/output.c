@@ -35,8 +35,7 @@ static const struct pwm_pin {
     hal_pin pin;
     uint8_t timer, channel; /* channel: from 0 */
 } pwm_pins[] = {
-#define ROW(port, number, timer, channel)                                                          \
-    {HAL_PIN(port, number), TIMER_##timer, (channel) - 1u},
+#define ROW(port, number, timer, channel) {HAL_PIN(port, number), TIMER_##timer, (channel)-1u},
     PWM_PINS(ROW)
 #undef ROW
 };
