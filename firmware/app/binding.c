@@ -71,14 +71,29 @@ void binding_announce(struct app *app)
     binding_bind(app);
 }
 
+#if CONFIG_DEVICES
+void binding_lose_outputs(struct app *app, uint8_t first)
+{
+    const struct config *c = &service_in_force(&app->service)->config;
+    for (uint8_t j = 0; j < app->supervisor.placed[PLACED_MVS]; j++) {
+        if (!app->supervisor.mv[j].bound || app->binding.output_index[j] < first)
+            continue;
+        supervisor_unbind_mv(&app->supervisor, j);
+        tick_event(app, EVENT_CHANNEL_MISSING, c->mv[j].name, 0.0f);
+    }
+}
+#endif
+
 bool binding_follow_plant(struct app *app)
 {
     struct service *s = &app->service;
     struct binding *b = &app->binding;
     enum io_state state = s->io.state(s->io.context);
     uint32_t generation = s->io.generation(s->io.context);
-    if (state == b->io_state && generation == b->generation)
+    if (state == b->io_state && generation == b->generation) {
+        binding_follow_link(app);
         return true;
+    }
     /* A piece of a block's work is under way, and a plan for another tick could move its memory. One turn later it
      * is over. */
     if (block_work_is_under_way(&app->supervisor))
