@@ -112,8 +112,8 @@ bool hal_pwm_find(hal_pin pin, uint32_t hz, struct hal_pwm_place *place)
 enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
 {
     const struct pwm_pin *p = find_pwm(pin);
-    struct hal_pwm_place place;
-    if (!hal_pwm_find(pin, hz, &place)) {
+    struct hal_pwm_place found;
+    if (!hal_pwm_find(pin, hz, &found)) {
         return ERR_RANGE;
     }
     if (!is_available(p, hz)) {
