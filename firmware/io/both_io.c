@@ -62,18 +62,6 @@ static enum plant_fault conflict(const struct both_io *b, float *value)
     return PLANT_FINE;
 }
 
-/* Takes the channels of the link's plant, or refuses it. */
-static void join(struct both_io *b, uint64_t now_ms)
-{
-    float value;
-    enum plant_fault fault = conflict(b, &value);
-    b->joined = fault == PLANT_FINE;
-    b->changed = b->changed || b->joined;
-    b->new_ms = now_ms;
-    if (fault != PLANT_FINE)
-        plant_link_refuse(b->link, fault, value, now_ms);
-}
-
 /* Takes note of another plant at the link, or none, and of other settings of the board. */
 static void look_at_link(struct both_io *b, uint64_t now_ms)
 {
@@ -85,14 +73,23 @@ static void look_at_link(struct both_io *b, uint64_t now_ms)
     if (!same_board)
         plant_link_judge_anew(b->link);
     b->board_generation = board.generation(b->board);
-    if (b->joined) {
-        b->joined = b->sampled = b->unanswered = b->stale_told = false;
-        b->parted = b->changed = true;
+    b->parted = b->joined;
+    b->changed = b->changed || b->joined;
+    b->met = b->joined = b->unanswered = b->stale_told = false;
+    if (b->parted) {
         b->link_generation = link.generation(b->link) - 1u; /* look again */
         return;
     }
-    if (link.state(b->link) == IO_READY)
-        join(b, now_ms);
+    b->new_ms = now_ms;
+    float value = 0.0f;
+    enum plant_fault fault = PLANT_FINE;
+    b->met = link.state(b->link) == IO_READY;
+    if (b->met)
+        fault = conflict(b, &value);
+    if (fault != PLANT_FINE) {
+        b->met = false;
+        plant_link_refuse(b->link, fault, value, now_ms);
+    }
     b->link_generation = link.generation(b->link);
 }
 
@@ -117,15 +114,16 @@ static void keep_readings(struct both_io *b, unsigned kind, const struct io_read
 static void keep_sample(struct both_io *b, const struct io_sample *sample, uint64_t now_ms)
 {
     b->reception += sample->reception;
-    if (!b->joined)
+    if (!b->met)
         return;
-    bool is_new = !b->sampled || sample->time > b->time;
+    bool is_new = !b->joined || sample->time > b->time;
+    b->changed = b->changed || !b->joined;
+    b->joined = true;
     b->number = sample->number;
     b->time = sample->time;
     b->unanswered = true;
     if (!is_new)
         return;
-    b->sampled = true;
     b->stale_told = false;
     b->new_ms = now_ms;
     keep_readings(b, 0, sample->measurement, sample->n_measurements);
@@ -139,10 +137,10 @@ static bool is_fresh(struct both_io *b, uint64_t now_ms)
     uint64_t oldest = (uint64_t)INTERVALS_MISSED * link.tick_ms(b->link) + board.tick_ms(b->board);
     if (oldest < LINK_SILENCE_MS)
         oldest = LINK_SILENCE_MS;
-    if (!b->joined)
+    if (!b->met)
         return false;
     if (now_ms - b->new_ms <= oldest)
-        return b->sampled;
+        return b->joined;
     if (!b->stale_told)
         event_put(b->link->events, *b->link->plant_time, EVENT_SAMPLE_OVERDUE, b->link->name,
                   elapsed_ms(now_ms, b->new_ms) / 1000.0f, 0);

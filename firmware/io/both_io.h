@@ -25,8 +25,9 @@ struct both_io {
     struct board_io *board;
     struct plant_link *link;
     uint32_t board_generation, link_generation; /* that have been looked at */
-    bool joined;                                /* the link's plant has channels here */
-    bool parted;     /* it had until now: one sample goes without them, so that its loops notice */
+    bool met;                                   /* the link's plant is accepted */
+    bool joined; /* and its channels are here, since its first sample */
+    bool parted; /* they were until now: one sample goes without them, so that their loops notice */
     bool changed;    /* since both_io_link_changed() */
     bool sampled;    /* `value` and so on are of a sample */
     bool unanswered; /* the sample `number` has no command */
