@@ -90,10 +90,8 @@ bool binding_follow_plant(struct app *app)
     struct binding *b = &app->binding;
     enum io_state state = s->io.state(s->io.context);
     uint32_t generation = s->io.generation(s->io.context);
-    if (state == b->io_state && generation == b->generation) {
-        binding_follow_link(app);
+    if (state == b->io_state && generation == b->generation)
         return true;
-    }
     /* A piece of a block's work is under way, and a plan for another tick could move its memory. One turn later it
      * is over. */
     if (block_work_is_under_way(&app->supervisor))

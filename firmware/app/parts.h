@@ -67,7 +67,7 @@ void binding_announce(struct app *app);
 void binding_take_source(struct app *app);
 /* Binds anew what is at the link where its plant has come, gone or changed beside the board's own pins, which go on. Readings of a plant that
  * has gone are missing, as those of a sensor that fails. Nobody knows what its outputs do, so their loops go to manual. */
-void binding_follow_link(struct app *app);
+void source_follow_link(struct app *app);
 /* Unbinds the outputs that are bound to this one of the plant and to those after it. */
 void binding_lose_outputs(struct app *app, uint8_t first);
 /* Board clock. */
@@ -79,7 +79,7 @@ static inline void binding_take_source(struct app *app)
 {
     (void)app;
 }
-static inline void binding_follow_link(struct app *app)
+static inline void source_follow_link(struct app *app)
 {
     (void)app;
 }

@@ -30,7 +30,7 @@ void binding_take_source(struct app *app)
     app->binding.generation = port.generation(port.context) - 1u;
 }
 
-void binding_follow_link(struct app *app)
+void source_follow_link(struct app *app)
 {
     if (app->service.io.context != &app->both_io || !both_io_link_changed(&app->both_io))
         return;

@@ -111,7 +111,7 @@ static void keep_readings(struct both_io *b, unsigned kind, const struct io_read
     }
 }
 
-static void keep_sample(struct both_io *b, const struct io_sample *sample, uint64_t now_ms)
+static void keep_link_sample(struct both_io *b, const struct io_sample *sample, uint64_t now_ms)
 {
     b->reception += sample->reception;
     if (!b->met)
@@ -170,7 +170,7 @@ static bool both_poll(void *context, uint64_t now_ms, struct io_sample *sample)
         more = link.poll(b->link, now_ms, sample);
         look_at_link(b, now_ms);
         if (more)
-            keep_sample(b, sample, now_ms);
+            keep_link_sample(b, sample, now_ms);
     }
     if (!board.poll(b->board, now_ms, sample))
         return false;
