@@ -57,8 +57,8 @@ static void plant_line(const struct service *s, struct text *line)
 static void safe_state_line(const struct service *s, struct text *line)
 {
     const struct supervisor *sup = s->supervisor;
-    if (s->io.state(s->io.context) != IO_READY || sup->state != SUPERVISOR_SAFE ||
-        !sup->safe_reason[0])
+    bool there = pins_are_source(&service_in_force(s)->config.pins) || s->link->state == IO_READY;
+    if (!there || sup->state != SUPERVISOR_SAFE || !sup->safe_reason[0])
         return;
     text_str(line, "SAFE_STATE loops in manual, outputs at safe values because of: ");
     hal_tick_lock(); /* the tick may be about to say another */

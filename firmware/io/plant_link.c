@@ -130,7 +130,6 @@ void plant_link_judge_anew(struct plant_link *link)
     if (link->refused == PLANT_FINE)
         return;
     link->refused = PLANT_FINE;
-    link->hello = 0;
     link->count[0] = link->count[1] = 0;
 }
 
@@ -439,8 +438,8 @@ static uint32_t tick_ms(const void *context)
     return ((const struct plant_link *)context)->tick_ms;
 }
 
-enum err plant_link_answer(struct plant_link *link, const struct io_command *c, uint8_t first,
-                           uint32_t number, plant_time_ms time, uint64_t now_ms)
+static enum err answer_sample(struct plant_link *link, const struct io_command *c, uint8_t first,
+                              uint32_t number, plant_time_ms time, uint64_t now_ms)
 {
     struct link_command m; /* not cleared, because nobody reads the outputs after n_outputs */
     struct frame f;
@@ -463,8 +462,16 @@ enum err plant_link_answer(struct plant_link *link, const struct io_command *c, 
 
 static enum err port_command(void *context, const struct io_command *c, uint64_t now_ms)
 {
-    return plant_link_answer(context, c, 0, c->number, c->time, now_ms);
+    return answer_sample(context, c, 0, c->number, c->time, now_ms);
 }
+
+#if CONFIG_DEVICES
+enum err plant_link_answer(struct plant_link *link, const struct io_command *c, uint8_t first,
+                           uint32_t number, plant_time_ms time, uint64_t now_ms)
+{
+    return answer_sample(link, c, first, number, time, now_ms);
+}
+#endif
 
 struct io_port plant_link_port(struct plant_link *link)
 {
