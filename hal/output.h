@@ -20,6 +20,13 @@
 enum err hal_output_open(hal_pin pin, bool low);
 void hal_output_set(hal_pin pin, bool on);
 
+/* What gives a pin its pulse width. Outputs of one timer have one frequency, and only one pin of a channel can be an output. */
+struct hal_pwm_place {
+    uint8_t timer, channel; /* numbers of the port's own */
+};
+/* Where the pulse width of this pin comes from. False: no timer at this pin, or not with this frequency. */
+bool hal_pwm_find(hal_pin pin, uint32_t hz, struct hal_pwm_place *place);
+
 /* Makes the pin a pulse-width output of 0. ERR_RANGE: no timer at this pin, or not with this frequency. ERR_FULL: its timer has another one. */
 enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low);
 void hal_pwm_set(hal_pin pin, uint16_t part); /* of HAL_PWM_FULL */

@@ -23,7 +23,8 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
     }
     uint64_t began = transport_now_ms(list[0]);
     for (;;) {
-        if (k->pins != NULL) {
+        bool link_speaks = k->pins == NULL || (k->rest != NULL && k->rest->begun);
+        if (!link_speaks) {
             pins_side_turn(k->pins);
         } else if (!link_server_turn(k->link)) {
             return lockstep_stop(k, k->link->error);
@@ -34,7 +35,7 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
         if (*k->interrupted != 0) {
             return STOPPED;
         }
-        if (k->met && k->link->greetings != k->greetings_seen) {
+        if (k->met && k->pins == NULL && k->link->greetings != k->greetings_seen) {
             return REGREETED;
         }
         if (done(k)) {
@@ -44,7 +45,7 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
         if (spent >= span_ms) {
             return TOO_LATE;
         }
-        uint64_t due = k->pins == NULL ? link_server_due(k->link) : span_ms;
+        uint64_t due = link_speaks ? link_server_due(k->link) : span_ms;
         transport_wait(list, n, due < span_ms - spent ? due : span_ms - spent);
     }
 }
@@ -190,11 +191,18 @@ static enum outcome pass_tick(struct lockstep *k, const struct link_sample *samp
         r = lockstep_lines(k, (double)k->time_ms / 1000.0);
     }
     pins_side_go_on(k->pins);
+    if (k->rest != NULL) {
+        rest_side_listen(k->rest);
+        rest_side_sample(k->rest, sample);
+    }
     if (r == GOT_IT) {
         r = run_board(k);
     }
     if (r == GOT_IT && !pins_side_end(k->pins, &k->link->command)) {
         r = lockstep_stop(k, "the board is gone");
+    }
+    if (k->rest != NULL) {
+        rest_side_command(k->rest, &k->link->command);
     }
     return r;
 }

@@ -7,7 +7,7 @@
  *   5. actuators move under the command, the plant goes on by one tick
  *
  * With a plant at the board's own pins (pins_side.h) sensors have sample T over the tick from T on, and the command is what the loads were in it.
- * The board's clock goes on by a tick between one sample and the next.
+ * The board's clock goes on by a tick between one sample and the next. What is at the link beside them (rest_side.h) is one tick behind.
  *
  * Nothing but the order of these steps decides the result, so the same run gives the same log however fast the
  * controller is. A controller that restarts is greeted again, its console put back into machine mode, telemetry
@@ -25,6 +25,7 @@
 #include "bench/sim_log.h"
 #include "link_server.h"
 #include "pins_side.h"
+#include "rest_side.h"
 
 enum lockstep_result { RUN_DONE, RUN_FAILED, RUN_INTERRUPTED };
 
@@ -36,6 +37,7 @@ struct lockstep {
     struct events *events;
     struct link_server *link;
     struct pins_side *pins;  /* NULL: the plant is at the link */
+    struct rest_side *rest;  /* NULL: what is at no pin is nowhere */
     struct console *console; /* NULL: none */
     struct script *script;
     struct sim_log *log;

@@ -1,5 +1,7 @@
 #include "memory_transport.h"
 
+#include <string.h>
+
 #include "bench/text.h"
 #include "buses.h"
 #include "chips/wired.h"
@@ -12,23 +14,31 @@ static uint64_t clock_ms;
 static bool moved; /* bytes crossed since the firmware last ran */
 static bool in_use[HAL_UART_COUNT];
 static struct wired *wired;
+static uint64_t unplugged_ms; /* until then the link is */
 
 static enum hal_uart line_of(const struct transport *t)
 {
     return t->context == &in_use[HAL_UART_LINK] ? HAL_UART_LINK : HAL_UART_CONSOLE;
 }
 
+static bool is_unplugged(const struct transport *t)
+{
+    return line_of(t) == HAL_UART_LINK && clock_ms < unplugged_ms;
+}
+
 static long memory_read(struct transport *t, void *buffer, size_t size)
 {
     size_t n = memory_port_take(line_of(t), buffer, size);
     moved = moved || n > 0;
-    return (long)n;
+    return is_unplugged(t) ? 0 : (long)n;
 }
 
+/* A firmware that does not look at its link lets its bytes be lost, as a serial line does. */
 static long memory_write(struct transport *t, const void *data, size_t n)
 {
-    moved = true;
-    return (long)memory_port_give(line_of(t), data, n);
+    size_t given = is_unplugged(t) ? n : memory_port_give(line_of(t), data, n);
+    moved = moved || given > 0;
+    return (long)(line_of(t) == HAL_UART_LINK ? n : given);
 }
 
 static void memory_turn(struct transport *t, uint64_t timeout_ms)
@@ -81,6 +91,17 @@ static bool memory_loads(struct transport *t, double *ns, size_t n)
     return wired_loads(wired, clock_ms * NS_PER_MS, ns) == n;
 }
 
+/* Of the faults of a virtual board this one is left, because here there are no registers. */
+static bool memory_fault(struct transport *t, const char *name, double value)
+{
+    (void)t;
+    if (strcmp(name, "unplug_link") != 0) {
+        return false;
+    }
+    unplugged_ms = clock_ms + (uint64_t)(value * 1000.0);
+    return true;
+}
+
 static void memory_clock(struct transport *t, uint64_t *now_ns, uint64_t *began_ns)
 {
     (void)t;
@@ -92,6 +113,7 @@ static const struct transport_ops memory_ops = {.read = memory_read,
                                                 .write = memory_write,
                                                 .turn = memory_turn,
                                                 .now_ms = memory_now,
+                                                .fault = memory_fault,
                                                 .wire = memory_wire,
                                                 .measure = memory_measure,
                                                 .loads = memory_loads,
@@ -106,6 +128,7 @@ bool memory_transport_open(struct transport *t, const char *rest, char *err, siz
         return sim_fail(err, err_size, "memory: there is one link and one console, without a name");
     }
     if (line == HAL_UART_LINK) {
+        unplugged_ms = 0;
         memory_port_start();
     }
     in_use[line] = true;

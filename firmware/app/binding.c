@@ -71,6 +71,19 @@ void binding_announce(struct app *app)
     binding_bind(app);
 }
 
+#if CONFIG_DEVICES
+void binding_lose_outputs(struct app *app, uint8_t first)
+{
+    const struct config *c = &service_in_force(&app->service)->config;
+    for (uint8_t j = 0; j < app->supervisor.placed[PLACED_MVS]; j++) {
+        if (!app->supervisor.mv[j].bound || app->binding.output_index[j] < first)
+            continue;
+        supervisor_unbind_mv(&app->supervisor, j);
+        tick_event(app, EVENT_CHANNEL_MISSING, c->mv[j].name, 0.0f);
+    }
+}
+#endif
+
 bool binding_follow_plant(struct app *app)
 {
     struct service *s = &app->service;

@@ -8,6 +8,7 @@
 #include "base/workspace.h"
 #include "console/console.h"
 #include "io/board_io.h"
+#include "io/both_io.h"
 #include "io/sample_gate.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
@@ -38,6 +39,7 @@ struct app {
     struct supervisor supervisor;
     struct plant_link link;
     struct board_io board_io; /* its devices and outputs: the board clock steps them */
+    struct both_io both_io;   /* the tick, while io.source is `both` */
     struct service service;
     struct operate operate;
     struct console console;
@@ -61,14 +63,23 @@ void binding_bind(struct app *app);
  * plans that came between two ticks once. */
 void binding_announce(struct app *app);
 #if CONFIG_DEVICES
-/* Has the plant where the plan in force says it is: at the link or at the board's pins. */
+/* Has the plant where the plan in force says it is: at the link, at the board's pins, or at both. */
 void binding_take_source(struct app *app);
+/* Binds anew what is at the link where its plant has come, gone or changed beside the board's own pins, which go on. Readings of a plant that
+ * has gone are missing, as those of a sensor that fails. Nobody knows what its outputs do, so their loops go to manual. */
+void source_follow_link(struct app *app);
+/* Unbinds the outputs that are bound to this one of the plant and to those after it. */
+void binding_lose_outputs(struct app *app, uint8_t first);
 /* Board clock. */
 void source_clock(struct app *app, uint32_t now_ms);
 /* Main loop: has turned, which outputs of kind `enable` want to know. */
 void source_main_loop_turns(void);
 #else
 static inline void binding_take_source(struct app *app)
+{
+    (void)app;
+}
+static inline void source_follow_link(struct app *app)
 {
     (void)app;
 }

@@ -243,7 +243,10 @@ void tick_context_run(struct app *app)
     /* The loop is bounded, because a sample costs the line milliseconds, and a turn here microseconds. */
     for (unsigned n = 0; n < 64 && !app->service.plan_to_fit; n++) {
         bool there = next_sample(app, now_ms, &sample);
-        if (!binding_follow_plant(app) || !there)
+        if (!binding_follow_plant(app))
+            break;
+        source_follow_link(app);
+        if (!there)
             break;
         heartbeat_tick_begins(&app->tick.heartbeat, hal_clock_ms());
         tick(app, &sample, now_ms);

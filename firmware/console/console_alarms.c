@@ -41,19 +41,29 @@ static void entry_line(const struct service *s, uint8_t i, struct text *line)
 
 static void plant_line(const struct service *s, struct text *line)
 {
-    const struct supervisor *sup = s->supervisor;
+    const struct pins_config *pins = &service_in_force(s)->config.pins;
+    if (!pins_leave_link(pins))
+        return;
     if (s->link->refused) {
         text_str(line, "PLANT_REFUSED ");
         text_str(line, s->link->name[0] ? s->link->name : "-");
         put_word(line, plant_fault_text((uint8_t)s->link->refused));
-    } else if (s->io.state(s->io.context) != IO_READY) {
-        text_str(line, "LINK_DOWN " NO_PLANT);
-    } else if (sup->state == SUPERVISOR_SAFE && sup->safe_reason[0]) {
-        text_str(line, "SAFE_STATE loops in manual, outputs at safe values because of: ");
-        hal_tick_lock(); /* the tick may be about to say another */
-        text_str(line, sup->safe_reason);
-        hal_tick_unlock();
+    } else if (s->link->state != IO_READY) {
+        text_str(line, "LINK_DOWN ");
+        text_str(line, pins_are_source(pins) ? "the board's own pins go on alone" : NO_PLANT);
     }
+}
+
+static void safe_state_line(const struct service *s, struct text *line)
+{
+    const struct supervisor *sup = s->supervisor;
+    bool there = pins_are_source(&service_in_force(s)->config.pins) || s->link->state == IO_READY;
+    if (!there || sup->state != SUPERVISOR_SAFE || !sup->safe_reason[0])
+        return;
+    text_str(line, "SAFE_STATE loops in manual, outputs at safe values because of: ");
+    hal_tick_lock(); /* the tick may be about to say another */
+    text_str(line, sup->safe_reason);
+    hal_tick_unlock();
 }
 
 static void bad_measurement_line(const struct service *s, unsigned n, struct text *line)
@@ -64,7 +74,7 @@ static void bad_measurement_line(const struct service *s, unsigned n, struct tex
     text_str(line, "MEASUREMENT_BAD ");
     text_str(line, service_in_force(s)->config.measurement[n].name);
     put_word(line, sup->measurement[n].bound ? measurement_fault_text(sup->measurement[n].fault)
-                                             : NOT_ANNOUNCED);
+                                             : not_announced(s));
 }
 
 static void not_following_line(const struct service *s, unsigned n, struct text *line)
@@ -143,6 +153,8 @@ static bool alarm_line(struct client *c, unsigned n, struct text *line)
     const struct service *s = c->service;
     if (is_among(&n, 1)) {
         plant_line(s, line);
+    } else if (is_among(&n, 1)) {
+        safe_state_line(s, line);
     } else if (is_among(&n, 1)) {
         if (s->samples.stalled)
             text_str(line, "SAMPLE_STALLED samples arrive, but plant time does not advance");

@@ -165,25 +165,35 @@ static const char *unbound_word(const struct service *s, bool manipulated, const
 {
     if (!CONFIG_PEOPLE || s->io.state(s->io.context) != IO_READY ||
         !service_tick_fits(s, service_in_force(s)))
-        return NOT_ANNOUNCED;
+        return not_announced(s);
     uint8_t index = service_find_announced(s, manipulated, name);
     bool same = index != PLAN_NONE &&
                 strcmp(s->io.channel(s->io.context, manipulated, index).unit, unit) == 0;
-    return same ? "waits for the plant's next sample" : NOT_ANNOUNCED;
+    return same ? "waits for the plant's next sample" : not_announced(s);
+}
+
+/* Writes where the plant is, and whether it is there. */
+static void source_words(const struct service *s, struct text *line)
+{
+    static const char *const link_names[] = {"down", "greeting", "ready"};
+    const struct pins_config *pins = &service_in_force(s)->config.pins;
+    if (pins_are_source(pins))
+        text_str(line, ", plant at the board's pins");
+    if (!pins_leave_link(pins))
+        return;
+    text_str(line, ", plant link ");
+    text_str(line, link_names[s->link->state]);
+    if (s->link->state == IO_READY)
+        put_word(line, s->link->name);
 }
 
 static bool status_line(struct client *c, unsigned n, struct text *line)
 {
-    static const char *const link_names[] = {"down", "greeting", "ready"};
     const struct service *s = c->service;
     const struct plan *plan = service_in_force(s);
     if (n == 0) {
         text_str(line, s->supervisor->state == SUPERVISOR_RUN ? "state run" : "state safe");
-        text_str(line, ", plant link ");
-        text_str(line, link_names[s->io.state(s->io.context)]);
-        if (s->io.state(s->io.context) == IO_READY) {
-            put_word(line, s->link->name);
-        }
+        source_words(s, line);
         text_str(line, ", plant time ");
         text_seconds(line, s->supervisor->time_ms);
         text_str(line, s->samples.stalled ? " s stands still, base tick " : " s, base tick ");

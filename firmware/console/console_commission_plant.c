@@ -8,6 +8,14 @@
 #include "hal/tick.h"
 #include "io/plant_link.h"
 
+/* With channels at the board's pins and at the link: that of the link, as long as there is one. */
+static const char *plant_name(const struct service *s)
+{
+    const struct pins_config *pins = &service_in_force(s)->config.pins;
+    bool link = pins_leave_link(pins) && (s->link->state == IO_READY || !pins_are_source(pins));
+    return link ? s->link->name : "board's pins";
+}
+
 /* Lists the channels that the plant announces, configured or not. Another plant may announce itself to the tick meanwhile. */
 bool commission_plant_line(struct client *c, unsigned n, struct text *line)
 {
@@ -21,7 +29,7 @@ bool commission_plant_line(struct client *c, unsigned n, struct text *line)
     } else if (n == 0) {
         text_str(line, "plant tick");
         text_named_float(line, "s", (float)s->io.tick_ms(s->io.context) / 1000.0f);
-        text_named_str(line, "name", s->link->name);
+        text_named_str(line, "name", plant_name(s));
     } else if (n <= outputs + inputs) {
         bool manipulated = n > outputs;
         uint8_t i = (uint8_t)(n - 1u - (manipulated ? outputs : 0u));

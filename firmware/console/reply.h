@@ -17,7 +17,11 @@
 #define REPLY_ARGUMENT_MAX 39 /* characters: longer than any name */
 
 /* A channel is configured, but not in the plant. */
-#define NOT_ANNOUNCED "not announced by the plant"
+static inline const char *not_announced(const struct service *s)
+{
+    return pins_leave_link(&service_in_force(s)->config.pins) ? "not announced by the plant"
+                                                              : "in no row of chan or out";
+}
 
 struct client;
 

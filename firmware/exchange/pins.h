@@ -46,7 +46,7 @@ enum bus_word {
 };
 enum bus_family { BUS_FAMILY_PINS, BUS_FAMILY_SPI, BUS_FAMILY_I2C, BUS_FAMILY_WIRE };
 
-enum io_source { IO_SOURCE_LINK, IO_SOURCE_BOARD };
+enum io_source { IO_SOURCE_LINK, IO_SOURCE_BOARD, IO_SOURCE_BOTH };
 
 struct device_config {
     char name[CHANNEL_NAME_SIZE];   /* of the measurement that it gives; empty: unused */
@@ -84,19 +84,30 @@ struct pins_config {
 };
 #endif
 
-/* Whether the plant is at the board's pins. */
+/* Where the plant is. */
 #if CONFIG_DEVICES
-static inline bool pins_are_source(const struct pins_config *pins)
+static inline enum io_source pins_source(const struct pins_config *pins)
 {
-    return pins->source == IO_SOURCE_BOARD;
+    return (enum io_source)pins->source;
 }
 #else
-static inline bool pins_are_source(const struct pins_config *pins)
+static inline enum io_source pins_source(const struct pins_config *pins)
 {
     (void)pins;
-    return false;
+    return IO_SOURCE_LINK;
 }
 #endif
+
+/* Whether the plant, or a part of it, is at the board's pins; then its clock samples. */
+static inline bool pins_are_source(const struct pins_config *pins)
+{
+    return pins_source(pins) != IO_SOURCE_LINK;
+}
+/* Whether the plant, or a part of it, is at the link. */
+static inline bool pins_leave_link(const struct pins_config *pins)
+{
+    return pins_source(pins) != IO_SOURCE_BOARD;
+}
 
 #if CONFIG_DEVICES
 /* The settings of output i as firmware/outputs wants them. */

@@ -1,5 +1,7 @@
 #include "io/plant_fault.h"
 
+#include "exchange/pins.h"
+
 const char *plant_fault_text(uint8_t fault)
 {
     static const char *const texts[PLANT_FAULTS] = {
@@ -14,6 +16,8 @@ const char *plant_fault_text(uint8_t fault)
         [PLANT_NO_PAGE] = "PAGE does not come",
         [PLANT_SHAPE] = "samples of another shape than announced; measurements in them",
         [PLANT_ROLE] = "message of a controller: there is another, or the line echoes; type",
+        [PLANT_AT_PINS] =
+            CONFIG_DEVICES ? "channel with the name of one at the board's own pins" : "?",
     };
     return texts[fault < PLANT_FAULTS ? fault : PLANT_FINE];
 }

@@ -17,6 +17,7 @@ enum plant_fault {
     PLANT_NO_PAGE,   /* page, for which the firmware goes on asking */
     PLANT_SHAPE,     /* measurements in the sample */
     PLANT_ROLE,      /* type of the message; a connected plant stays connected */
+    PLANT_AT_PINS,   /* page */
     PLANT_FAULTS
 };
 

@@ -110,9 +110,8 @@ static void other_version(struct plant_link *link, uint8_t version)
     }
 }
 
-/* Refuses the plant and reports that once. The refusal lasts until the plant sends another HELLO or falls silent. */
-static void refuse_plant(struct plant_link *link, enum plant_fault fault, float value,
-                         uint64_t now_ms)
+void plant_link_refuse(struct plant_link *link, enum plant_fault fault, float value,
+                       uint64_t now_ms)
 {
     link->refused = fault;
     link->state = IO_DOWN;
@@ -124,6 +123,14 @@ static void refuse_plant(struct plant_link *link, enum plant_fault fault, float 
     link->refusal_reported = true;
     link->told_ms = (uint32_t)now_ms;
     tell_refused(link, fault, value);
+}
+
+void plant_link_judge_anew(struct plant_link *link)
+{
+    if (link->refused == PLANT_FINE)
+        return;
+    link->refused = PLANT_FINE;
+    link->count[0] = link->count[1] = 0;
 }
 
 /* Keeps the announcement of a HELLO. *m is all zero where the HELLO could not be read. */
@@ -167,11 +174,11 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
     meet_plant(link, &m);
     uint8_t most = m.n_measurements > m.n_outputs ? m.n_measurements : m.n_outputs;
     if (err == ERR_FRAME)
-        refuse_plant(link, PLANT_HELLO, (float)f->n, now_ms);
+        plant_link_refuse(link, PLANT_HELLO, (float)f->n, now_ms);
     else if (most > LINK_CHANNELS_ROOM)
-        refuse_plant(link, PLANT_TOO_LARGE, (float)most, now_ms);
+        plant_link_refuse(link, PLANT_TOO_LARGE, (float)most, now_ms);
     else if (m.tick_ms == 0)
-        refuse_plant(link, PLANT_NO_TICK, 0.0f, now_ms);
+        plant_link_refuse(link, PLANT_NO_TICK, 0.0f, now_ms);
     else
         ask_or_finish(link, now_ms);
 }
@@ -216,7 +223,7 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     enum plant_fault fault = page_fault(link, err, &m, manipulated);
     if (fault) {
         link->stats.refused++;
-        refuse_plant(link, fault, (float)link->next_page, now_ms);
+        plant_link_refuse(link, fault, (float)link->next_page, now_ms);
         return;
     }
     link->text_at[link->next_page] = (link_place)link->text_n;
@@ -229,7 +236,7 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     link->next_page++;
     link->asks = 0;
     if (link->text_n > sizeof link->text)
-        refuse_plant(link, PLANT_LONG_TEXT, (float)link->text_n, now_ms);
+        plant_link_refuse(link, PLANT_LONG_TEXT, (float)link->text_n, now_ms);
     else
         ask_or_finish(link, now_ms);
 }
@@ -248,7 +255,7 @@ static void odd_sample(struct plant_link *link, const struct frame *f, uint64_t 
         link->odd_ms = (uint32_t)now_ms;
     link->odd = true;
     if ((uint32_t)now_ms - link->odd_ms >= LINK_SILENCE_MS)
-        refuse_plant(link, PLANT_SHAPE, measurements, now_ms);
+        plant_link_refuse(link, PLANT_SHAPE, measurements, now_ms);
 }
 
 static bool on_sample(struct plant_link *link, const struct frame *f, uint64_t now_ms,
@@ -309,10 +316,8 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         event_put(link->events, *link->plant_time, EVENT_LINK_DOWN, link->name,
                   elapsed_ms(now_ms, link->heard_ms) / 1000.0f, 0);
     }
-    if (link->refused && now_ms - link->heard_ms > LINK_SILENCE_MS) {
-        link->refused = PLANT_FINE; /* the plant has gone; the next one is judged anew */
-        link->count[0] = link->count[1] = 0;
-    }
+    if (now_ms - link->heard_ms > LINK_SILENCE_MS)
+        plant_link_judge_anew(link); /* the plant has gone */
     bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;
     if (link->state == IO_DOWN && (ask_again || link->asked_ms == 0))
         send_hello(link, now_ms);
@@ -433,20 +438,20 @@ static uint32_t tick_ms(const void *context)
     return ((const struct plant_link *)context)->tick_ms;
 }
 
-static enum err port_command(void *context, const struct io_command *c, uint64_t now_ms)
+static enum err answer_sample(struct plant_link *link, const struct io_command *c, uint8_t first,
+                              uint32_t number, plant_time_ms time, uint64_t now_ms)
 {
-    struct plant_link *link = context;
     struct link_command m; /* not cleared, because nobody reads the outputs after n_outputs */
     struct frame f;
     if (link->state != IO_READY)
         return ERR_STATE;
-    m.number = c->number;
-    m.time_ms = c->time;
+    m.number = number;
+    m.time_ms = time;
     m.safe = c->safe;
-    m.n_outputs = c->n_outputs;
-    for (unsigned i = 0; i < c->n_outputs; i++) {
-        m.output[i].value = c->output[i].value;
-        m.output[i].drive = c->output[i].drive;
+    m.n_outputs = (uint8_t)(c->n_outputs - first);
+    for (unsigned i = 0; i < m.n_outputs; i++) {
+        m.output[i].value = c->output[first + i].value;
+        m.output[i].drive = c->output[first + i].drive;
     }
     pack_command(&m, &f);
     if (!send(link, &f, now_ms))
@@ -454,6 +459,19 @@ static enum err port_command(void *context, const struct io_command *c, uint64_t
     link->stats.commands++;
     return ERR_OK;
 }
+
+static enum err port_command(void *context, const struct io_command *c, uint64_t now_ms)
+{
+    return answer_sample(context, c, 0, c->number, c->time, now_ms);
+}
+
+#if CONFIG_DEVICES
+enum err plant_link_answer(struct plant_link *link, const struct io_command *c, uint8_t first,
+                           uint32_t number, plant_time_ms time, uint64_t now_ms)
+{
+    return answer_sample(link, c, first, number, time, now_ms);
+}
+#endif
 
 struct io_port plant_link_port(struct plant_link *link)
 {

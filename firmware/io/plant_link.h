@@ -91,6 +91,18 @@ void plant_link_init(struct plant_link *link, struct event_queue *events,
                      const uint64_t *plant_time);
 struct io_port plant_link_port(struct plant_link *link);
 
+/* Refuses the plant and reports that once. The refusal lasts until the plant sends another HELLO or falls silent, or somebody has it
+ * judged anew. value: of the event. */
+void plant_link_refuse(struct plant_link *link, enum plant_fault fault, float value,
+                       uint64_t now_ms);
+/* Ends a refusal. The next HELLO of the same plant begins a greeting. */
+void plant_link_judge_anew(struct plant_link *link);
+
+/* Answers the sample with this number and time: the outputs of a command from `first` on are those of the plant. Errors as
+ * io_port.command(). */
+enum err plant_link_answer(struct plant_link *link, const struct io_command *c, uint8_t first,
+                           uint32_t number, plant_time_ms time, uint64_t now_ms);
+
 /* Writes the next KEEP_ALIVE frame to wire, for a port that sends it while no tick runs. Returns its bytes, LINK_KEEP_ALIVE_BYTES;
  * 0 without a plant. */
 #define LINK_KEEP_ALIVE_BYTES 9

@@ -30,7 +30,7 @@ static enum err analog_open(void *state, const struct output_settings *s, float 
                                 .gain = output_whole_command(falls ? -s->gain : s->gain),
                                 .offset = output_whole_command(s->offset),
                                 .falls = falls};
-    return hal_pwm_open(a->pin, (uint32_t)(s->frequency + 0.5f), s->low);
+    return hal_pwm_open(a->pin, output_hz(s), s->low);
 }
 
 /* Part of the output's span at a command. */

@@ -49,6 +49,33 @@ static const char *pin_wrong(const struct output_settings *outputs, uint8_t inde
     return NULL;
 }
 
+static bool has_pulses(const struct output_settings *s)
+{
+    return s->type == OUTPUT_PWM || s->type == OUTPUT_ANALOG;
+}
+
+/* What is wrong with the timer of a pulse width. */
+static const char *timer_wrong(const struct output_settings *outputs, uint8_t index, uint8_t *other)
+{
+    const struct output_settings *s = &outputs[index];
+    struct hal_pwm_place own, place;
+    if (!hal_pwm_find(s->pin[OUTPUT_PIN], output_hz(s), &own))
+        return "the pin has no timer for a pulse width, or not with this frequency";
+    for (uint8_t m = 0; m < index; m++) {
+        const struct output_settings *o = &outputs[m];
+        if (!has_pulses(o) || !hal_pwm_find(o->pin[OUTPUT_PIN], output_hz(o), &place) ||
+            place.timer != own.timer)
+            continue;
+        *other = m;
+        if (place.channel == own.channel)
+            return "another output has the same channel of the pin's timer";
+        if (output_hz(o) != output_hz(s))
+            return "another output of the pin's timer has another frequency";
+    }
+    *other = OUTPUT_NO_OTHER;
+    return NULL;
+}
+
 static bool pins_wrong(const struct output_settings *outputs, uint8_t index,
                        struct output_problem *problem)
 {
@@ -60,6 +87,11 @@ static bool pins_wrong(const struct output_settings *outputs, uint8_t index,
         if (problem->words)
             return true;
     }
+    problem->pin = OUTPUT_PIN;
+    problem->words =
+        has_pulses(&outputs[index]) ? timer_wrong(outputs, index, &problem->other) : NULL;
+    if (problem->words)
+        return true;
     problem->pin = OUTPUT_PINS;
     return false;
 }

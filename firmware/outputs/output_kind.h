@@ -58,6 +58,12 @@ static inline uint32_t output_ms(float seconds)
     return (uint32_t)(seconds * 1000.0f + 0.5f);
 }
 
+/* Frequency of a pulse width. Not in the clock. */
+static inline uint32_t output_hz(const struct output_settings *s)
+{
+    return (uint32_t)(s->frequency + 0.5f);
+}
+
 /* Whole command of a fraction, which is cut at 0 and 1. Not in the clock. */
 static inline uint32_t output_whole_command(float fraction)
 {

@@ -11,7 +11,7 @@ static enum err pwm_open(void *state, const struct output_settings *s, float *fu
     struct output_pwm *p = state;
     *full = 1.0f;
     *p = (struct output_pwm){.pin = s->pin[OUTPUT_PIN]};
-    return hal_pwm_open(p->pin, (uint32_t)(s->frequency + 0.5f), s->low);
+    return hal_pwm_open(p->pin, output_hz(s), s->low);
 }
 
 static uint32_t pwm_step(void *state, uint32_t command, uint32_t elapsed_ms)

@@ -292,7 +292,9 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
     uint8_t i = service_find_announced(s, manipulated, name);
     *what = name;
     if (i == PLAN_NONE) {
-        *wanted = "is not announced by the plant";
+        *wanted = pins_leave_link(&service_in_force(s)->config.pins)
+                      ? "is not announced by the plant"
+                      : "is in no row of chan or out";
         return ERR_UNKNOWN;
     }
     if (strcmp(s->io.channel(s->io.context, manipulated, i).unit, unit) != 0) {

@@ -330,8 +330,9 @@ OPTIONAL_FIELDS pair_fields[] = {START_UP_ROWS(
 
 /* The words of `device`, `bus`, `type` and `kind` are stored by their place: new ones go to the end. */
 OPTIONAL_FIELDS io_fields[] = {DEVICE_ROWS(
-    W(config, pins.source, 1, "source", "link|board", IO_SOURCE_LINK,
-      "where the plant is: at the other end of the link, or at the board's own pins (chan, out)"),
+    W(config, pins.source, 1, "source", "link|board|both", IO_SOURCE_LINK,
+      "where the plant is: at the other end of the link, at the board's own pins (chan, out), or "
+      "some channels there and the others at the link"),
     W(config, pins.mains_60, 2, "mains", "50Hz|60Hz", 0,
       "frequency that inputs reject and outputs count"))};
 

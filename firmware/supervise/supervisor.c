@@ -47,6 +47,11 @@ void supervisor_bind_mv(struct supervisor *s, uint8_t index)
     s->mv[index].bound = true;
 }
 
+void supervisor_unbind_mv(struct supervisor *s, uint8_t index)
+{
+    s->mv[index].bound = false;
+}
+
 void supervisor_go_safe(struct supervisor *s, const char *reason)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {

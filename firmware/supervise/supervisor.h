@@ -36,6 +36,8 @@ void supervisor_tell_plan(struct supervisor *s);
 void supervisor_unbind(struct supervisor *s);
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index);
 void supervisor_bind_mv(struct supervisor *s, uint8_t index);
+/* The plant has lost this one: its loop goes to manual, and it waits at its safe value. */
+void supervisor_unbind_mv(struct supervisor *s, uint8_t index);
 
 /* Takes the safe state (safe_state.h) and forgets readings, because the next ones may come from another plant. */
 void supervisor_go_safe(struct supervisor *s, const char *reason);

@@ -116,10 +116,32 @@ void hal_output_set(hal_pin pin, bool on)
 
 static uint32_t pulse_hz[PINS];
 
+static const struct {
+    hal_pin pin;
+    struct hal_pwm_place place;
+} pwm_pins[] = {
+#define ROW(port, number, timer, channel) {HAL_PIN(port, number), {timer, channel}},
+    PWM_PINS(ROW)
+#undef ROW
+};
+
+bool hal_pwm_find(hal_pin pin, uint32_t hz, struct hal_pwm_place *place)
+{
+    for (unsigned i = 0; i < sizeof(pwm_pins) / sizeof(pwm_pins[0]); i++) {
+        *place = pwm_pins[i].place;
+        if (pwm_pins[i].pin == pin)
+            return hal_pin_is_free(pin) && hz != 0 && hz <= PWM_HZ_MOST;
+    }
+    return false;
+}
+
 enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
 {
+    struct hal_pwm_place place;
+    if (!hal_pwm_find(pin, hz, &place))
+        return ERR_RANGE;
     pulse_hz[pin] = hz;
-    return hz == 0 ? ERR_RANGE : hal_output_open(pin, low);
+    return hal_output_open(pin, low);
 }
 
 void hal_pwm_set(hal_pin pin, uint16_t part)

@@ -24,4 +24,24 @@
 #define WIRE1_PIN HAL_PIN('C', 6)
 #define WIRE2_PIN HAL_PIN('A', 0)
 
+/* Port, number, timer and channel of the pins with a pulse width (RM0090 chapters 18 and 19), and their highest frequency. */
+#define PWM_PINS(P)                                                                                \
+    P('A', 0, 5, 1)                                                                                \
+    P('A', 1, 5, 2)                                                                                \
+    P('A', 6, 3, 1)                                                                                \
+    P('A', 7, 3, 2)                                                                                \
+    P('B', 0, 3, 3)                                                                                \
+    P('B', 1, 3, 4)                                                                                \
+    P('B', 6, 4, 1)                                                                                \
+    P('B', 7, 4, 2)                                                                                \
+    P('B', 8, 4, 3)                                                                                \
+    P('B', 9, 4, 4)                                                                                \
+    P('B', 14, 12, 1)                                                                              \
+    P('B', 15, 12, 2)                                                                              \
+    P('C', 6, 3, 1)                                                                                \
+    P('C', 7, 3, 2)                                                                                \
+    P('C', 8, 3, 3)                                                                                \
+    P('C', 9, 3, 4)
+#define PWM_HZ_MOST 100000u
+
 #endif

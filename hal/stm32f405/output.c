@@ -11,12 +11,12 @@
 #include <stddef.h>
 
 #include "board.h"
+#include "board_pins.h"
 #include "hal/clock.h"
 #include "pin_map.h"
 #include "registers.h"
 
 #define CHANNELS   4u
-#define HZ_MOST    100000u
 #define COUNT_MOST 65535u /* counts of a period, so that one more fits a compare value of 16 bits */
 
 enum { TIMER_3, TIMER_4, TIMER_5, TIMER_12, TIMERS };
@@ -35,12 +35,9 @@ static const struct pwm_pin {
     hal_pin pin;
     uint8_t timer, channel; /* channel: from 0 */
 } pwm_pins[] = {
-    {HAL_PIN('A', 0), TIMER_5, 0},   {HAL_PIN('A', 1), TIMER_5, 1}, {HAL_PIN('A', 6), TIMER_3, 0},
-    {HAL_PIN('A', 7), TIMER_3, 1},   {HAL_PIN('B', 0), TIMER_3, 2}, {HAL_PIN('B', 1), TIMER_3, 3},
-    {HAL_PIN('C', 6), TIMER_3, 0},   {HAL_PIN('C', 7), TIMER_3, 1}, {HAL_PIN('C', 8), TIMER_3, 2},
-    {HAL_PIN('C', 9), TIMER_3, 3},   {HAL_PIN('B', 6), TIMER_4, 0}, {HAL_PIN('B', 7), TIMER_4, 1},
-    {HAL_PIN('B', 8), TIMER_4, 2},   {HAL_PIN('B', 9), TIMER_4, 3}, {HAL_PIN('B', 14), TIMER_12, 0},
-    {HAL_PIN('B', 15), TIMER_12, 1},
+#define ROW(port, number, timer, channel) {HAL_PIN(port, number), TIMER_##timer, (channel)-1u},
+    PWM_PINS(ROW)
+#undef ROW
 };
 
 static struct pwm_run {
@@ -102,10 +99,21 @@ static void set_frequency(const struct pwm_timer *t, uint32_t hz)
     TIM_CR1(t->base) = TIM_CR1_CEN;
 }
 
+bool hal_pwm_find(hal_pin pin, uint32_t hz, struct hal_pwm_place *place)
+{
+    const struct pwm_pin *p = find_pwm(pin);
+    if (p == NULL || !hal_pin_is_free(pin) || hz == 0 || hz > PWM_HZ_MOST) {
+        return false;
+    }
+    *place = (struct hal_pwm_place){p->timer, p->channel};
+    return true;
+}
+
 enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
 {
     const struct pwm_pin *p = find_pwm(pin);
-    if (p == NULL || !hal_pin_is_free(pin) || hz == 0 || hz > HZ_MOST) {
+    struct hal_pwm_place found;
+    if (!hal_pwm_find(pin, hz, &found)) {
         return ERR_RANGE;
     }
     if (!is_available(p, hz)) {

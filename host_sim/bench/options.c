@@ -52,6 +52,8 @@ void options_print_help(void)
         "  --log FILE             the run as the simulator saw it, CSV\n"
         "  --outputs FILE         commands to the outputs, in the time of the port, CSV\n"
         "  --wiring FILE          the plant is at the board's own pins, wired as this file says\n"
+        "  --rest-on-link         with --wiring: what it does not name is at the link (io.source "
+        "both)\n"
         "  --duration S           plant time of the last sample (default: without end)\n"
         "  --tick S               interval of samples in plant time (default: the plant's)\n"
         "  --speed max|X          as fast as it goes, or X times the clock on the wall, of a "
@@ -213,6 +215,9 @@ static bool complete(struct sim_options *o, char *err, size_t err_size)
                         : o->transcript != NULL ? "--transcript"
                                                 : "--telemetry");
     }
+    if (o->rest_on_link && o->wiring == NULL) {
+        return sim_fail(err, err_size, "--rest-on-link needs --wiring FILE");
+    }
     if (o->n_measures > 0) {
         o->class = plant_measuring(o->class, o->measure, o->n_measures, err, err_size);
         if (o->class == NULL) {
@@ -244,6 +249,8 @@ bool options_read(struct sim_options *o, int argc, char **argv, char *err, size_
             o->help = true;
         } else if (strcmp(name, "--progress") == 0) {
             o->progress = true;
+        } else if (strcmp(name, "--rest-on-link") == 0) {
+            o->rest_on_link = true;
         } else if (strncmp(name, "--", 2) != 0) {
             return sim_fail(err, err_size, "%s: not an option; see reflux-sim --help", name);
         } else if (strchr(name, '=') != NULL) { /* --name=value */

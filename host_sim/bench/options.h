@@ -18,7 +18,7 @@ struct sim_options {
     double duration_s; /* negative: without end */
     uint32_t tick_ms;
     double timeout_s;
-    bool progress, help;
+    bool progress, rest_on_link, help;
     const char *event[OPTIONS_EVENTS_MAX];
     size_t n_events;
     const char *measure[OPTIONS_STARTS_MAX];

@@ -35,7 +35,8 @@ bool run_parts_read(struct run_parts *p, char *err, size_t err_size)
     if (!events_finish(&p->events, o->class, err, err_size)) {
         return false;
     }
-    if (events_want_board(&p->events) && strncmp(o->port, "board:", 6) != 0) {
+    if (events_want_board(&p->events) && strncmp(o->port, "board:", 6) != 0 &&
+        strcmp(o->port, "memory") != 0) {
         return sim_fail(err, err_size,
                         "--port %s: an event is a fault of a virtual board, and only one at "
                         "board:PATH can have it",
@@ -84,6 +85,18 @@ static bool make_plant(struct run_parts *p, char *err, size_t err_size)
     return p->plant != NULL;
 }
 
+/* With --wiring: the pins, and the link for what is at none of them. */
+static bool wire(struct run_parts *p, uint32_t session, char *err, size_t err_size)
+{
+    const struct sim_options *o = &p->options;
+    p->run.pins = &p->pins;
+    p->run.rest = o->rest_on_link ? &p->rest : NULL;
+    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
+                          err_size) &&
+           (!o->rest_on_link || rest_side_open(&p->rest, &p->link, &p->pins, o->class, o->tick_ms,
+                                               session, err, err_size));
+}
+
 bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interrupted, char *err,
                        size_t err_size)
 {
@@ -118,17 +131,15 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
                                .speed = o->speed,
                                .timeout_ms = patience,
                                .interrupted = interrupted};
-    if (!link_server_init(&p->link, &p->port, o->class, o->tick_ms, session_number(&p->port), err,
-                          err_size)) {
+    uint32_t session = session_number(&p->port);
+    if (!link_server_init(&p->link, &p->port, o->class, o->tick_ms, session, err, err_size)) {
+        return false;
+    }
+    if (o->wiring != NULL && !wire(p, session, err, err_size)) {
         return false;
     }
     p->link.outputs = &p->outputs;
-    if (o->wiring == NULL) {
-        return true;
-    }
-    p->run.pins = &p->pins;
-    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
-                          err_size);
+    return true;
 }
 
 static bool close_file(FILE *file)

@@ -23,6 +23,7 @@ struct run_parts {
     bool port_open, console_open;
     struct link_server link;
     struct pins_side pins; /* with --wiring */
+    struct rest_side rest; /* with --rest-on-link */
     struct console console;
     FILE *transcript, *telemetry;
     struct output_log outputs;

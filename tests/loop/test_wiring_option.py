@@ -41,6 +41,16 @@ class WiringOptionTest(unittest.TestCase):
     def test_a_line_that_is_wrong_is_told_with_its_number(self) -> None:
         self.refused(SENSOR + "Qrb toaster PB1\n", "line 2: ")
 
+    def test_a_rest_on_the_link_needs_a_wiring_that_leaves_some(self) -> None:
+        others = (("T2", "PC0"), ("T7", "PC1"), ("T9", "PC2"), ("T10", "PB12"))
+        everything = SENSOR + LOAD + "Lr ssr PB0 hi=12\n" + "".join(f"{name} max31865 spi1 {pin}\n" for name, pin in others)
+        self.assertIn("every channel of the plant is wired", self.run_with(everything, "--rest-on-link").stderr)
+        self.assertEqual(self.run_with(SENSOR + LOAD, "--rest-on-link").returncode, 0)
+        alone = subprocess.run([str(build.find_program("host", "reflux-sim-memory")), "--plant", "pilot", "--port", "memory", "--rest-on-link"],
+                               capture_output=True, text=True, timeout=board.PATIENCE_S, check=False)
+        self.assertNotEqual(alone.returncode, 0)
+        self.assertIn("--rest-on-link needs --wiring FILE", alone.stderr)
+
     def test_a_board_without_settings_leaves_the_loads_off(self) -> None:
         log = self.folder / "log.csv"
         done = self.run_with(SENSOR + LOAD, "--log", str(log))

@@ -24,6 +24,9 @@ DURATION_S = 60
 LATER = ((3, "out Lr 4.5"), (3, "out Qrb 0.8"), (8, "status"), (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"),
          (35, "begin"), (35, "set loop1.gain 10"), (35, "apply"), (45, "mode bottom manual"), (46, "out Qrb 0.7"))
 SPENT = ("stat.tick",)  # processor time
+# Three thermometers at the link beside the pins, which is unplugged for a while.
+BY_LINK = ("T3", "T5", "T8")
+UNPLUGGED = ("--rest-on-link", *(word for name in BY_LINK for word in ("--measure", name)), "--event", "20:board.unplug_link=15")
 
 
 def settings() -> list[str]:
@@ -48,7 +51,10 @@ class SameLogTest(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
         self.script = self.folder / "script.txt"
-        lines = [*((0, line) for line in (*settings(), "log on")), *LATER]
+        self.write_script(settings())
+
+    def write_script(self, first: list[str]) -> None:
+        lines = [*((0, line) for line in (*first, "log on")), *LATER]
         self.script.write_text("".join(f"{at} {line}\n" for at, line in lines), encoding="utf-8")
 
     def simulate(self, program: str, where: str, name: str, *options: str) -> Path:
@@ -82,14 +88,29 @@ class SameLogTest(unittest.TestCase):
         self.said = process.communicate(timeout=board.PATIENCE_S)[1]
 
     def test_the_image_gives_the_log_of_the_host(self) -> None:
-        host = self.host()
+        self.compare()
+
+    def test_the_image_gives_the_log_of_the_host_with_a_part_of_the_plant_at_the_link(self) -> None:
+        lines = [line.replace("io.source board", "io.source both") for line in settings()]
+        for number, name in enumerate(BY_LINK, 3):
+            lines[-1:-1] = [f"set meas{number}.{field}" for field in (f"name {name}", "unit degC", "lo 70", "hi 130")]
+        self.write_script(lines)
+        rows = telemetry(self.compare(*UNPLUGGED))[-DURATION_S - 1:]
+        for name in BY_LINK:
+            good = [row[f"{name}.q"] == "0" for row in rows]
+            self.assertEqual((good[15], good[30], good[45]), (True, False, True))
+        self.assertEqual({row["T1.q"] for row in rows}, {"0"})
+
+    def compare(self, *options: str) -> Path:
+        host = self.host("host", *options)
         with self.virtual_board() as where:
-            image = self.simulate("reflux-sim", where, "board")
+            image = self.simulate("reflux-sim", where, "board", *options)
         print(self.said.strip())
         self.assertEqual((host / "simulator.csv").read_bytes(), (image / "simulator.csv").read_bytes())
         self.assertEqual(telemetry(host), telemetry(image))
         for kind in ("software", "watchdog"):
             self.assertIn(f"{kind} 0", self.said)
+        return image
 
     def test_the_run_is_a_column_that_is_controlled(self) -> None:
         """Else two logs might be alike because nothing happens."""

@@ -110,6 +110,11 @@ class Lines(unittest.TestCase):
         self.assertEqual((state.safe, state.link, state.plant_s, state.open_transaction), (False, "ready", 240.0, True))
         self.assertEqual((state.values["h"], state.good["T"], state.good["x"]), (1.0, True, False))
 
+    def test_a_plant_at_the_pins_of_the_board_is_there(self) -> None:
+        for link in ("", "plant link down, ", "plant link ready oven, "):
+            state = board.state_of([f"state run, plant at the board's pins, {link}plant time 7.000 s, base tick 1 s ticks 5, storage ok"])
+            self.assertEqual((state.safe, state.link, state.plant_s), (False, "ready", 7.0))
+
     def test_progress(self) -> None:
         p = board.progress_of(["phase testing, outputs 2, inputs 2, plant time s 1140.000",
                                "input h (1 of 2), round 1: back, waits for rest, amplitude 0.2 kW, worst T at 0.25 of "

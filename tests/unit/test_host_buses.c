@@ -265,6 +265,26 @@ static void a_pulse_width_is_off_until_it_is_set(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, hal_pwm_open(HAL_PIN('B', 6), 0, false));
 }
 
+static void a_pulse_width_is_opened_where_it_is_found_and_nowhere_else(void)
+{
+    static const uint32_t hz[] = {0, 1, 1000, 100000, 100001};
+    unsigned found = 0;
+    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+        for (unsigned i = 0; i < sizeof hz / sizeof *hz; i++) {
+            struct hal_pwm_place place;
+            bool there = hal_pwm_find((hal_pin)pin, hz[i], &place);
+            found += there;
+            TEST_ASSERT_EQUAL_INT(there ? ERR_OK : ERR_RANGE,
+                                  hal_pwm_open((hal_pin)pin, hz[i], false));
+            if (there) {
+                TEST_ASSERT_TRUE(hal_pin_is_free((hal_pin)pin));
+                TEST_ASSERT_TRUE(hz[i] >= 1 && hz[i] <= 100000);
+            }
+        }
+    TEST_ASSERT_EQUAL_UINT(16 * 3, found);
+    buses_reset();
+}
+
 static void all_on(void)
 {
     TEST_ASSERT_EQUAL_INT(ERR_OK, hal_output_open(HAL_PIN('B', 0), false));
@@ -416,6 +436,7 @@ int main(void)
     RUN_TEST(every_bus_has_pins_of_its_own_beside_those_of_console_and_link);
     RUN_TEST(an_output_is_off_until_it_is_set);
     RUN_TEST(a_pulse_width_is_off_until_it_is_set);
+    RUN_TEST(a_pulse_width_is_opened_where_it_is_found_and_nowhere_else);
     RUN_TEST(a_reset_switches_every_output_off);
     RUN_TEST(output_safe_switches_every_output_off);
     RUN_TEST(an_output_that_becomes_an_input_goes_off);

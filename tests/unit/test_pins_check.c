@@ -342,6 +342,35 @@ static void an_analogue_input_must_be_at_a_pin_that_has_one(void)
     refused(ERR_RANGE, "chan", 1, "select", "PC8", "has no analogue input");
 }
 
+static void a_pulse_width_must_be_at_a_pin_with_a_timer_that_makes_it(void)
+{
+    output(1, "Fan", "pwm", "PA4");
+    refused(ERR_CONFLICT, "out", 1, "pin", "Fan",
+            "the pin has no timer for a pulse width, or not with this frequency");
+    output(1, "V", "analog", "PC0");
+    refused(ERR_CONFLICT, "out", 1, "pin", "V",
+            "the pin has no timer for a pulse width, or not with this frequency");
+    output(1, "V", "analog", "PA1");
+    accepted();
+}
+
+static void pulse_widths_of_one_timer_have_one_frequency_and_a_channel_each(void)
+{
+    output(1, "F1", "pwm", "PB0");
+    output(2, "F2", "pwm", "PC7");
+    accepted();
+    set("out2.frequency", "500");
+    refused(ERR_CONFLICT, "out", 2, "pin", "F2",
+            "another output of the pin's timer has another frequency");
+    output(2, "F2", "pwm", "PB6"); /* of another timer */
+    accepted();
+    output(2, "F2", "pwm", "PC8");
+    set("out2.frequency", "1000");
+    set("out1.frequency", "1000");
+    refused(ERR_CONFLICT, "out", 2, "pin", "F2",
+            "another output has the same channel of the pin's timer");
+}
+
 static void a_thermocouple_must_have_its_type(void)
 {
     device(1, "T1", "max31856", "spi1", "PA4");
@@ -384,6 +413,8 @@ int main(void)
     RUN_TEST(a_number_outside_its_range_is_named);
     RUN_TEST(an_output_must_have_a_span);
     RUN_TEST(an_analogue_input_must_be_at_a_pin_that_has_one);
+    RUN_TEST(a_pulse_width_must_be_at_a_pin_with_a_timer_that_makes_it);
+    RUN_TEST(pulse_widths_of_one_timer_have_one_frequency_and_a_channel_each);
     RUN_TEST(a_thermocouple_must_have_its_type);
     return UNITY_END();
 }

@@ -92,8 +92,8 @@ class OnPort:
         """Waits, once, for the row that comes with the next sample, where the board has a plant: a tick, and as long as a slow line takes."""
         if self._last or self._waited:
             return
-        state = re.match(r"state \w+, plant link (\w+).* base tick ([\d.e+-]+) s", " ".join(self.say("status")))
-        if not state or state[1] != "ready":
+        state = re.match(r"state \w+, plant (?:at|link (\w+)).* base tick ([\d.e+-]+) s", " ".join(self.say("status")))
+        if not state or state[1] not in (None, "ready"):  # None: it is at the board's pins
             return
         self._waited = True
         end = time.monotonic() + logs.number(state[2]) + FIRST_ROW_S

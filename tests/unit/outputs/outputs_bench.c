@@ -49,6 +49,13 @@ void hal_output_set(hal_pin pin, bool on)
     p->high = on != p->low;
 }
 
+bool hal_pwm_find(hal_pin pin, uint32_t hz, struct hal_pwm_place *place)
+{
+    const struct bench_pin *p = &bench_pins[pin];
+    *place = (struct hal_pwm_place){p->timer != 0 ? p->timer : pin, p->channel};
+    return !p->no_timer && hz != 0;
+}
+
 enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
 {
     struct bench_pin *p = &bench_pins[pin];

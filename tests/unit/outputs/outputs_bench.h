@@ -19,11 +19,13 @@ struct bench_pin {
     bool pwm;
     uint16_t part; /* of a pulse width */
     uint32_t hz;
-    unsigned pwm_set; /* calls of hal_pwm_set() */
-    bool taken;       /* is no free pin */
-    bool refuses;     /* cannot be opened */
-    bool contact;     /* of an input: closed to ground */
-    unsigned rises;   /* changes from off to on */
+    unsigned pwm_set;       /* calls of hal_pwm_set() */
+    bool taken;             /* is no free pin */
+    bool refuses;           /* cannot be opened */
+    bool contact;           /* of an input: closed to ground */
+    unsigned rises;         /* changes from off to on */
+    bool no_timer;          /* for a pulse width */
+    uint8_t timer, channel; /* 0: a timer of the pin's own */
 };
 
 extern struct bench_pin bench_pins[256];

@@ -156,6 +156,38 @@ static void an_analogue_output_stays_within_its_span(void)
     refuses(0, "offset and gain take the output out of 0 to 1 at command 1");
 }
 
+static void a_pulse_width_without_a_timer_is_refused(void)
+{
+    s[0] = bench_settings(OUTPUT_PWM, 0);
+    s[1] = bench_settings(OUTPUT_ANALOG, 1);
+    s[2] = bench_settings(OUTPUT_WINDOW, 2);
+    for (unsigned k = 0; k < 3; k++)
+        bench_pins[s[k].pin[OUTPUT_PIN]].no_timer = true;
+    refuses(0, "the pin has no timer for a pulse width, or not with this frequency");
+    TEST_ASSERT_EQUAL(OUTPUT_PIN, problem.pin);
+    refuses(1, "the pin has no timer for a pulse width, or not with this frequency");
+    TEST_ASSERT_TRUE(check(2));
+}
+
+static void two_pulse_widths_of_one_timer_have_one_frequency_and_two_channels(void)
+{
+    s[0] = bench_settings(OUTPUT_PWM, 0);
+    s[1] = bench_settings(OUTPUT_ANALOG, 1);
+    s[1].frequency = s[0].frequency = 1000.0f;
+    bench_pins[s[0].pin[OUTPUT_PIN]].timer = bench_pins[s[1].pin[OUTPUT_PIN]].timer = 200;
+    bench_pins[s[1].pin[OUTPUT_PIN]].channel = 1;
+    TEST_ASSERT_TRUE(check(1));
+    s[1].frequency = 1001.0f;
+    refuses(1, "another output of the pin's timer has another frequency");
+    TEST_ASSERT_EQUAL(0, problem.other);
+    s[1].frequency = 1000.0f;
+    bench_pins[s[1].pin[OUTPUT_PIN]].channel = 0;
+    refuses(1, "another output has the same channel of the pin's timer");
+    TEST_ASSERT_EQUAL(0, problem.other);
+    s[0] = bench_settings(OUTPUT_WINDOW, 0); /* needs no timer */
+    TEST_ASSERT_TRUE(check(1));
+}
+
 static void a_pause_longer_than_the_travel_is_refused(void)
 {
     s[0] = bench_settings(OUTPUT_MOTOR_VALVE, 0);
@@ -203,6 +235,8 @@ int main(void)
     RUN_TEST(bursts_are_whole_cycles_and_whole_milliseconds);
     RUN_TEST(a_stepper_makes_at_most_500_and_at_least_a_tenth_of_a_step_a_second);
     RUN_TEST(an_analogue_output_stays_within_its_span);
+    RUN_TEST(a_pulse_width_without_a_timer_is_refused);
+    RUN_TEST(two_pulse_widths_of_one_timer_have_one_frequency_and_two_channels);
     RUN_TEST(a_pause_longer_than_the_travel_is_refused);
     RUN_TEST(there_is_one_enable_output_and_it_does_not_chatter);
     RUN_TEST(a_type_that_does_not_exist_is_refused_and_harms_no_other);

@@ -127,7 +127,7 @@ def plant_of(lines: list[str]) -> Plant | None:
 
 def state_of(lines: list[str]) -> State:
     head = lines[0] if lines else ""
-    link = re.search(r"plant link (\w+)", head)
+    link = re.search(r"plant (at the board's pins|link (\w+))", head)
     at = re.search(r"plant time ([\d.]+) s", head)
     values, good = {}, {}
     for line in lines[1:]:
@@ -135,7 +135,7 @@ def state_of(lines: list[str]) -> State:
         if match:
             values[match[1]] = number(match[2])
             good[match[1]] = match[3].rstrip().endswith(" good")
-    return State(head.startswith("state safe"), link[1] if link else "?", float(at[1]) if at else 0.0,
+    return State(head.startswith("state safe"), (link[2] or "ready") if link else "?", float(at[1]) if at else 0.0,
                  "transaction open" in head, "console locked" in head, values, good)
 
 

@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+"""The pilot column with some channels at the board's own pins and the others at the plant link, which is unplugged for a while."""
+
+import csv
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+from reflux import build  # noqa: E402
+
+SCENARIOS = board.ROOT / "host_sim" / "scenarios"
+BY_LINK = ("T3", "T5", "T8")
+DURATION_S, UNPLUGGED_S, FOR_S = 300, 150, 40
+LATER = ((3, "out Lr 4.5"), (3, "out Qrb 0.8"), (10, "mode top auto"), (10, "mode bottom auto"))
+
+
+def read(path: Path) -> list[dict[str, str]]:
+    """Rows by the names of their header, without units."""
+    with path.open(encoding="utf-8") as file:
+        lines = [line for line in file if not line.startswith("#")]
+    headers = [line for line in lines if line.startswith("H,")]
+    rows = [line for line in lines if line not in headers]
+    names = [re.sub(r"\[.*", "", name) for name in next(csv.reader([headers[-1] if headers else rows.pop(0)]))]
+    return [dict(zip(names, fields)) for fields in csv.reader(rows)]
+
+
+class ColumnTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+
+    def settings(self, source: str, without: str) -> list[str]:
+        """Those of the column at the pins, with three more thermometers, and without an output that is at the link."""
+        lines = [line for line in (SCENARIOS / "pilot-pins.conf").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+        lines = [line.replace("io.source board", f"io.source {source}") for line in lines if not without or not line.startswith(without)]
+        for number, name in enumerate(BY_LINK, 3):
+            lines[-1:-1] = [f"set meas{number}.name {name}", f"set meas{number}.unit degC", f"set meas{number}.lo 70", f"set meas{number}.hi 130"]
+        return lines
+
+    def run_column(self, name: str, *options: str, source: str = "both", without: str = "", load: str = "") -> Path:
+        """The folder with log, telemetry and transcript. without: settings of an output of this row are left out, with the line of its load."""
+        out = self.folder / name
+        out.mkdir()
+        wiring = out / "column.wiring"
+        wiring.write_text("".join(f"{line}\n" for line in (SCENARIOS / "pilot-pins.wiring").read_text(encoding="utf-8").splitlines()
+                                  if not load or not line.startswith(load)), encoding="utf-8")
+        lines = [*((0, line) for line in (*self.settings(source, without), "log on")), *LATER]
+        script = out / "script.txt"
+        script.write_text("".join(f"{at} {line}\n" for at, line in lines), encoding="utf-8")
+        measured = [word for name in BY_LINK for word in ("--measure", name)]
+        done = subprocess.run([str(build.find_program("host", "reflux-sim-memory")), "--plant", "pilot", "--port", "memory", "--console", "memory",
+                               "--wiring", str(wiring), "--rest-on-link", *measured, "--tick", "1", "--duration", str(DURATION_S),
+                               "--script", str(script), "--log", str(out / "simulator.csv"), "--telemetry", str(out / "telemetry.csv"),
+                               "--transcript", str(out / "transcript.txt"), "--timeout", str(board.PATIENCE_S), *options],
+                              capture_output=True, text=True, timeout=board.PATIENCE_S, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return out
+
+    def rows(self, out: Path) -> list[dict[str, str]]:
+        """The telemetry of plant time: a row for each of its seconds."""
+        return read(out / "telemetry.csv")[-DURATION_S - 1:]
+
+    UNPLUGGED = ("--event", f"{UNPLUGGED_S}:board.unplug_link={FOR_S}")
+
+    def test_readings_of_the_link_are_those_of_the_tick_before(self) -> None:
+        out = self.run_column("run")
+        rows, log = self.rows(out), read(out / "simulator.csv")
+        for at in range(10, DURATION_S):
+            for name in BY_LINK:
+                self.assertEqual(rows[at][f"{name}.q"], "0")
+                self.assertAlmostEqual(float(rows[at][name]), float(log[at - 1][f"{name}.meas"]), delta=1e-3, msg=f"{name} at {at} s")
+
+    def test_loops_at_the_pins_do_not_notice_that_the_link_is_unplugged(self) -> None:
+        whole, cut = self.rows(self.run_column("whole")), self.rows(self.run_column("cut", *self.UNPLUGGED))
+        for name in ("T1", "T10", "top.mode", "bottom.mode", "Lr.cmd", "Qrb.cmd", "state"):
+            self.assertEqual([row[name] for row in whole], [row[name] for row in cut], name)
+        for name, setpoint in (("T1", "top.sp"), ("T10", "bottom.sp")):
+            for row in cut[-60:]:
+                self.assertAlmostEqual(float(row[name]), float(row[setpoint]), delta=1.0)
+
+    def test_channels_of_the_link_fall_and_come_back(self) -> None:
+        rows = self.rows(self.run_column("cut", *self.UNPLUGGED))
+        for name in BY_LINK:
+            self.assertTrue(all(row[f"{name}.q"] == "0" for row in rows[10:UNPLUGGED_S]))
+            self.assertTrue(all(row[f"{name}.q"] != "0" for row in rows[UNPLUGGED_S + 4:UNPLUGGED_S + FOR_S]))
+            self.assertTrue(all(row[f"{name}.q"] == "0" for row in rows[UNPLUGGED_S + FOR_S + 3:]))
+
+    def test_a_loop_with_its_output_at_the_link_goes_to_manual_and_the_other_holds(self) -> None:
+        out = self.run_column("cut", *self.UNPLUGGED, without="set out1.", load="Lr")
+        rows, log = self.rows(out), read(out / "simulator.csv")
+        before, after = rows[UNPLUGGED_S - 1], rows[-1]
+        self.assertEqual((before["top.mode"], before["bottom.mode"]), ("1", "1"))
+        self.assertEqual((after["top.mode"], after["bottom.mode"]), ("0", "1"))
+        for at in range(20, UNPLUGGED_S):  # what the link commands is what the plant gets
+            self.assertAlmostEqual(float(log[at]["Lr.cmd"]), float(rows[at]["Lr.cmd"]), delta=1e-4, msg=f"at {at} s")
+        self.assertEqual({float(row["Lr.cmd"]) for row in log[UNPLUGGED_S + 5:]}, {4.5})  # safe, and so it stays
+        self.assertIn("MANUAL_BY_BOARD top", (out / "transcript.txt").read_text(encoding="utf-8"))
+
+    def test_a_run_repeats_to_the_bit(self) -> None:
+        first, second = self.run_column("first", *self.UNPLUGGED), self.run_column("second", *self.UNPLUGGED)
+        for kept in ("simulator.csv", "telemetry.csv", "transcript.txt"):
+            self.assertEqual((first / kept).read_bytes(), (second / kept).read_bytes(), kept)
+
+    def test_a_board_that_does_not_look_at_its_link_has_none_of_it(self) -> None:
+        rows = self.rows(self.run_column("board", source="board"))
+        self.assertEqual({row[f"{name}.q"] for row in rows for name in BY_LINK}, {"3"})
+        self.assertEqual({row["T1.q"] for row in rows}, {"0"})
+
+
+if __name__ == "__main__":
+    unittest.main()
