@@ -6,6 +6,7 @@
 #include "kinds/column/column.h"
 #include "kinds/composition/composition_settings.h"
 #include "kinds/decoupler/decoupler.h"
+#include "kinds/derived/derived.h"
 #include "kinds/experiment/plant_experiment.h"
 #include "kinds/feedforward/feedforward.h"
 #include "kinds/ff_tune/feedforward_tune.h"
@@ -51,6 +52,7 @@ const struct block_kind *const block_kinds[] = {
         &state_law_kind)
     EXPERIMENT_ROWS(&experiment_kind)
     FEEDFORWARD_TUNE_ROWS(&feedforward_tune_kind)
+    BLOCK_ROWS(&derived_kind)
 };
 /* clang-format on */
 

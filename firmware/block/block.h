@@ -134,6 +134,9 @@ struct block_inputs {
     /* enum quality. For an estimator, a held or substituted value is never good. */
     const uint8_t *quality;
     const float *age_s; /* time since the last valid reading was sampled, s; 0 for an MV */
+    /* Plant time of this tick's sample, ms. It may go back, when the plant begins anew. The steps of a block are further apart than
+     * its interval where samples were lost. */
+    uint64_t time_ms;
     /* Applied values of an input that is an MV, where the kind asks for a history; NULL for a measurement. */
     const struct applied_history **applied;
 };

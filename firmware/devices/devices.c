@@ -15,8 +15,9 @@
 #include "devices/xgzp6897/xgzp6897.h"
 
 static const struct device_kind *const kinds_by_name[DEVICE_KINDS] = {
-    &ads1115_kind, &analog_input_kind, &bme280_kind,   &bme280_temperature_kind, &ds18b20_kind,
-    &flow_kind,    &level_kind,        &max31856_kind, &max31865_kind,           &xgzp6897_kind};
+    &ads1115_kind,  &analog_input_kind, &bme280_kind,  &bme280_temperature_kind,
+    &ds18b20_kind,  &flow_kind,         &level_kind,   &max31856_kind,
+    &max31865_kind, &pulses_kind,       &xgzp6897_kind};
 
 /* In the order of the bits of enum device_fault. */
 static const char *const fault_texts[] = {"no chip answers",

@@ -7,7 +7,7 @@
 
 #include "devices/device.h"
 
-#define DEVICE_KINDS 10u
+#define DEVICE_KINDS 11u
 
 /* The kind with this place, from 0, or NULL from DEVICE_KINDS on. Names are in the order of the alphabet. */
 const struct device_kind *device_kind_at(unsigned place);

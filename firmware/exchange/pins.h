@@ -31,6 +31,7 @@ enum device_word {
     DEVICE_ANALOG,
     DEVICE_FLOW,
     DEVICE_LEVEL,
+    DEVICE_PULSES,
     DEVICE_WORDS
 };
 enum bus_word {

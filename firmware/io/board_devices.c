@@ -43,6 +43,7 @@ const struct device_kind *board_device_kind(const struct device_config *row)
         [DEVICE_BME280] = &bme280_kind,     [DEVICE_BME280_TEMPERATURE] = &bme280_temperature_kind,
         [DEVICE_XGZP6897] = &xgzp6897_kind, [DEVICE_ANALOG] = &analog_input_kind,
         [DEVICE_FLOW] = &flow_kind,         [DEVICE_LEVEL] = &level_kind,
+        [DEVICE_PULSES] = &pulses_kind,
     };
     return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
 }

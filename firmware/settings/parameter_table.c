@@ -341,8 +341,9 @@ OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
     ROW(2, PARAMETER_UNIT, offsetof(struct device_config, unit), "unit", "", 0, 0, 0,
         "engineering unit of that"),
     W(device_config, device, 3, "device",
-      "-|max31865|max31856|ds18b20|ads1115|bme280|bme280_temperature|xgzp6897|analog|flow|level", 0,
-      "what is at the pins"),
+      "-|max31865|max31856|ds18b20|ads1115|bme280|bme280_temperature|xgzp6897|analog|flow|level|"
+      "pulses",
+      0, "what is at the pins"),
     W(device_config, bus, 4, "bus", "-|spi1|spi2|spi3|i2c1|i2c2|wire1|wire2", 0,
       "bus that it is on; - = none"),
     N(device_config, select, 5, "select",

@@ -58,6 +58,7 @@ static void gather_numbered(const struct supervisor *s, uint8_t block, struct ga
                               .inputs.value = g->input,
                               .inputs.quality = n->quality,
                               .inputs.age_s = n->age_s,
+                              .inputs.time_ms = s->time_ms,
                               .points.value = g->point,
                               .points.quality = n->point_quality,
                               .requests.event_value = n->event_value,

@@ -1,5 +1,5 @@
 # The whole firmware on the board in memory: console, plant link, restart.
-foreach(part acting_loops belief calibration repeats sensor_mistakes analyser_console session standstill odd_plant interrupted plant_mismatch console console_fuzz telemetry safe_start)
+foreach(part acting_loops belief derived_channels calibration repeats sensor_mistakes analyser_console session standstill odd_plant interrupted plant_mismatch console console_fuzz telemetry safe_start)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS reflux_hal_memory reflux_app reflux_link)
@@ -11,6 +11,6 @@ target_compile_definitions(test_interrupted_blocks PRIVATE SCENARIOS="${PROJECT_
                            DECOUPLING="${CMAKE_CURRENT_LIST_DIR}/decoupling" FEEDFORWARD="${CMAKE_CURRENT_LIST_DIR}/feedforward")
 
 # The plant at the board's own pins, with models of chips.
-foreach(part board_pins board_pins_kinds both_sources)
+foreach(part board_pins board_pins_kinds both_sources derived_pins)
   reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_hal_memory reflux_app reflux_link reflux_chips)
 endforeach()

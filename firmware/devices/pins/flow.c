@@ -49,6 +49,22 @@ static bool flow_value(const struct device_settings *s, const int32_t code[DEVIC
     return true;
 }
 
+static bool pulses_value(const struct device_settings *s, const int32_t code[DEVICE_CODES],
+                         float *value)
+{
+    (void)s;
+    *value = (float)((uint32_t)code[2] % PULSES_WRAP);
+    return true;
+}
+
+const struct device_kind pulses_kind = {.name = "pulses",
+                                        .unit = "-",
+                                        .line = DEVICE_NO_LINE,
+                                        .interval_ms = INTERVAL_MS,
+                                        .open = flow_open,
+                                        .step = flow_step,
+                                        .value = pulses_value};
+
 const struct device_kind flow_kind = {.name = "flow",
                                       .unit = "1/s",
                                       .line = DEVICE_NO_LINE,

@@ -13,6 +13,11 @@
 
 #include "devices/device.h"
 
-extern const struct device_kind flow_kind; /* 1/s */
+/* A result of flow_kind says how fast pulses came in the interval before it. A tick that looks once a second misses the intervals between. So a
+ * volume is counted from pulses_kind, the number of pulses since the device was opened, modulo PULSES_WRAP. */
+#define PULSES_WRAP 65536u
+
+extern const struct device_kind flow_kind;   /* 1/s */
+extern const struct device_kind pulses_kind; /* - */
 
 #endif

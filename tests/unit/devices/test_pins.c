@@ -123,6 +123,23 @@ static void the_count_of_pulses_wraps_without_a_trace(void)
     TEST_ASSERT_EQUAL(42, script_result(&d).code[2]);
 }
 
+static void pulses_are_a_number_that_begins_anew_after_65535(void)
+{
+    float value;
+    script_board.pulses = 7;
+    begin(&pulses_kind, 500);
+    script_run(&d, 100);
+    script_board.pulses += 900;
+    script_run(&d, 401);
+    struct device_result r = script_result(&d);
+    TEST_ASSERT_TRUE(pulses_kind.value(&settings, r.code, &value));
+    TEST_ASSERT_EQUAL_FLOAT(900, value);
+    TEST_ASSERT_TRUE(pulses_kind.value(&settings, (const int32_t[3]){1, 1, 65535}, &value));
+    TEST_ASSERT_EQUAL_FLOAT(65535, value);
+    TEST_ASSERT_TRUE(pulses_kind.value(&settings, (const int32_t[3]){1, 1, 65536 * 5 + 3}, &value));
+    TEST_ASSERT_EQUAL_FLOAT(3, value);
+}
+
 static void more_pulses_than_a_pin_can_count_are_out_of_range(void)
 {
     begin(&flow_kind, 500);
@@ -262,6 +279,7 @@ int main(void)
     RUN_TEST(a_code_at_its_upper_end_is_out_of_range);
     RUN_TEST(flow_is_pulses_in_a_second);
     RUN_TEST(the_count_of_pulses_wraps_without_a_trace);
+    RUN_TEST(pulses_are_a_number_that_begins_anew_after_65535);
     RUN_TEST(more_pulses_than_a_pin_can_count_are_out_of_range);
     RUN_TEST(a_flow_without_time_is_none);
     RUN_TEST(a_closed_contact_is_1);
