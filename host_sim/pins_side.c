@@ -104,17 +104,27 @@ static void measure(struct pins_side *p, const struct link_sample *sample)
                                   (double)sample->measurement[i].value);
 }
 
+static uint64_t start_ms(const struct pins_side *p)
+{
+    return (PINS_START_MS + p->tick_ms - 1u) / p->tick_ms * p->tick_ms;
+}
+
 void pins_side_set_up(struct pins_side *p, const struct link_sample *sample)
 {
     measure(p, sample);
-    stop_at(p, next_multiple(p, PINS_START_MS));
+    stop_at(p, next_multiple(p, start_ms(p)));
 }
 
 bool pins_side_is_set_up(const struct pins_side *p)
 {
     uint64_t now_ns, began_ns;
     p->port->ops->clock(p->port, &now_ns, &began_ns);
-    return (now_ns - began_ns + MS_NS) % (PINS_START_MS * MS_NS) < MS_NS;
+    return (now_ns - began_ns + MS_NS) % (start_ms(p) * MS_NS) < MS_NS;
+}
+
+void pins_side_next_sample(struct pins_side *p)
+{
+    stop_at(p, next_multiple(p, p->tick_ms) + p->tick_ms * MS_NS / 4u);
 }
 
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample)
