@@ -242,6 +242,14 @@ def join(simulator: Log, telemetry: Log) -> Log:
     return Log(columns, rows, simulator.comments, "joined log")
 
 
+def numbered_from_0(telemetry: Log) -> Log:
+    """Telemetry of a board at its own pins, which takes samples before plant time begins: its first row is sample 0."""
+    k = telemetry.place("number")
+    first = int(telemetry.rows[0][k]) if telemetry.rows else 0
+    rows = [[*row[:k], str(int(row[k]) - first), *row[k + 1 :]] for row in telemetry.rows]
+    return Log(telemetry.columns, rows, telemetry.comments, telemetry.source, telemetry.left_out)
+
+
 def _some(numbers: list[str]) -> str:
     if len(numbers) == 1:
         return f"sample {numbers[0]}, 1"

@@ -66,7 +66,7 @@ def markers(scenario: Scenario) -> list[tuple[float, str, bool]]:
     for event in scenario.events:
         texts.setdefault((event.at_s, True), []).append(f"{event.name} = {event.value:g}")
     for line in scenario.lines:
-        if is_stimulus(line):
+        if is_stimulus(line) or line.text.startswith("seq "):
             texts.setdefault((line.at_s, False), []).append(line.text)
     return [(t, "; ".join(words), plant) for (t, plant), words in sorted(texts.items())]
 
