@@ -1,5 +1,6 @@
 """Reading, joining and comparing logs."""
 
+import re
 import unittest
 from unittest import mock
 
@@ -24,6 +25,14 @@ class Logs(FolderTest):
         path = self.folder / "log.csv"
         logs.write_csv(log, path)
         self.assertEqual(logs.read_csv(path).rows, log.rows)
+
+    def test_telemetry_of_a_board_that_sampled_before_plant_time_joins_from_its_first_row(self) -> None:
+        late = re.sub(r"(?m)^T,1,(\d),", lambda row: f"T,1,{int(row[1]) + 61},", TEL)
+        telemetry = logs.numbered_from_0(logs.read_telemetry(self.file("t.csv", late)))
+        whole = logs.join(logs.read_csv(self.file("s.csv", SIM)), telemetry)
+        self.assertEqual(whole.rows, self.joined().rows)
+        with self.assertRaisesRegex(RunFailed, "no telemetry row"):
+            self.joined(tel=late)
 
     def test_no_row_may_be_missing(self) -> None:
         with self.assertRaisesRegex(RunFailed, "no telemetry row for sample 1, 1 of 3 samples"):
