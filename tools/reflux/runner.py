@@ -168,7 +168,8 @@ def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
         sha256 = firmware.sha256()
     wall = time.monotonic() - started
     telemetry = logs.read_telemetry(out / "telemetry.csv")
-    joined = logs.join(logs.read_csv(out / "simulator.csv"), telemetry if scenario.wiring is None else logs.numbered_from_0(telemetry))
+    simulated = logs.read_csv(out / "simulator.csv")
+    joined = logs.join(*((simulated, telemetry) if scenario.wiring is None else logs.at_pins(simulated, telemetry)))
     logs.write_csv(joined, out / "log.csv")
     logs.write_csv(telemetry, out / "telemetry.csv")
     (out / "simulator.csv").unlink()
