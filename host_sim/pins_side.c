@@ -66,6 +66,14 @@ void pins_side_close(struct pins_side *p)
     p->wiring = NULL;
 }
 
+bool pins_side_switches(const struct pins_side *p, size_t output)
+{
+    if (output >= p->n_outputs || p->output_of[output] == PINS_NONE)
+        return false;
+    enum wiring_kind kind = wiring_output(p->wiring, p->output_of[output])->kind;
+    return kind == WIRING_SSR || kind == WIRING_RELAY;
+}
+
 void pins_side_turn(struct pins_side *p)
 {
     uint8_t bytes[256];

@@ -33,6 +33,9 @@ bool pins_side_open(struct pins_side *p, struct transport *port, const char *wir
                     size_t err_size);
 void pins_side_close(struct pins_side *p);
 
+/* Whether this manipulated variable, by its number in the plant, is a load that is switched on and off: it has no speed but its own. */
+bool pins_side_switches(const struct pins_side *p, size_t output);
+
 /* Drops what the board says on the link, where nobody listens. */
 void pins_side_turn(struct pins_side *p);
 

@@ -84,6 +84,18 @@ static bool make_plant(struct run_parts *p, char *err, size_t err_size)
     return p->plant != NULL;
 }
 
+/* A load that is switched is on or off at once: the plant's own actuator, which takes seconds for its way, would never get there. */
+static void release_switched(struct run_parts *p)
+{
+    const struct plant_class *class = p->options.class;
+    size_t output = 0;
+    for (size_t i = 0; i < class->n_channels; i++) {
+        if (class->channels[i].kind == PLANT_MV && pins_side_switches(&p->pins, output++)) {
+            instruments_set(&p->instruments, i, OPTION_SLEW, 0.0);
+        }
+    }
+}
+
 bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interrupted, char *err,
                        size_t err_size)
 {
@@ -127,8 +139,12 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
         return true;
     }
     p->run.pins = &p->pins;
-    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
-                          err_size);
+    if (!pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
+                        err_size)) {
+        return false;
+    }
+    release_switched(p);
+    return true;
 }
 
 static bool close_file(FILE *file)
