@@ -8,9 +8,6 @@
 
 #define NS_PER_MS 1e6
 #define MS_NS     UINT64_C(1000000)
-#define DONE_NS                                                                                    \
-    UINT64_C(                                                                                      \
-        200000) /* what a board does in a millisecond of its clock it has done so long after it */
 
 /* The line of the wiring for a quantity of the plant. */
 static uint8_t line_of(const struct wiring *w, bool mv, const char *quantity)
@@ -101,7 +98,7 @@ static uint64_t next_multiple(const struct pins_side *p, uint64_t step_ms)
     uint64_t now_ns, began_ns, step_ns = step_ms * MS_NS;
     p->port->ops->clock(p->port, &now_ns, &began_ns);
     uint64_t passed = now_ns - began_ns + MS_NS;
-    return began_ns + passed - passed % step_ns + step_ns - MS_NS + DONE_NS;
+    return began_ns + passed - passed % step_ns + step_ns - MS_NS + PINS_DONE_NS;
 }
 
 static void measure(struct pins_side *p, const struct link_sample *sample)

@@ -14,6 +14,8 @@
 #include "plants/plant.h"
 
 #define PINS_NONE 0xFFu
+/* What a board does in a millisecond of its clock it has done so long after it: then its loads are read. */
+#define PINS_DONE_NS UINT64_C(200000)
 
 struct pins_side {
     struct transport *port;

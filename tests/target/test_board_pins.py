@@ -32,6 +32,7 @@ class Case:
 
 
 # Outputs by hand, loops to automatic, setpoints, and settings that come into force meanwhile.
+STEPS = tuple((20.0 + k, f"out u{3 + k % 2} {37 * k % 90 + 5}") for k in range(30))  # a tick has some milliseconds of the voltage before each
 CASES = (
     Case("pilot-pins",
          ((8, "status"), (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"), (35, "begin"), (35, "set loop1.gain 10"),
@@ -42,8 +43,8 @@ CASES = (
          ((4, "out R 0"), (10, "mode bottom auto"), (20, "sp bottom 98"), (30, "status"), (40, "out R 8")),
          {"T4": (99.0, 2.0), "T12": (80.0, 5.0)}, {"bottom.mode": 1, "bottom.sp": 98, "R.cmd": 8}),
     Case("furnace-pins",
-         ((5, "mode burner1 auto"), (5, "mode burner2 auto"), (15, "sp burner1 60"), (30, "out u4 60"), (40, "mode burner2 manual")),
-         {"y1": (52.0, 5.0), "y2": (50.0, 5.0), "y3": (50.0, 5.0), "y4": (50.0, 5.0)},
+         ((5, "mode burner1 auto"), (5, "mode burner2 auto"), (15, "sp burner1 60"), *STEPS, (50, "mode burner2 manual"), (55, "out u4 60")),
+         {"y1": (52.0, 10.0), "y2": (50.0, 10.0), "y3": (50.0, 10.0), "y4": (50.0, 10.0)},
          {"burner1.mode": 1, "burner1.sp": 60, "burner2.mode": 0, "u4.cmd": 60}),
 )
 
@@ -104,6 +105,30 @@ class SameLogTest(unittest.TestCase):
         for kept in ("log.csv", "telemetry.csv", "transcript.txt"):
             with self.subTest(kept):
                 self.assertEqual((first.out / kept).read_bytes(), (second.out / kept).read_bytes())
+
+
+class DemonstrationTest(unittest.TestCase):
+    """tools/demo --board."""
+
+    def demonstrate(self, firmware: str) -> runner.Result:
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+        wanted = scenario.load(scenario.SCENARIOS / "demo-board.toml").with_options(firmware=firmware)
+        return runner.run(wanted, runner.Options(folder / firmware, quiet=True))
+
+    def test_the_cold_column_comes_under_control_by_its_own_sequence(self) -> None:
+        result = self.demonstrate("memory")
+        self.assertEqual(result.failures(), [])
+        log, events = result.log, runner.events_in(result.out / "transcript.txt")
+        self.assertIn("SEQUENCE_DONE", [code for _, _, code, _ in events])
+        self.assertFalse([text for _, _, code, text in events if code in ("SEQUENCE_HELD", "SEQUENCE_TIMEOUT", "SEQUENCE_ABORTED", "SENSOR_FAULT", "VALVE_FAULT")])
+        self.assertLess(log.numbers("T1.true")[0], 25.0)
+        self.assertEqual([log.numbers(f"fw.{loop}.mode")[-1] for loop in ("top", "bottom")], [1.0, 1.0])
+        for name, setpoint in (("T1", 87.15), ("T10", 107.5)):
+            self.assertAlmostEqual(log.numbers(f"{name}.true")[-1], setpoint, delta=1.0)
+
+    @unittest.skipUnless(EVERY, "the image takes minutes")
+    def test_the_image_does_it_as_the_host_does(self) -> None:
+        self.assertEqual(compare.compare(self.demonstrate("memory").log, self.demonstrate(f"board-{IMAGE}").log), [])
 
 
 if __name__ == "__main__":
