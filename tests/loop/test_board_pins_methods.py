@@ -60,8 +60,9 @@ class StartUp(PinsTest):
 
 
 class SelfTuning(PinsTest):
-    """As test_self_tuning_experiments.py has it on setpoints: IAE a quarter below that of the PI. After loads it stays, over the link, within 0.003 degC
-    of the setpoint on average, which is a tenth of a code of the chip: here it is better than the PI, and within a code."""
+    """As test_self_tuning_experiments.py has it for a pair of loops: IAE no more than that of the PI on setpoints, two fifths below it after loads. What
+    it asks of one loop is for exact sensors: the tuner then stays within 0.003 degC of the setpoint after loads, a tenth of a code of the chip. So it
+    is compared with the link at the chip's resolution too, and has to stay within a code on average."""
 
     CODE = 430.0 / 32768.0 / (100.0 * (3.9083e-3 - 2.0 * 5.775e-7 * 88.0))  # degC at T1: step of the resistance over its slope, IEC 60751
     LOADS_MIN = 80.0  # the window of the campaign
@@ -73,15 +74,26 @@ class SelfTuning(PinsTest):
         cost = self_tuning_campaign.simulate(campaign, variant, 1, (), "memory")
         return {kind: sum(cost[kind]) for kind in ("setpoints", "loads")}
 
-    def test_one_loop_beats_the_pi_on_setpoints_as_over_the_link_and_stays_within_a_code_after_loads(self) -> None:
+    def resolved(self, step: float):
+        """Scenarios that the runner is given have sensors with this resolution."""
+        run = runner.run
+
+        def coarser(wanted, options):
+            events = tuple(replace(e, value=step) if e.name.endswith(".resolution") else e for e in wanted.events)
+            return run(replace(wanted, events=events), options)
+        return mock.patch.object(runner, "run", coarser)
+
+    def test_one_loop_beats_the_pi_and_stays_within_a_code_after_loads(self) -> None:
         tuner, pi = "ISV", "PI -2.0, 3 min"
         link = {name: self.costs(name) for name in (tuner, pi)}
+        with self.resolved(self.CODE):
+            coarse = {name: self.costs(name) for name in link}
         with self.at_pins(pins.pilot("T1", "T10", tick_s=30.0)):
             at = {name: self.costs(name) for name in link}
-        for where, cost in (("over the link", link), ("at the pins", at)):
+        for where, cost in (("over the link", link), (f"over the link in steps of {self.CODE:.4f} degC", coarse), ("at the pins", at)):
             print(f"self-tuning {where}: " + "; ".join(f"{name} {c['setpoints']:.1f} and {c['loads']:.1f} degC min" for name, c in cost.items()))
-        self.assertLess(at[tuner]["setpoints"], 0.75 * at[pi]["setpoints"])
-        self.assertLess(at[tuner]["loads"], at[pi]["loads"])
+        self.assertLess(at[tuner]["setpoints"], at[pi]["setpoints"])
+        self.assertLess(at[tuner]["loads"], 0.6 * at[pi]["loads"])
         self.assertLess(at[tuner]["loads"], self.CODE * self.LOADS_MIN)
 
 
