@@ -152,7 +152,13 @@ static enum outcome run_board(struct lockstep *k)
     return GOT_IT;
 }
 
-/* Until the clock of the board is a whole multiple of PINS_START_MS. */
+enum outcome lockstep_next_sample(struct lockstep *k)
+{
+    pins_side_next_sample(k->pins);
+    return run_board(k);
+}
+
+/* Until the clock of the board is where plant time may begin. */
 static enum outcome run_to_start(struct lockstep *k, const struct link_sample *sample)
 {
     enum outcome r;
@@ -182,7 +188,13 @@ static enum outcome set_up_board(struct lockstep *k, const struct link_sample *s
 static enum outcome pass_tick(struct lockstep *k, const struct link_sample *sample)
 {
     bool first = k->samples == 0;
+    if (k->console != NULL) {
+        k->console->before_run = first;
+    }
     enum outcome r = first ? set_up_board(k, sample) : GOT_IT;
+    if (k->console != NULL) {
+        k->console->before_run = false;
+    }
     if (r == GOT_IT) {
         pins_side_begin(k->pins, sample);
         r = run_board(k);

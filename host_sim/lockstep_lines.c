@@ -79,6 +79,13 @@ static bool is_reboot(const char *line)
     return strncmp(line, "reboot", 6) == 0 && (line[6] == '\0' || line[6] == ' ');
 }
 
+/* Settings of a board at its own pins bring it a plant, with the first sample: the lines that follow may want one. */
+static bool brings_plant(const struct lockstep *k, const char *line)
+{
+    return k->pins != NULL && k->console->before_run && k->console->reply == REPLY_OK &&
+           strcmp(line, "apply") == 0;
+}
+
 /* Sends one scripted line and waits for what it leads to. */
 enum outcome lockstep_one_line(struct lockstep *k, const struct script_line *x)
 {
@@ -115,6 +122,9 @@ enum outcome lockstep_one_line(struct lockstep *k, const struct script_line *x)
         (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%.*s\" was answered \"%s\"",
                        k->script->file, x->line, shown, x->text, k->console->reply_text);
         return STOPPED;
+    }
+    if (brings_plant(k, x->text)) {
+        return lockstep_next_sample(k);
     }
     if (k->console->reply == REPLY_OK && is_reboot(x->text)) {
         while (!restarted) { /* no sample goes to the firmware that is about to end */

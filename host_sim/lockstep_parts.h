@@ -21,6 +21,8 @@ enum outcome lockstep_wait(struct lockstep *k, condition done, uint64_t span_ms)
 enum outcome lockstep_late(struct lockstep *k, const char *what);
 /* After REGREETED: everything back to where samples can flow. */
 enum outcome lockstep_recover(struct lockstep *k, bool *restarted);
+/* At the board's own pins, while plant time has not begun: until the board has taken a sample. */
+enum outcome lockstep_next_sample(struct lockstep *k);
 
 /* lockstep_lines.c */
 /* Puts the console into machine mode, and telemetry back on if log_line says so. Never interrupted by a greeting:

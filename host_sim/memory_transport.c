@@ -6,6 +6,7 @@
 #include "buses.h"
 #include "chips/wired.h"
 #include "hal/memory/memory_port.h"
+#include "pins_side.h"
 
 #define IDLE_STEP_MS 1
 #define NS_PER_MS    UINT64_C(1000000)
@@ -88,7 +89,8 @@ static void memory_measure(struct transport *t, const char *sensor, double value
 static bool memory_loads(struct transport *t, double *ns, size_t n)
 {
     (void)t;
-    return wired_loads(wired, clock_ms * NS_PER_MS, ns) == n;
+    /* As late in the millisecond as those of a board are, so that a tick has as much of the command before it. */
+    return wired_loads(wired, clock_ms * NS_PER_MS + PINS_DONE_NS, ns) == n;
 }
 
 /* Of the faults of a virtual board this one is left, because here there are no registers. */

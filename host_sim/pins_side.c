@@ -8,9 +8,6 @@
 
 #define NS_PER_MS 1e6
 #define MS_NS     UINT64_C(1000000)
-#define DONE_NS                                                                                    \
-    UINT64_C(                                                                                      \
-        200000) /* what a board does in a millisecond of its clock it has done so long after it */
 
 /* The line of the wiring for a quantity of the plant. */
 static uint8_t line_of(const struct wiring *w, bool mv, const char *quantity)
@@ -66,6 +63,14 @@ void pins_side_close(struct pins_side *p)
     p->wiring = NULL;
 }
 
+bool pins_side_switches(const struct pins_side *p, size_t output)
+{
+    if (output >= p->n_outputs || p->output_of[output] == PINS_NONE)
+        return false;
+    enum wiring_kind kind = wiring_output(p->wiring, p->output_of[output])->kind;
+    return kind == WIRING_SSR || kind == WIRING_RELAY;
+}
+
 void pins_side_turn(struct pins_side *p)
 {
     uint8_t bytes[256];
@@ -93,7 +98,7 @@ static uint64_t next_multiple(const struct pins_side *p, uint64_t step_ms)
     uint64_t now_ns, began_ns, step_ns = step_ms * MS_NS;
     p->port->ops->clock(p->port, &now_ns, &began_ns);
     uint64_t passed = now_ns - began_ns + MS_NS;
-    return began_ns + passed - passed % step_ns + step_ns - MS_NS + DONE_NS;
+    return began_ns + passed - passed % step_ns + step_ns - MS_NS + PINS_DONE_NS;
 }
 
 static void measure(struct pins_side *p, const struct link_sample *sample)
@@ -104,17 +109,27 @@ static void measure(struct pins_side *p, const struct link_sample *sample)
                                   (double)sample->measurement[i].value);
 }
 
+static uint64_t start_ms(const struct pins_side *p)
+{
+    return (PINS_START_MS + p->tick_ms - 1u) / p->tick_ms * p->tick_ms;
+}
+
 void pins_side_set_up(struct pins_side *p, const struct link_sample *sample)
 {
     measure(p, sample);
-    stop_at(p, next_multiple(p, PINS_START_MS));
+    stop_at(p, next_multiple(p, start_ms(p)));
 }
 
 bool pins_side_is_set_up(const struct pins_side *p)
 {
     uint64_t now_ns, began_ns;
     p->port->ops->clock(p->port, &now_ns, &began_ns);
-    return (now_ns - began_ns + MS_NS) % (PINS_START_MS * MS_NS) < MS_NS;
+    return (now_ns - began_ns + MS_NS) % (start_ms(p) * MS_NS) < MS_NS;
+}
+
+void pins_side_next_sample(struct pins_side *p)
+{
+    stop_at(p, next_multiple(p, p->tick_ms) + p->tick_ms * MS_NS / 4u);
 }
 
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample)

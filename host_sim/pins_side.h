@@ -14,6 +14,8 @@
 #include "plants/plant.h"
 
 #define PINS_NONE 0xFFu
+/* What a board does in a millisecond of its clock it has done so long after it: then its loads are read. */
+#define PINS_DONE_NS UINT64_C(200000)
 
 struct pins_side {
     struct transport *port;
@@ -33,15 +35,22 @@ bool pins_side_open(struct pins_side *p, struct transport *port, const char *wir
                     size_t err_size);
 void pins_side_close(struct pins_side *p);
 
+/* Whether this manipulated variable, by its number in the plant, is a load that is switched on and off: it has no speed but its own. */
+bool pins_side_switches(const struct pins_side *p, size_t output);
+
 /* Drops what the board says on the link, where nobody listens. */
 void pins_side_turn(struct pins_side *p);
 
-/* Gives the sensors these readings until the firmware's clock is a whole multiple of PINS_START_MS: however long a board took to get its settings,
- * plant time then begins at the same moment of its clock, and windows of outputs in the same place. */
+/* Gives the sensors these readings until the firmware's clock is a whole multiple of PINS_START_MS, or of the least multiple of the tick that is
+ * not shorter: however long a board took to get its settings, plant time then begins at the same moment of its clock, in which it takes a sample,
+ * and windows of outputs in the same place. */
 #define PINS_START_MS 30000u
 void pins_side_set_up(struct pins_side *p, const struct link_sample *sample);
 /* Whether the clock is there. It is not where it stood meanwhile, as while the flash is erased. */
 bool pins_side_is_set_up(const struct pins_side *p);
+
+/* While plant time has not begun: goes on until the board has taken its next sample. */
+void pins_side_next_sample(struct pins_side *p);
 
 /* Begins a tick with these readings. Its first part ends when the board has taken its sample; pins_side_go_on() begins the second. */
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample);

@@ -71,7 +71,12 @@ bool hal_pin_read(hal_pin pin)
 {
     if (pins[pin].output)
         return pins[pin].on != pins[pin].low;
-    return pins[pin].level == PIN_LEVEL_OPEN ? pins[pin].pulled : pins[pin].level == PIN_LEVEL_HIGH;
+    enum pin_level level = PIN_LEVEL_OPEN;
+    if (outside.pin_input != NULL)
+        level = outside.pin_input(outside.context, now_ns(), pin);
+    if (level == PIN_LEVEL_OPEN)
+        level = pins[pin].level;
+    return level == PIN_LEVEL_OPEN ? pins[pin].pulled : level == PIN_LEVEL_HIGH;
 }
 
 void hal_pin_write(hal_pin pin, bool high)
@@ -146,9 +151,10 @@ enum err hal_pwm_open(hal_pin pin, uint32_t hz, bool low)
 
 void hal_pwm_set(hal_pin pin, uint16_t part)
 {
-    double on = (double)part / HAL_PWM_FULL;
     if (!pins[pin].output)
         return;
+    uint32_t counts = pwm_counts(PWM_TIMER_HZ, pulse_hz[pin]);
+    double on = (double)pwm_compare(counts, part) / counts; /* in steps, as the chip has them */
     pins[pin].on = part != 0;
     if (outside.pin_pulses != NULL)
         outside.pin_pulses(outside.context, now_ns(), pin, pulse_hz[pin],

@@ -5,6 +5,7 @@
 #ifndef REFLUX_STM32F405_BOARD_PINS_H
 #define REFLUX_STM32F405_BOARD_PINS_H
 
+#include "hal/output.h"
 #include "hal/pin.h"
 
 /* pin_map.c says what needs the others. */
@@ -43,5 +44,22 @@
     P('C', 8, 3, 3)                                                                                \
     P('C', 9, 3, 4)
 #define PWM_HZ_MOST 100000u
+
+/* Pulse widths: the timers' clock where the crystal runs, and counts of a period, so that one more fits a compare value of 16 bits. */
+#define PWM_TIMER_HZ   84000000u
+#define PWM_COUNT_MOST 65535u
+static inline uint32_t pwm_divider(uint32_t timer_hz, uint32_t hz)
+{
+    return timer_hz / hz / PWM_COUNT_MOST + 1u;
+}
+static inline uint32_t pwm_counts(uint32_t timer_hz, uint32_t hz)
+{
+    return timer_hz / hz / pwm_divider(timer_hz, hz);
+}
+/* The compare value for a part of HAL_PWM_FULL. */
+static inline uint32_t pwm_compare(uint32_t counts, uint16_t part)
+{
+    return part * counts / HAL_PWM_FULL;
+}
 
 #endif

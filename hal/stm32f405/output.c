@@ -16,8 +16,7 @@
 #include "pin_map.h"
 #include "registers.h"
 
-#define CHANNELS   4u
-#define COUNT_MOST 65535u /* counts of a period, so that one more fits a compare value of 16 bits */
+#define CHANNELS 4u
 
 enum { TIMER_3, TIMER_4, TIMER_5, TIMER_12, TIMERS };
 
@@ -91,10 +90,10 @@ static uint32_t timer_hz(void)
 
 static void set_frequency(const struct pwm_timer *t, uint32_t hz)
 {
-    uint32_t counts = timer_hz() / hz, divider = counts / COUNT_MOST + 1u;
+    uint32_t clock_hz = timer_hz();
     TIM_CR1(t->base) = 0;
-    TIM_PSC(t->base) = divider - 1u;
-    TIM_ARR(t->base) = counts / divider - 1u;
+    TIM_PSC(t->base) = pwm_divider(clock_hz, hz) - 1u;
+    TIM_ARR(t->base) = pwm_counts(clock_hz, hz) - 1u;
     TIM_EGR(t->base) = TIM_EGR_UG;
     TIM_CR1(t->base) = TIM_CR1_CEN;
 }
@@ -147,7 +146,7 @@ void hal_pwm_set(hal_pin pin, uint16_t part)
         return;
     }
     uint32_t base = timers[p->timer].base;
-    TIM_CCR(base, p->channel) = part * (TIM_ARR(base) + 1u) / HAL_PWM_FULL;
+    TIM_CCR(base, p->channel) = pwm_compare(TIM_ARR(base) + 1u, part);
 }
 
 void hal_output_safe(void)

@@ -118,7 +118,7 @@ static void take_line(struct console *c)
     note(c, '<', line);
     bool header = begins(line, "H,");
     if (header || begins(line, "T,")) {
-        if (c->telemetry != NULL) {
+        if (c->telemetry != NULL && (header || !c->before_run)) {
             (void)fprintf(c->telemetry, "%s\n", line);
         }
         if (header) {

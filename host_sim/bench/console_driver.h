@@ -22,6 +22,7 @@ struct console {
     FILE *transcript;    /* may be NULL: every line with its direction */
     FILE *telemetry;     /* may be NULL: H and T lines */
     double plant_time_s; /* for the transcript, set by the owner */
+    bool before_run;     /* likewise: rows are no samples of the run, telemetry does not get them */
 
     char line[CONSOLE_LINE_SIZE];
     size_t n;

@@ -85,16 +85,31 @@ static bool make_plant(struct run_parts *p, char *err, size_t err_size)
     return p->plant != NULL;
 }
 
+/* A load that is switched is on or off at once: the plant's own actuator, which takes seconds for its way, would never get there. */
+static void release_switched(struct run_parts *p)
+{
+    const struct plant_class *class = p->options.class;
+    size_t output = 0;
+    for (size_t i = 0; i < class->n_channels; i++) {
+        if (class->channels[i].kind == PLANT_MV && pins_side_switches(&p->pins, output++)) {
+            instruments_set(&p->instruments, i, OPTION_SLEW, 0.0);
+        }
+    }
+}
+
 /* With --wiring: the pins, and the link for what is at none of them. */
 static bool wire(struct run_parts *p, uint32_t session, char *err, size_t err_size)
 {
     const struct sim_options *o = &p->options;
     p->run.pins = &p->pins;
     p->run.rest = o->rest_on_link ? &p->rest : NULL;
-    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
-                          err_size) &&
-           (!o->rest_on_link || rest_side_open(&p->rest, &p->link, &p->pins, o->class, o->tick_ms,
-                                               session, err, err_size));
+    if (!pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
+                        err_size)) {
+        return false;
+    }
+    release_switched(p);
+    return !o->rest_on_link || rest_side_open(&p->rest, &p->link, &p->pins, o->class, o->tick_ms,
+                                              session, err, err_size);
 }
 
 bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interrupted, char *err,

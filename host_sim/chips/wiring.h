@@ -13,7 +13,8 @@
  *
  * Properties of each line: quantity, the plant's name where it is another; lo and hi, values of the quantity at lo_in and hi_in of the chip's input
  * (a straight line; without them they are the same), of an output with the load off and fully on (without them 0 and 1).
- * Of an output: active=low where a low pin turns it on. A valve has one pin, or two that open and close it, and `travel`, s from end to end.
+ * Of an output: active=low where a low pin turns it on. A valve has one pin, or two that open and close it, and `travel`, s from end to end. Behind
+ * the two there may be two more, of contacts that close to ground at its open and its closed end.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -51,6 +52,8 @@ struct wiring_output {
     enum wiring_kind kind;
     hal_pin pin;
     hal_pin close_pin; /* of a valve with two, else HAL_PIN_NONE */
+    hal_pin
+        end_pin[2]; /* contacts at the open and the closed end of such a valve, or HAL_PIN_NONE */
     bool low_active;
     double lo, hi;   /* of the quantity, off and on */
     double travel_s; /* of a valve with two pins */

@@ -76,7 +76,9 @@ static bool take_pin(const struct wiring *w, const char *text, hal_pin *pin, cha
         }
     }
     for (size_t i = 0; i < w->n_outputs; i++) {
-        if (w->output[i].pin == *pin || w->output[i].close_pin == *pin) {
+        const struct wiring_output *o = &w->output[i];
+        if (o->pin == *pin || o->close_pin == *pin || o->end_pin[0] == *pin ||
+            o->end_pin[1] == *pin) {
             return sim_fail(err, err_size, "%s is a pin of %s in line %u; each has its own pin",
                             text, w->output[i].name, w->output[i].line);
         }
@@ -184,31 +186,44 @@ static bool read_output(struct wiring *w, const struct words *s, enum wiring_kin
 {
     struct own own;
     char rest[TEXT_SIZE];
-    struct wiring_output o = {.kind = kind, .close_pin = HAL_PIN_NONE, .line = s->line};
+    struct wiring_output o = {.kind = kind,
+                              .close_pin = HAL_PIN_NONE,
+                              .end_pin = {HAL_PIN_NONE, HAL_PIN_NONE},
+                              .line = s->line};
     size_t pins = s->places - 2;
-    if (pins != 1 && !(kind == WIRING_VALVE && pins == 2)) {
+    bool turns = kind == WIRING_VALVE && (pins == 2 || pins == 4);
+    if (pins != 1 && !turns) {
         return sim_fail(err, err_size, "%s stands with %s; it has %s", s->word[1],
                         pins == 0 ? "no pin" : "too many pins",
-                        kind == WIRING_VALVE ? "one pin, or two that open and close it"
+                        kind == WIRING_VALVE ? "one pin, or two that open and close it, and then "
+                                               "two or none of contacts at its ends"
                                              : "one pin");
     }
-    if (!read_properties(s, &own, rest, err, err_size) ||
-        !take_pin(w, s->word[2], &o.pin, err, err_size) ||
-        (pins == 2 && !take_pin(w, s->word[3], &o.close_pin, err, err_size))) {
+    if (!read_properties(s, &own, rest, err, err_size)) {
         return false;
     }
-    if (o.pin == o.close_pin) {
-        return sim_fail(err, err_size, "%s opens and closes the valve; it has a pin for each",
-                        s->word[2]);
+    hal_pin *const taken[] = {&o.pin, &o.close_pin, &o.end_pin[0], &o.end_pin[1]};
+    for (size_t i = 0; i < pins; i++) {
+        if (!take_pin(w, s->word[2 + i], taken[i], err, err_size)) {
+            return false;
+        }
+        for (size_t k = 0; k < i; k++) {
+            if (*taken[k] == *taken[i]) {
+                return sim_fail(err, err_size,
+                                "%s stands twice; a valve has a pin for each way and each end",
+                                s->word[2 + i]);
+            }
+        }
     }
     if (rest[0] != '\0' || own.has_input_range) {
         return sim_fail(err, err_size, "%s has no property %s; it has quantity, active, lo, hi%s",
                         s->word[1], rest[0] != '\0' ? rest : "lo_in or hi_in",
                         kind == WIRING_VALVE ? ", travel" : "");
     }
-    if (own.has_travel != (pins == 2) || (pins == 2 && !(own.travel_s > 0.0))) {
-        return sim_fail(err, err_size,
-                        "travel=, in s, stands with a valve of two pins and nowhere else");
+    if (own.has_travel != turns || (turns && !(own.travel_s > 0.0))) {
+        return sim_fail(
+            err, err_size,
+            "travel=, in s, stands with a valve that pins open and close and nowhere else");
     }
     sim_append(o.name, sizeof(o.name), "%s", s->word[0]);
     sim_append(o.quantity, sizeof(o.quantity), "%s", own.quantity);

@@ -13,6 +13,9 @@ import board  # noqa: E402
 
 from reflux import build  # noqa: E402
 
+SETTINGS = ("begin", "set io.source board", "set tick.base 1", "set chan1.name T1", "set chan1.unit degC", "set chan1.device max31865", "set chan1.bus spi1",
+            "set chan1.select PA4", "set out1.name Qrb", "set out1.unit kW", "set out1.kind window", "set out1.pin PB1", "set out1.hi 1.5",
+            "set meas1.name T1", "set meas1.unit degC", "set meas1.hi 200", "set mv1.name Qrb", "set mv1.unit kW", "set mv1.hi 1.5")
 SENSOR, LOAD = "T1 max31865 spi1 PA4\n", "Qrb ssr PB1 hi=1.5\n"
 
 
@@ -59,6 +62,28 @@ class WiringOptionTest(unittest.TestCase):
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
         self.assertGreater(len(rows), 0)
         self.assertEqual({float(row["Qrb.cmd[kW]"]) for row in rows}, {0.0})
+
+    def run_by(self, script: list[str], *options: str) -> list[str]:
+        """Telemetry of a board that has these lines at time 0."""
+        lines, rows = self.folder / "script.txt", self.folder / "telemetry.csv"
+        lines.write_text("".join(f"0 {line}\n" for line in script), encoding="utf-8")
+        done = self.run_with(SENSOR + LOAD, "--console", "memory", "--script", str(lines), "--telemetry", str(rows), *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return rows.read_text(encoding="utf-8").splitlines()
+
+    def test_lines_behind_apply_find_the_plant_before_its_time_begins(self) -> None:
+        header, *rows = self.run_by([*SETTINGS, "apply", "log on", "out Qrb 0.9"], "--tick", "1")
+        self.assertEqual(len(rows), 6)  # none from before plant time
+        place = header.replace("[kW]", "").split(",").index("Qrb.cmd")
+        self.assertEqual({row.split(",")[place] for row in rows}, {"0.899999976"})
+
+    def test_plant_time_begins_with_a_sample_whatever_the_tick(self) -> None:
+        for tick_s, begins_s in ((1, 60), (7, 70), (20, 80), (60, 180)):
+            with self.subTest(tick_s):
+                settings = [line.replace("tick.base 1", f"tick.base {tick_s}") for line in SETTINGS]
+                header, *rows = self.run_by([*settings, "apply", "log on"], "--tick", str(tick_s), "--duration", str(3 * tick_s))
+                place = header.replace("[s]", "").split(",").index("time")
+                self.assertEqual([float(row.split(",")[place]) for row in rows], [begins_s + k * tick_s for k in range(4)])
 
 
 if __name__ == "__main__":

@@ -142,14 +142,15 @@ class Run:
     """A run that has ended. script lines: (time_s, line); times do not go backwards."""
 
     def __init__(self, of: Plant, script: list[tuple[float, str]], *, noise: float = 0.0, seed: int = 1,
-                 events: list[str] = (), duration_s: float = 1e8, log: bool = False, program: Path | None = None):
+                 events: list[str] = (), duration_s: float = 1e8, log: bool = False, program: Path | None = None,
+                 options: tuple[str, ...] = ()):
         program = program or build.find_program("host", "reflux-sim-memory")
         with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
             script_file, said, rows = (Path(folder) / n for n in ("script", "said", "log.csv"))
             script_file.write_text("".join(f"{t:g} {line}\n" for t, line in script))
             command = [str(program), "--plant", str(of.path), "--port", "memory", "--console", "memory", "--duration",
                        f"{duration_s:g}", "--noise", f"{noise:g}", "--seed", str(seed), "--script", str(script_file),
-                       "--transcript", str(said), "--timeout", "600"]
+                       "--transcript", str(said), "--timeout", "600", *options]
             if log:
                 command += ["--log", str(rows)]
             for e in events:

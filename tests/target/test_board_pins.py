@@ -1,140 +1,134 @@
 #!/usr/bin/python3
-"""The pilot column at the board's own pins: the flashed image on the virtual board gives the log of the host, bit for bit."""
+"""Plants at the board's own pins: the flashed image on the virtual board gives the log of the host, bit for bit.
 
-import contextlib
-import re
-import subprocess
+usage: test_board_pins.py [all]      (all: ten minutes of each scenario in place of one)
+"""
+
 import sys
 import tempfile
-import time
 import unittest
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
+from sample import EVERY  # noqa: E402
 
-from reflux import build  # noqa: E402
+from reflux import build, compare, logs, runner, scenario  # noqa: E402
 
 IMAGE = "stm32f405"
-BOARD = board.ROOT / "build" / "host" / "reflux-board"
-SETTINGS = board.ROOT / "host_sim" / "scenarios" / "pilot-pins.conf"
-WIRING = board.ROOT / "host_sim" / "scenarios" / "pilot-pins.wiring"
-DURATION_S = 60
-# Plant time, s, and console line: manual outputs, both loops to automatic, a setpoint, and settings that come into force meanwhile.
-LATER = ((3, "out Lr 4.5"), (3, "out Qrb 0.8"), (8, "status"), (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"),
-         (35, "begin"), (35, "set loop1.gain 10"), (35, "apply"), (45, "mode bottom manual"), (46, "out Qrb 0.7"))
-SPENT = ("stat.tick",)  # processor time
-# Three thermometers at the link beside the pins, which is unplugged for a while.
-BY_LINK = ("T3", "T5", "T8")
-UNPLUGGED = ("--rest-on-link", *(word for name in BY_LINK for word in ("--measure", name)), "--event", "20:board.unplug_link=15")
+DURATION_S = 600 if EVERY else 60
 
 
-def settings() -> list[str]:
-    return [line for line in SETTINGS.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+@dataclass(frozen=True)
+class Case:
+    """later: plant time, s, and console line, beside those of the scenario. near: measurements and what the plant has of them about then, in the
+    unit of the board, with the largest difference. last: columns at the end, and their values."""
+
+    name: str
+    later: tuple[tuple[float, str], ...]
+    near: dict[str, tuple[float, float]]
+    last: dict[str, float]
 
 
-def telemetry(out: Path) -> list[dict[str, str]]:
-    """The rows by the names of their header, without units and without what no two boards have in common."""
-    names: list[str] = []
-    rows = []
-    for line in (out / "telemetry.csv").read_text(encoding="utf-8").splitlines():
-        fields = line.split(",")
-        if fields[0] == "H":
-            names = [re.sub(r"\[.*", "", name) for name in fields]
-        else:
-            rows.append({name: field for name, field in zip(names, fields) if name not in SPENT})
-    return rows
+# Outputs by hand, loops to automatic, setpoints, and settings that come into force meanwhile.
+STEPS = tuple((20.0 + k, f"out u{3 + k % 2} {37 * k % 90 + 5}") for k in range(30))  # a tick has some milliseconds of the voltage before each
+CASES = (
+    Case("pilot-pins",
+         ((8, "status"), (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"), (35, "begin"), (35, "set loop1.gain 10"),
+          (35, "apply"), (45, "mode bottom manual"), (46, "out Qrb 0.7")),
+         {"T1": (87.0, 5.0), "T10": (107.0, 5.0)}, {"top.mode": 1, "bottom.mode": 0, "top.sp": 87.5, "Qrb.cmd": 0.7}),
+    # The reflux valve to its contact, and back.
+    Case("methanol-pins",
+         ((4, "out R 0"), (10, "mode bottom auto"), (20, "sp bottom 98"), (30, "status"), (40, "out R 8")),
+         {"T4": (99.0, 2.0), "T12": (80.0, 5.0)}, {"bottom.mode": 1, "bottom.sp": 98, "R.cmd": 8}),
+    Case("furnace-pins",
+         ((5, "mode burner1 auto"), (5, "mode burner2 auto"), (15, "sp burner1 60"), *STEPS, (50, "mode burner2 manual"), (55, "out u4 60")),
+         {"y1": (52.0, 10.0), "y2": (50.0, 10.0), "y3": (50.0, 10.0), "y4": (50.0, 10.0)},
+         {"burner1.mode": 1, "burner1.sp": 60, "burner2.mode": 0, "u4.cmd": 60}),
+)
 
 
-@unittest.skipUnless(BOARD.exists(), "no reflux-board: libunicorn-dev is not installed")
 class SameLogTest(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
-        self.script = self.folder / "script.txt"
-        self.write_script(settings())
 
-    def write_script(self, first: list[str]) -> None:
-        lines = [*((0, line) for line in (*first, "log on")), *LATER]
-        self.script.write_text("".join(f"{at} {line}\n" for at, line in lines), encoding="utf-8")
+    def run_on(self, firmware: str, case: Case, name: str) -> runner.Result:
+        """A minute with the lines of the case; in a longer run those of the scenario come after it."""
+        whole = scenario.load(scenario.SCENARIOS / f"{case.name}.toml")
+        scripted = [scenario.Line(float(at), text) for at, text in case.later]
+        own = [line for line in whole.lines if line.at_s < DURATION_S and (line.at_s == 0 or line.at_s >= 60)]
+        wanted = replace(whole, firmware=firmware, duration_s=float(DURATION_S), lines=tuple(sorted([*own, *scripted], key=lambda line: line.at_s)),
+                         events=tuple(event for event in whole.events if event.at_s < DURATION_S), limits=(), loops=())
+        self.assertIsNotNone(wanted.wiring)
+        result = runner.run(wanted, runner.Options(self.folder / name, quiet=True))
+        print(f"{case.name} on {firmware}: {result.facts['samples']} samples in {result.facts['wall_s']} s", flush=True)
+        return result
 
-    def simulate(self, program: str, where: str, name: str, *options: str) -> Path:
-        """The folder with log, telemetry and transcript of a run of the plant."""
-        out = self.folder / name
-        out.mkdir()
-        done = subprocess.run([str(build.find_program("host", program)), "--plant", "pilot", "--port", where, "--console", where,
-                               "--wiring", str(WIRING), "--tick", "1", "--duration", str(DURATION_S), "--script", str(self.script),
-                               "--log", str(out / "simulator.csv"), "--telemetry", str(out / "telemetry.csv"),
-                               "--transcript", str(out / "transcript.txt"), "--timeout", str(board.PATIENCE_S), *options],
-                              capture_output=True, text=True, timeout=board.PATIENCE_S, check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        print(f"{name}: {done.stdout.strip()}{done.stderr.strip()}")
-        return out
-
-    def host(self, name: str = "host", *options: str) -> Path:
-        return self.simulate("reflux-sim-memory", "memory", name, *options)
-
-    @contextlib.contextmanager
-    def virtual_board(self):
-        control = self.folder / "control"
-        process = subprocess.Popen([str(BOARD), "--image", str(build.find_image(IMAGE)), "--control", str(control), "--wiring", str(WIRING),
-                                    "--statistics"], stderr=subprocess.PIPE, text=True)
-        self.addCleanup(process.kill)
-        end = time.monotonic() + board.PATIENCE_S
-        while not control.exists():
-            self.assertTrue(process.poll() is None and time.monotonic() < end, "reflux-board did not start")
-            time.sleep(0.01)
-        self.said = ""
-        yield f"board:{control}"
-        self.said = process.communicate(timeout=board.PATIENCE_S)[1]
-
+    @unittest.skipUnless((build.build_dir("host") / "reflux-board").exists(), "no reflux-board: libunicorn-dev is not installed")
     def test_the_image_gives_the_log_of_the_host(self) -> None:
-        self.compare()
+        for case in CASES:
+            with self.subTest(case.name):
+                host, image = self.run_on("memory", case, f"{case.name}-host"), self.run_on(f"board-{IMAGE}", case, f"{case.name}-board")
+                self.assertEqual(compare.compare(host.log, image.log), [])
 
-    def test_the_image_gives_the_log_of_the_host_with_a_part_of_the_plant_at_the_link(self) -> None:
-        lines = [line.replace("io.source board", "io.source both") for line in settings()]
-        for number, name in enumerate(BY_LINK, 3):
-            lines[-1:-1] = [f"set meas{number}.{field}" for field in (f"name {name}", "unit degC", "lo 70", "hi 130")]
-        self.write_script(lines)
-        rows = telemetry(self.compare(*UNPLUGGED))[-DURATION_S - 1:]
-        for name in BY_LINK:
-            good = [row[f"{name}.q"] == "0" for row in rows]
-            self.assertEqual((good[15], good[30], good[45]), (True, False, True))
-        self.assertEqual({row["T1.q"] for row in rows}, {"0"})
-
-    def compare(self, *options: str) -> Path:
-        host = self.host("host", *options)
-        with self.virtual_board() as where:
-            image = self.simulate("reflux-sim", where, "board", *options)
-        print(self.said.strip())
-        self.assertEqual((host / "simulator.csv").read_bytes(), (image / "simulator.csv").read_bytes())
-        self.assertEqual(telemetry(host), telemetry(image))
-        for kind in ("software", "watchdog"):
-            self.assertIn(f"{kind} 0", self.said)
-        return image
-
-    def test_the_run_is_a_column_that_is_controlled(self) -> None:
+    def test_each_run_is_a_plant_that_is_controlled(self) -> None:
         """Else two logs might be alike because nothing happens."""
-        out = self.host()
-        rows = telemetry(out)
-        self.assertGreaterEqual(len(rows), DURATION_S)
-        self.assertEqual({row[name] for row in rows for name in ("T1.q", "T10.q")}, {"0"})
-        last = rows[-1]
-        self.assertEqual((last["top.mode"], last["bottom.mode"], float(last["top.sp"])), ("1", "0", 87.5))
-        self.assertAlmostEqual(float(last["Qrb.cmd"]), 0.7, places=6)
-        header, *log = (line.split(",") for line in (out / "simulator.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#")
-        places = [header.index(next(name for name in header if name.startswith(f"{wanted}.meas"))) for wanted in ("T1", "T10")]
-        for row in log:  # what the sensors are given, and what the board reads a second later at most
-            for place, near in zip(places, (87.0, 104.0)):
-                self.assertAlmostEqual(float(row[place]), near, delta=5.0)
-        first = [float(rows[0][name]) for name in ("T1", "T10")]
-        for read, place in zip(first, places):
-            self.assertAlmostEqual(read, float(log[0][place]), delta=0.1)
+        for case in CASES:
+            with self.subTest(case.name):
+                log = self.run_on("memory", case, case.name).log
+                minute = [k for k, time in enumerate(log.numbers("time")) if time <= 60]
+                for name, (value, most) in case.near.items():
+                    self.assertEqual({log.text(f"fw.{name}.q")[k] for k in minute}, {"0"})
+                    kelvin = 273.15 if log.unit(f"{name}.meas") == "K" else 0.0
+                    given = [x - kelvin for x in log.numbers(f"{name}.meas")]  # what the sensors are given
+                    for k in minute:
+                        self.assertAlmostEqual(given[k], value, delta=most)
+                    # What the board reads before the plant has moved, but for noise.
+                    self.assertAlmostEqual(log.numbers(f"fw.{name}")[0], given[0], delta=0.2)
+                for name, value in case.last.items():
+                    self.assertAlmostEqual(log.numbers(f"fw.{name}")[minute[-1]], value, places=4, msg=name)
+
+    def test_a_motor_valve_gets_to_its_contact_and_back(self) -> None:
+        case = next(case for case in CASES if case.name == "methanol-pins")
+        result = self.run_on("memory", case, "valve")
+        log = result.log
+        actual, time = log.numbers("fw.R.app"), log.numbers("time")
+        self.assertAlmostEqual(actual[0], 10.9, delta=0.4)  # the valve stays where it is within its dead band of 1 %
+        self.assertEqual({actual[k] for k in range(len(time)) if 34 <= time[k] <= 40}, {0.0})
+        self.assertAlmostEqual(actual[next(k for k in range(len(time)) if time[k] == 60)], 8.0, delta=0.4)
+        codes = {code for _, _, code, _ in runner.events_in(result.out / "transcript.txt")}
+        self.assertNotIn("VALVE_FAULT", codes)
 
     def test_a_run_on_the_host_repeats_to_the_bit(self) -> None:
-        first, second = self.host("first"), self.host("second")
-        for kept in ("simulator.csv", "telemetry.csv", "transcript.txt"):
+        first, second = (self.run_on("memory", CASES[0], name) for name in ("first", "second"))
+        for kept in ("log.csv", "telemetry.csv", "transcript.txt"):
             with self.subTest(kept):
-                self.assertEqual((first / kept).read_bytes(), (second / kept).read_bytes())
+                self.assertEqual((first.out / kept).read_bytes(), (second.out / kept).read_bytes())
+
+
+class DemonstrationTest(unittest.TestCase):
+    """tools/demo --board."""
+
+    def demonstrate(self, firmware: str) -> runner.Result:
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+        wanted = scenario.load(scenario.SCENARIOS / "demo-board.toml").with_options(firmware=firmware)
+        return runner.run(wanted, runner.Options(folder / firmware, quiet=True))
+
+    def test_the_cold_column_comes_under_control_by_its_own_sequence(self) -> None:
+        result = self.demonstrate("memory")
+        self.assertEqual(result.failures(), [])
+        log, events = result.log, runner.events_in(result.out / "transcript.txt")
+        self.assertIn("SEQUENCE_DONE", [code for _, _, code, _ in events])
+        self.assertFalse([text for _, _, code, text in events if code in ("SEQUENCE_HELD", "SEQUENCE_TIMEOUT", "SEQUENCE_ABORTED", "SENSOR_FAULT", "VALVE_FAULT")])
+        self.assertLess(log.numbers("T1.true")[0], 25.0)
+        self.assertEqual([log.numbers(f"fw.{loop}.mode")[-1] for loop in ("top", "bottom")], [1.0, 1.0])
+        for name, setpoint in (("T1", 87.15), ("T10", 107.5)):
+            self.assertAlmostEqual(log.numbers(f"{name}.true")[-1], setpoint, delta=1.0)
+
+    @unittest.skipUnless(EVERY, "the image takes minutes")
+    def test_the_image_does_it_as_the_host_does(self) -> None:
+        self.assertEqual(compare.compare(self.demonstrate("memory").log, self.demonstrate(f"board-{IMAGE}").log), [])
 
 
 if __name__ == "__main__":

@@ -91,6 +91,6 @@ class SramGuard(unittest.TestCase):
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["all"]:
-        LONGEST = [path.stem for path in every(SCENARIOS, "*.toml")]
+        LONGEST = [path.stem for path in every(SCENARIOS, "*.toml") if scenario.load(path).wiring is None]
         del sys.argv[1:]
     unittest.main()

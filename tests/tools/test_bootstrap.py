@@ -170,7 +170,7 @@ class Bootstrap(FakeSystem):
     def test_a_tool_judges_its_arguments_before_it_installs(self) -> None:
         for wrong in (["fuzz", "nope"], ["fuzz", "--runs", "0"], ["coverage", "--check"], ["evidence", "nope"], ["image", "nope"], ["mutate", "--jobs", "0"],
                       ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["site", "--out", ""], ["wheel", "--out", ""], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
-                      ["demo", "--firmware", "serial"]):
+                      ["demo", "--firmware", "serial"], ["demo", "--board", "--firmware", "stm32f405"]):
             with self.subTest(wrong):
                 answer = self.tool(*wrong)
                 self.assertEqual((answer.returncode, answer.stdout, self.calls()), (2, "", []), answer.stderr)
@@ -182,6 +182,7 @@ class Bootstrap(FakeSystem):
                               (["image"], ["--ask", "host", "target"]), (["test", "unit"], ["--set-up", "host"]),
                               (["test", "target"], ["--set-up", "host", "target"]), (["test"], ["--set-up", "host", "target", "test", "wheel"]),
                               (["demo"], ["--set-up", "host", "target"]), (["demo", "--firmware", "host"], ["--set-up", "host"]),
+                              (["demo", "--board"], ["--set-up", "host", "target"]), (["demo", "--board", "--firmware", "memory"], ["--set-up", "host"]),
                               (["evidence"], ["--ask", "host", "target", "test", "evidence"])):
             with self.subTest(words), mock.patch.object(packages.subprocess, "run", return_value=mock.Mock(returncode=1)) as run:
                 status, _, err = call(*words)

@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from unittest import mock
 
 from support import ROOT, FolderTest
 
-from reflux import build
+from reflux import boards, build, launch
 from reflux.errors import RunFailed
 
 # Takes the lock, says "in", and leaves when a line comes. "tried" marks each attempt that failed.
@@ -129,6 +130,33 @@ class EachBuild(FolderTest):
             with self.assertRaises(RunFailed):
                 build.build("host")
         self.assertFalse(is_held(build.build_dir("host")))
+
+    def configured(self, *trees: str) -> None:
+        """Each step of configuring leaves the next of these as build.ninja."""
+        texts = list(trees)
+
+        def note(what: str, command: list[str], quiet: bool) -> None:
+            self.note(what, command, quiet)
+            tree = build.build_dir("host")
+            tree.mkdir(exist_ok=True)
+            (tree / "build.ninja").write_text(texts.pop(0))
+
+        self.enterContext(mock.patch.object(build, "_run", note))
+
+    def test_a_tree_from_before_a_library_was_installed_is_made_anew(self) -> None:
+        self.configured("rule a\n", "rule a\nbuild reflux-board: link x.o\n")
+        self.assertTrue(build.knows("host", "reflux-board"))
+        self.assertEqual(self.steps, [("configuring host", True)] * 2)
+        self.assertTrue(build.knows("host", "reflux-board"))
+        self.assertEqual(len(self.steps), 2)
+
+    def test_without_unicorn_the_virtual_board_says_what_to_install(self) -> None:
+        for kind in boards.VIRTUAL:
+            with self.subTest(kind):
+                shutil.rmtree(build.build_dir("host"), ignore_errors=True)
+                self.configured("rule a\n", "build reflux-board-other: link x.o\n")
+                with self.assertRaisesRegex(RunFailed, "apt install libunicorn-dev"):
+                    launch.build_for(kind)
 
     def test_a_folder_that_cannot_be_written_is_an_error_in_one_line(self) -> None:
         (self.folder / "deep").write_text("a file")

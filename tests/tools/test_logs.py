@@ -1,5 +1,6 @@
 """Reading, joining and comparing logs."""
 
+import re
 import unittest
 from unittest import mock
 
@@ -24,6 +25,23 @@ class Logs(FolderTest):
         path = self.folder / "log.csv"
         logs.write_csv(log, path)
         self.assertEqual(logs.read_csv(path).rows, log.rows)
+
+    def test_telemetry_of_a_board_that_sampled_before_plant_time_joins_from_its_first_row(self) -> None:
+        late = re.sub(r"(?m)^T,1,(\d),", lambda row: f"T,1,{int(row[1]) + 61},", TEL)
+        whole = logs.join(*logs.at_pins(logs.read_csv(self.file("s.csv", SIM)), logs.read_telemetry(self.file("t.csv", late))))
+        self.assertEqual(whole.rows, self.joined().rows)
+        with self.assertRaisesRegex(RunFailed, "no telemetry row"):
+            self.joined(tel=late)
+
+    def test_a_board_whose_base_tick_is_three_ticks_of_the_plant_has_the_means_of_its_outputs(self) -> None:
+        rows = "".join(f"{k},{10 * k},{k},{k % 3},{k % 3}\n" for k in range(7))
+        simulated = logs.read_csv(self.file("s.csv", f"number,time[s],T1.true[degC],Lr.cmd[l/h],Lr.applied[l/h]\n{rows}"))
+        telemetry = "H,1,number,time[s],T1[degC]\n" + "".join(f"T,1,{5 + k},{60 + 30 * k},0\n" for k in range(3))
+        whole = logs.join(*logs.at_pins(simulated, logs.read_telemetry(self.file("t.csv", telemetry))))
+        self.assertEqual(whole.text("time"), ["0", "30", "60"])
+        self.assertEqual(whole.numbers("T1.true"), [0.0, 3.0, 6.0])
+        self.assertEqual(whole.numbers("Lr.cmd"), [1.0, 1.0, 0.0])  # of the last row there is one tick
+        self.assertEqual(whole.numbers("Lr.applied"), [0.0, 1.0, 1.0])
 
     def test_no_row_may_be_missing(self) -> None:
         with self.assertRaisesRegex(RunFailed, "no telemetry row for sample 1, 1 of 3 samples"):

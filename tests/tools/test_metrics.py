@@ -58,6 +58,14 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(step.max_error, STEP)
         self.assertEqual(disturbance.settling_s, 0.0)
 
+    def test_a_setpoint_in_degrees_is_judged_in_the_kelvin_of_the_plant(self) -> None:
+        degrees = log(first_order)
+        kelvin = Log([name.replace("T1.true[degC]", "T1.true[K]") for name in degrees.columns],
+                     [[*row[:2], repr(float(row[2]) + 273.15), *row[3:]] for row in degrees.rows])
+        here, there = (metrics.windows(one, scenario(), LOOP)[1] for one in (degrees, kelvin))
+        self.assertAlmostEqual(here.iae, there.iae, places=6)
+        self.assertAlmostEqual(here.max_error, there.max_error, places=9)
+
     def test_overshoot_of_a_second_order_step(self) -> None:
         step = self.windows(second_order)[1]
         self.assertAlmostEqual(step.overshoot_percent, 100 * math.exp(-math.pi * 0.4 / math.sqrt(1 - 0.16)), delta=0.1)

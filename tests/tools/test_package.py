@@ -91,7 +91,7 @@ class Layout(FolderTest):
         wanted = {name + (".so" if name.startswith("lib") else "") for name in TARGETS}
         self.assertEqual(programs, wanted)
         for folder in ("plants", "scenarios"):
-            files = {path.name for path in every(ROOT / "host_sim" / folder, "*.json", "*.toml", "*.conf")}
+            files = {path.name for path in every(ROOT / "host_sim" / folder, "*.json", "*.toml", "*.conf", "*.wiring")}
             self.assertEqual({path.name for path in (self.folder / "reflux" / folder).iterdir()}, files)
 
     def test_a_scenario_has_the_log_that_it_has_in_the_repository(self) -> None:

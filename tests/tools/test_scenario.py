@@ -2,6 +2,7 @@
 
 import contextlib
 import unittest
+from dataclasses import replace
 
 from support import GOOD, ROOT, FolderTest, call
 
@@ -32,6 +33,7 @@ BAD = {
     "two lines in one": (GOOD + '[[line]]\nat_s = 1\nsend = "a\\nb"\n', "line[1].send must be one line"),
     "line too long": (GOOD + f'[[line]]\nat_s = 1\nsend = "{"x" * 200}"\n', "at most 120 characters, this one 200"),
     "no console file": (GOOD + 'console = ["none.conf"]\n', "console: there is no file"),
+    "no wiring file": (GOOD + 'wiring = "none.wiring"\n', "wiring: there is no file"),
     "console not a list": (GOOD + 'console = "a.conf"\n', "console must be a list in [ ], not text"),
     "limit of no loop": (GOOD + LOOP + '[[limit]]\nloop = "up"\niae = 1\n', 'limit[1].loop is "up"; known are: top'),
     "limit of nothing": (GOOD + LOOP + '[[limit]]\nloop = "top"\n', "this limit limits nothing"),
@@ -54,7 +56,7 @@ class Scenarios(FolderTest):
                     scenario.load(path, plants=["pilot"])
                 message = str(raised.exception)
                 self.assertIn(expected, message)
-                self.assertIn("trial.toml" if what != "no console file" else "none.conf", message)
+                self.assertIn({"no console file": "none.conf", "no wiring file": "none.wiring"}.get(what, "trial.toml"), message)
                 self.assertNotIn("\n", message)
 
     def test_binary_and_missing_files(self) -> None:
@@ -69,6 +71,28 @@ class Scenarios(FolderTest):
         (self.folder / "smoke").mkdir()
         with contextlib.chdir(self.folder):
             self.assertEqual(scenario.find("smoke"), scenario.SCENARIOS / "smoke.toml")
+
+    def test_a_wiring_wants_a_firmware_with_pins(self) -> None:
+        self.file("a.wiring", "T1 max31865 spi1 PA4\n")
+        loaded = scenario.load(self.file("trial.toml", GOOD + 'wiring = "a.wiring"\n'))
+        self.assertEqual(loaded.wiring, self.folder / "a.wiring")
+        for firmware in scenario.FIRMWARES:
+            wanted = loaded.with_options(firmware=firmware)
+            with self.subTest(firmware):
+                if firmware == "memory" or firmware.startswith("board"):
+                    scenario.check_pins(wanted)
+                else:
+                    with self.assertRaisesRegex(UserError, f"with a wiring the firmware must have pins: .*{firmware} has none"):
+                        scenario.check_pins(wanted)
+        with self.assertRaisesRegex(UserError, "its plant is at the board's own pins; tools/run runs it"):
+            scenario.check_link(loaded)
+
+    def test_a_virtual_board_gets_the_wiring_and_the_simulator_too(self) -> None:
+        path = self.file("a.wiring", "T1 max31865 spi1 PA4\n")
+        loaded = scenario.load(self.file("trial.toml", GOOD + 'wiring = "a.wiring"\nseed = 5\n'))
+        self.assertEqual(runner.board_options(loaded.with_options(firmware="board")), ("--wiring", str(path), "--seed", "5"))
+        self.assertEqual(runner.board_options(loaded.with_options(firmware="memory")), ())
+        self.assertEqual(runner.board_options(replace(loaded, wiring=None, firmware="board")), ())
 
     def test_console_file_and_script(self) -> None:
         self.file("a.conf", "# comment\nbegin\n\nset a 1   # why\n?set b#2 3\napply\n")

@@ -58,7 +58,7 @@ class Contents(unittest.TestCase):
             self.assertIn(f"reflux/programs/{name}", names)
         self.assertTrue(all(modes[name] & 0o111 for name in names if "/programs/reflux-" in name))
         for folder in ("plants", "scenarios"):
-            files = {path.name for path in every(ROOT / "host_sim" / folder, "*.json", "*.toml", "*.conf")}
+            files = {path.name for path in every(ROOT / "host_sim" / folder, "*.json", "*.toml", "*.conf", "*.wiring")}
             self.assertEqual({name.split("/")[-1] for name in names if name.startswith(f"reflux/{folder}/")}, files)
         modules = {path.relative_to(ROOT / "tools").as_posix() for path in every(ROOT / "tools" / "reflux", "**/*.py")}
         self.assertEqual({name for name in names if name.endswith(".py")}, modules)

@@ -228,8 +228,12 @@ static void one_thing_at_two_places_is_refused(void)
                    "the rom is that of a in line 1; each chip has its own");
     expect_refused("V valve PB0 PB1 travel=9\nQ ssr PB1\n", 2,
                    "PB1 is a pin of V in line 1; each has its own pin");
+    expect_refused("V valve PB0 PB1 PC0 PC1 travel=9\nQ ssr PC1\n", 2,
+                   "PC1 is a pin of V in line 1; each has its own pin");
+    expect_refused("V valve PB0 PB1 PC0 PB1 travel=9\n", 1,
+                   "PB1 stands twice; a valve has a pin for each way and each end");
     expect_refused("V valve PB0 PB0 travel=9\n", 1,
-                   "PB0 opens and closes the valve; it has a pin for each");
+                   "PB0 stands twice; a valve has a pin for each way and each end");
 }
 
 static void two_quantities_of_one_chip_are_two_lines(void)
@@ -278,9 +282,12 @@ static void properties_that_do_not_fit_are_refused(void)
     expect_refused("Q ssr\n", 1, "ssr stands with no pin; it has one pin");
     expect_refused("Q ssr PB0 PB1\n", 1, "ssr stands with too many pins; it has one pin");
     expect_refused("V valve PB0 PB1\n", 1,
-                   "travel=, in s, stands with a valve of two pins and nowhere else");
+                   "travel=, in s, stands with a valve that pins open and close and nowhere else");
+    expect_refused("V valve PB0 PB1 PC0 travel=60\n", 1,
+                   "valve stands with too many pins; it has one pin, or two that open and close "
+                   "it, and then two or none of contacts at its ends");
     expect_refused("V valve PB0 travel=60\n", 1,
-                   "travel=, in s, stands with a valve of two pins and nowhere else");
+                   "travel=, in s, stands with a valve that pins open and close and nowhere else");
     expect_refused("Q ssr PB0 lo_in=0.5\n", 1,
                    "ssr has no property lo_in or hi_in; it has quantity, active, lo, hi");
 }

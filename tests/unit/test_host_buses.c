@@ -356,6 +356,26 @@ static void an_open_input_has_the_level_of_its_pull_up(void)
     TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 8)));
 }
 
+static enum pin_level low_at_c8(void *context, uint64_t now_ns, unsigned pin)
+{
+    (void)context;
+    (void)now_ns;
+    return pin == HAL_PIN('C', 8) ? PIN_LEVEL_LOW : PIN_LEVEL_OPEN;
+}
+
+static void an_input_has_the_level_that_the_world_gives_it(void)
+{
+    const struct world wired = {.pin_input = low_at_c8};
+    hal_pin_use(HAL_PIN('C', 8), HAL_PIN_INPUT_PULLED);
+    hal_pin_use(HAL_PIN('C', 7), HAL_PIN_INPUT_PULLED);
+    buses_set_world(&wired);
+    TEST_ASSERT_FALSE(hal_pin_read(HAL_PIN('C', 8)));
+    TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 7)));
+    buses_set_pin(HAL_PIN('C', 7), PIN_LEVEL_LOW);
+    TEST_ASSERT_FALSE(hal_pin_read(HAL_PIN('C', 7))); /* the world says nothing about it */
+    buses_set_pin(HAL_PIN('C', 7), PIN_LEVEL_OPEN);
+}
+
 static void falling_edges_are_pulses(void)
 {
     TEST_ASSERT_EQUAL_INT(ERR_OK, hal_pulse_open(HAL_PIN('C', 9)));
@@ -442,6 +462,7 @@ int main(void)
     RUN_TEST(an_output_that_becomes_an_input_goes_off);
     RUN_TEST(pins_that_are_not_free_are_no_outputs);
     RUN_TEST(an_open_input_has_the_level_of_its_pull_up);
+    RUN_TEST(an_input_has_the_level_that_the_world_gives_it);
     RUN_TEST(falling_edges_are_pulses);
     RUN_TEST(an_analogue_input_is_a_part_of_the_reference);
     RUN_TEST(on_an_empty_board_nobody_answers);

@@ -79,6 +79,24 @@ static void test_an_edge_that_is_wanted_is_pending_until_it_is_cleared(void)
     TEST_ASSERT_EQUAL_HEX32(BIT(6), get(EXTI_PR));
 }
 
+static enum pin_level low_at_b6(void *context, uint64_t now_ns, unsigned pin)
+{
+    (void)context;
+    (void)now_ns;
+    return pin == PIN('B', 6) ? PIN_LEVEL_LOW : PIN_LEVEL_OPEN;
+}
+
+static void test_a_pin_has_the_level_that_the_world_gives_it(void)
+{
+    const struct world wired = {.pin_input = low_at_b6}, none = {.context = NULL};
+    board_set_pin(b, PIN('B', 6), PIN_LEVEL_HIGH);
+    board_set_pin(b, PIN('B', 5), PIN_LEVEL_HIGH);
+    board_set_world(b, &wired);
+    TEST_ASSERT_EQUAL_HEX32(BIT(5), get(GPIO_IDR(1)) & (BIT(5) | BIT(6)));
+    board_set_world(b, &none);
+    TEST_ASSERT_EQUAL_HEX32(BIT(5) | BIT(6), get(GPIO_IDR(1)) & (BIT(5) | BIT(6)));
+}
+
 static void test_a_line_sees_the_port_that_is_chosen(void)
 {
     put_ok(EXTI_FTSR, BIT(1));
@@ -269,6 +287,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_an_edge_that_is_wanted_is_pending_until_it_is_cleared);
+    RUN_TEST(test_a_pin_has_the_level_that_the_world_gives_it);
     RUN_TEST(test_a_line_sees_the_port_that_is_chosen);
     RUN_TEST(test_an_output_makes_edges);
     RUN_TEST(test_each_line_has_its_interrupt);

@@ -203,6 +203,26 @@ static void a_valve_is_what_it_is_however_often_one_looks(void)
     TEST_ASSERT_DOUBLE_WITHIN(100.0, 70e9, load(LR, 100 * S));
 }
 
+static enum pin_level input(uint64_t now_ns, char port, unsigned pin)
+{
+    return world->pin_input(world->context, now_ns, HAL_PIN(port, (int)pin));
+}
+
+static void contacts_of_a_valve_close_at_its_ends_and_nowhere_else(void)
+{
+    open_text("Lr valve PB8 PB9 PC0 PC1 travel=60\n");
+    TEST_ASSERT_NOT_NULL_MESSAGE(w, err);
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_LOW, input(0, 'C', 1)); /* closed at first */
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_OPEN, input(0, 'C', 0));
+    drive(10 * S, 'B', 8, PIN_HIGH);
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_OPEN, input(10 * S + 2 * MS, 'C', 1));
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_OPEN, input(40 * S, 'C', 1));
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_OPEN, input(70 * S - 2 * MS, 'C', 0));
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_LOW, input(70 * S, 'C', 0));
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_LOW, input(90 * S, 'C', 0)); /* driven against its end */
+    TEST_ASSERT_EQUAL_INT(PIN_LEVEL_OPEN, input(90 * S, 'C', 2));
+}
+
 /* ---- faults and lines ---- */
 
 static void a_shorted_load_is_on_and_a_broken_one_off_from_their_moment_on(void)
@@ -336,6 +356,7 @@ int main(void)
     RUN_TEST(a_valve_stops_at_its_ends);
     RUN_TEST(a_valve_driven_both_ways_stays);
     RUN_TEST(a_valve_is_what_it_is_however_often_one_looks);
+    RUN_TEST(contacts_of_a_valve_close_at_its_ends_and_nowhere_else);
     RUN_TEST(a_shorted_load_is_on_and_a_broken_one_off_from_their_moment_on);
     RUN_TEST(a_broken_valve_stays_where_it_is);
     RUN_TEST(a_sensor_measures_what_it_is_given);

@@ -72,6 +72,20 @@ def _configure(preset: str, folder: Path, quiet: bool) -> None:
         _run(f"configuring {preset}", ["cmake", "--preset", preset, "-B", str(folder)], quiet)
 
 
+def knows(preset: str, target: str, quiet: bool = False) -> bool:
+    """Whether the build tree has this target. A tree that was made before its library was installed is made anew."""
+    folder = build_dir(preset)
+    with locked(folder, quiet):
+        for again in (False, True):
+            if again:
+                _run(f"configuring {preset}", ["cmake", "--preset", preset, "-B", str(folder)], quiet)
+            else:
+                _configure(preset, folder, quiet)
+            if f"\nbuild {target}: " in (folder / "build.ninja").read_text(encoding="utf-8"):
+                return True
+    return False
+
+
 def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Path:
     """Brings one build tree up to date and returns it. Output is shown only where something fails. An installed package has nothing to
     build."""

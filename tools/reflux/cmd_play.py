@@ -98,6 +98,7 @@ def bench_of(name: str, plant: str | None) -> Bench:
     found = scenario_of(path)
     if found is None:
         raise UserError(f"{shown(path)}: no scenario beside it says which plant it is for; name one with --plant")
+    scenarios.check_link(found)
     return Bench(found.plant_argument, tuple(found.plant_options()), tuple(line.text for line in found.config))
 
 

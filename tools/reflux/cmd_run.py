@@ -45,7 +45,7 @@ def with_options(scenario: scenarios.Scenario, options: argparse.Namespace) -> s
         check_number("--noise", options.noise, low=0)
     if options.speed is not None:
         scenarios.check_speed(options.speed, "--speed")
-    firmware = options.firmware or launch.at_hand(scenario.firmware)
+    firmware = options.firmware or launch.at_hand(scenario.firmware, scenario.wiring is not None)
     if not options.firmware and firmware != scenario.firmware and not getattr(options, "quiet", False):
         print(f"{scenario.firmware} is no part of the installed package: the {firmware} build runs the scenario")
     return scenario.with_options(seed=options.seed, noise=options.noise, speed=options.speed, firmware=firmware)
@@ -67,6 +67,7 @@ def run(scenario: scenarios.Scenario, out: Path, options: argparse.Namespace) ->
     """Also what tools/demo does."""
     ports = {"console_port": options.console_port, "link_port": options.link_port}
     launch.check_ports(scenario.firmware, **ports)
+    scenarios.check_pins(scenario)
     if not options.no_build:
         launch.build_for(scenario.firmware, options.quiet)
     runner.check_plant(scenario)

@@ -419,6 +419,7 @@ def _beginning(what: str | Path | Scenario | Plant) -> Beginning:
     s = what if isinstance(what, Scenario) else _scenario(what)
     if s is None:
         return _beginning(_plant(str(what)))
+    scenarios.check_link(s)
     options = ["--seed", str(s.seed), "--noise", f"{s.noise:.17g}", *s.plant_options()]
     return Beginning(s.plant_argument, tuple(options), tuple(line.text for line in s.config), s)
 

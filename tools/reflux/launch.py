@@ -68,13 +68,22 @@ def programs_of(kind: str) -> list[tuple[str, tuple[str, ...]]]:
     return out
 
 
-def at_hand(kind: str) -> str:
-    """The firmware a scenario asks for. An installed package has the host build in place of one that has a build tree of its own."""
-    return "host" if INSTALLED and any(preset != "host" for preset, _ in programs_of(kind)) else kind
+def at_hand(kind: str, pins: bool = False) -> str:
+    """The firmware a scenario asks for. An installed package has the host build in place of one that has a build tree of its own; at the
+    board's own pins that is the firmware inside the simulator."""
+    if INSTALLED and any(preset != "host" for preset, _ in programs_of(kind)):
+        return "memory" if pins else "host"
+    return kind
+
+
+NO_UNICORN = ("the virtual board needs the library Unicorn, version 2, with its headers and its file for pkg-config: on Debian and Ubuntu "
+              "`apt install libunicorn-dev pkg-config` brings both; then run this again")
 
 
 def build_for(kind: str, quiet: bool = False) -> None:
     """Builds the simulator and the firmware of that kind."""
+    if kind in VIRTUAL and not INSTALLED and not build.knows("host", "reflux-board", quiet):
+        raise RunFailed(NO_UNICORN)
     for preset, targets in programs_of(kind):
         build.build(preset, targets, quiet)
 

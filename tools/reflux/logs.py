@@ -242,6 +242,33 @@ def join(simulator: Log, telemetry: Log) -> Log:
     return Log(columns, rows, simulator.comments, "joined log")
 
 
+def at_pins(simulator: Log, telemetry: Log) -> tuple[Log, Log]:
+    """Both logs of a board at its own pins, by the numbers of the simulator. The board takes samples before plant time begins, so that its first
+    row here is sample 0; and where its base tick is several ticks of the plant, the rows of the plant's in which it takes none are left out, and
+    outputs are means over its base tick."""
+    k = telemetry.place("number")
+    step = max(1, round(_step(telemetry) / _step(simulator))) if min(len(telemetry.rows), len(simulator.rows)) > 1 else 1
+    first = int(telemetry.rows[0][k]) if telemetry.rows else 0
+    rows = [[*row[:k], str((int(row[k]) - first) * step), *row[k + 1 :]] for row in telemetry.rows]
+    # What was applied is the mean over the tick before a row, what was commanded over the one after it.
+    spans = {i: (1 - step, 1) if bare(name).endswith(".applied") else (0, step) for i, name in enumerate(simulator.columns)
+             if step > 1 and bare(name).endswith((".applied", ".cmd"))}
+    kept = [list(row) for row in simulator.rows[::step]]
+    for i, (begin, end) in spans.items():
+        values = simulator.numbers(simulator.columns[i])
+        for n, row in enumerate(kept):
+            inside = values[max(n * step + begin, 0) : n * step + end]
+            row[i] = f"{sum(inside) / len(inside):.9g}"
+    return (Log(simulator.columns, kept, simulator.comments, simulator.source),
+            Log(telemetry.columns, rows, telemetry.comments, telemetry.source, telemetry.left_out))
+
+
+def _step(log: Log) -> float:
+    """Between the first two rows, s."""
+    first, second = log.numbers("time")[:2]
+    return second - first
+
+
 def _some(numbers: list[str]) -> str:
     if len(numbers) == 1:
         return f"sample {numbers[0]}, 1"

@@ -19,6 +19,9 @@ from reflux.errors import RunFailed
 from reflux.scenario import Loop, Scenario, is_stimulus, window_starts
 
 
+ZERO_DEGC_K = 273.15
+
+
 @dataclass(frozen=True)
 class Trace:
     """Samples by which one loop is judged."""
@@ -86,17 +89,18 @@ def settling(t: list[float], y: list[float], target: float, band: float) -> floa
 
 def trace(log: Log, loop: Loop) -> Trace:
     """The true value where the simulator logged it, else the measurement; the setpoint the firmware reports;
-    the output that was applied, else the commanded one."""
-    y = _first(log, f"{loop.pv}.true", f"{loop.pv}.meas", loop.pv)
-    r = _first(log, f"{FIRMWARE_PREFIX}{loop.name}.sp", f"{loop.name}.sp")
+    the output that was applied, else the commanded one. A chip measures in degC where the plant may have K: the setpoint is in the plant's unit."""
+    pv = _first(log, f"{loop.pv}.true", f"{loop.pv}.meas", loop.pv)
+    sp = _first(log, f"{FIRMWARE_PREFIX}{loop.name}.sp", f"{loop.name}.sp")
     u = _first(log, f"{loop.mv}.applied", f"{loop.mv}.app", f"{loop.mv}.cmd")
-    return Trace(log.numbers("time"), y, r, u)
+    shift = ZERO_DEGC_K if (log.unit(pv), log.unit(sp)) == ("K", "degC") else 0.0
+    return Trace(log.numbers("time"), log.numbers(pv), [r + shift for r in log.numbers(sp)], log.numbers(u))
 
 
-def _first(log: Log, *names: str) -> list[float]:
+def _first(log: Log, *names: str) -> str:
     for name in names:
         if log.has(name):
-            return log.numbers(name)
+            return name
     raise RunFailed(f"the log has none of the columns {', '.join(names)}")
 
 

@@ -18,6 +18,7 @@ def facts(result: Result) -> Markup:
     rows = [
         ["Scenario", f"{scenario.name} ({f['scenario_file']})"],
         ["Plant", str(f["plant"])],
+        *([["Connected", f"on the board's own pins ({f['wiring']}), no plant link"]] if "wiring" in f else []),
         ["Firmware", f"{f['firmware']}: {f['version'] or 'it did not say its version'}"],
         ["Image", str(f["image"] or "on the board, not seen by this run")],
         ["Image SHA-256", str(f["image_sha256"] or "-")],

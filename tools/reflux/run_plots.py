@@ -66,7 +66,7 @@ def markers(scenario: Scenario) -> list[tuple[float, str, bool]]:
     for event in scenario.events:
         texts.setdefault((event.at_s, True), []).append(f"{event.name} = {event.value:g}")
     for line in scenario.lines:
-        if is_stimulus(line):
+        if is_stimulus(line) or line.text.startswith("seq "):
             texts.setdefault((line.at_s, False), []).append(line.text)
     return [(t, "; ".join(words), plant) for (t, plant), words in sorted(texts.items())]
 
@@ -133,7 +133,7 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
         upper.plot(*thinned(t, data.y, size.points), color=BLUE, linewidth=1.5, label=f"{loop.pv} true" if has_true else loop.pv)
         upper.step(*thinned(t, acted_on(log, loop, data.r), size.points), where="post", color=ORANGE, linewidth=1.3, label="setpoint")
         known = [v for v in [*data.y, *data.r] if math.isfinite(v)] or [0.0]
-        _output(lower, log, loop, t, data.u, size)
+        _output(lower, log, loop, t, data.u, size, scenario.wiring is not None)
         _trip_marks(upper, lower, loop, interlocks(scenario), trips, (min(known), max(known)))
         upper.set_ylabel(f"{loop.pv} [{y_unit}]")
         lower.set_ylabel(f"{loop.mv} [{u_unit}]")
@@ -153,7 +153,12 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop, trips: list[Trip]) -> P
                  f"Grey: the operator's lines, orange: what was done to the plant.{held}", alt)
 
 
-def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float], size: Size) -> None:
+def _output(ax: Any, log: Log, loop: Loop, t: list[float], applied: list[float], size: Size, at_pins: bool) -> None:
+    told = f"{FIRMWARE_PREFIX}{loop.mv}.cmd"
+    if at_pins and log.has(told):  # a relay is on or off in each tick: the board's own command says more
+        ax.step(*thinned(t, applied, size.points), where="pre", color=PALE_GREEN, linewidth=0.8, label=f"{loop.mv} applied")
+        ax.step(*thinned(t, log.numbers(told), size.points), where="post", color=GREEN, linewidth=1.4, label="commanded")
+        return
     if log.has(f"{loop.mv}.cmd"):
         ax.step(*thinned(t, log.numbers(f"{loop.mv}.cmd"), size.points), where="post", color=PALE_GREEN, linewidth=1.1,
                 label="commanded")

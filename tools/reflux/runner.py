@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Iterator
 
 from reflux import build, launch, limits, logs, metrics, simulator
+from reflux.boards import VIRTUAL
 from reflux.errors import RunFailed, UserError
 from reflux.paths import shown
-from reflux.scenario import Line, Scenario, relative
+from reflux.scenario import Line, Scenario, check_pins, relative
 
 # reflux-sim says `mode machine` itself, as soon as the firmware answers.
 BEFORE = (Line(0.0, "version"),)
@@ -82,13 +83,23 @@ def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) 
                "--log", str(out / "simulator.csv"), "--speed", scenario.speed, "--seed", str(scenario.seed),
                "--noise", f"{scenario.noise:.17g}", "--duration", f"{scenario.duration_s:.17g}",
                "--timeout", f"{scenario.timeout_s:.17g}", "--progress", *scenario.plant_options()]
+    if scenario.wiring is not None:
+        command += ["--wiring", str(scenario.wiring)]
     for event in scenario.events:
         command += ["--event", f"{event.at_s:.17g}:{event.name}={event.value:.17g}"]
     return command
 
 
+def board_options(scenario: Scenario) -> tuple[str, ...]:
+    """For reflux-board: what is at its pins. A simulator with the firmware inside reads the wiring itself."""
+    if scenario.wiring is None or scenario.firmware not in VIRTUAL:
+        return ()
+    return ("--wiring", str(scenario.wiring), "--seed", str(scenario.seed))
+
+
 def run(scenario: Scenario, options: Options) -> Result:
     """Everything but the report. An earlier run in the folder that came to its end is set aside."""
+    check_pins(scenario)
     out = options.out
     with locked(out):
         ended = (out / FILES[-1]).exists()
@@ -152,12 +163,13 @@ def _locked(out: Path) -> Iterator[None]:
 def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
     write_script(scenario, out / "script.txt")
     started = time.monotonic()
-    with launch.start(scenario.firmware, options.console_port, options.link_port, options.extra) as firmware:
+    with launch.start(scenario.firmware, options.console_port, options.link_port, (*options.extra, *board_options(scenario))) as firmware:
         _simulate(simulator_command(scenario, firmware, out), scenario, firmware, options.quiet)
         sha256 = firmware.sha256()
     wall = time.monotonic() - started
     telemetry = logs.read_telemetry(out / "telemetry.csv")
-    joined = logs.join(logs.read_csv(out / "simulator.csv"), telemetry)
+    simulated = logs.read_csv(out / "simulator.csv")
+    joined = logs.join(*((simulated, telemetry) if scenario.wiring is None else logs.at_pins(simulated, telemetry)))
     logs.write_csv(joined, out / "log.csv")
     logs.write_csv(telemetry, out / "telemetry.csv")
     (out / "simulator.csv").unlink()
@@ -167,6 +179,7 @@ def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
         "duration_s": scenario.duration_s, "samples": len(joined.rows), "wall_s": round(wall, 2),
         "image": relative(firmware.image) if firmware.image else None, "image_sha256": sha256,
         "version": version_in(out / "transcript.txt"), "scenario_file": relative(scenario.file),
+        **({"wiring": relative(scenario.wiring)} if scenario.wiring is not None else {}),
     }
     result = Result(scenario, out, joined, windows, limits.check(scenario, windows), facts)
     (out / "result.json").write_text(json.dumps(result.as_dict(), indent=1) + "\n", encoding="utf-8")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from reflux import textfile
 from reflux.errors import UserError
-from reflux.paths import ROOT, SCENARIOS, shown
-from reflux.scenario_keys import EVENT, FIRMWARES, LIMIT, LINE, LOOP, METRICS, TOP
+from reflux.paths import ROOT, SCENARIOS, shown, tool
+from reflux.scenario_keys import EVENT, FIRMWARES, LIMIT, LINE, LOOP, METRICS, TOP, WITH_PINS
 from reflux.schema import Table, check_number, load_toml
 
 CHANNEL = re.compile(r"[A-Za-z0-9_]{1,15}")
@@ -66,6 +66,7 @@ class Scenario:
     speed: str = "max"
     firmware: str = "host"
     timeout_s: float = 30.0
+    wiring: Path | None = None  # the plant is at the board's own pins
     console: tuple[Path, ...] = ()
     lines: tuple[Line, ...] = ()
     events: tuple[Event, ...] = ()
@@ -130,6 +131,7 @@ def load(path: Path, plants: list[str] | None = None) -> Scenario:
         speed=_speed(top),
         firmware=top.read(TOP["firmware"]),
         timeout_s=top.read(TOP["timeout_s"]),
+        wiring=_wiring(top, path),
         console=_console_files(top, path),
         loops=_loops(top),
         lines=_lines(top, path, duration),
@@ -167,6 +169,29 @@ def _console_files(top: Table, path: Path) -> tuple[Path, ...]:
             raise UserError(f'{top.path("console")}: there is no file {shown(file)}')
         files.append(file)
     return tuple(files)
+
+
+def _wiring(top: Table, path: Path) -> Path | None:
+    name = top.read(TOP["wiring"])
+    if name is None:
+        return None
+    file = path.parent / name
+    if not file.is_file():
+        raise UserError(f'{top.path("wiring")}: there is no file {shown(file)}')
+    return file
+
+
+def check_pins(scenario: Scenario) -> None:
+    """Refuses a firmware that has no pins for the wiring."""
+    if scenario.wiring is not None and scenario.firmware not in WITH_PINS:
+        raise UserError(f"{shown(scenario.file)}: with a wiring the firmware must have pins: {', '.join(WITH_PINS)}; {scenario.firmware} has none")
+
+
+def check_link(scenario: Scenario) -> Scenario:
+    """Refuses a scenario whose plant is not at the link, for a tool that has it only there."""
+    if scenario.wiring is not None:
+        raise UserError(f"{shown(scenario.file)}: its plant is at the board's own pins; {tool('run')} runs it")
+    return scenario
 
 
 def read_console_files(files: tuple[Path, ...]) -> list[Line]:

@@ -6,6 +6,7 @@ from reflux import boards
 from reflux.schema import Key
 
 FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, *boards.VIRTUAL, "memory", "serial")
+WITH_PINS = ("memory", *boards.VIRTUAL)
 
 TOP = {key.name: key for key in (
     Key("name", "text", about="letters, digits, `-`, `_`, at most 40; names the output folder `out/NAME`"),
@@ -23,6 +24,10 @@ TOP = {key.name: key for key in (
     Key("firmware", "text", "host", choices=FIRMWARES, about="what runs the loops ([firmwares](../use/scenarios.md#firmwares))"),
     Key("timeout_s", "number", 30.0, unit="s", above=0, about="longest wait for one answer of the firmware, wall clock"),
     Key("console", "texts", (), default_words="none", about="files of console lines that are sent before sample 0, one a line; `#` starts a comment. Paths start at the scenario's folder"),
+    Key("wiring", "text", None, default_words="the plant link",
+        about="file that says what is at the board's own pins ([pins.md](pins.md#wiring-files)), from the scenario's folder. The plant is there, and not at the "
+              "link. `firmware` must be `memory` or a virtual board. A `[[line]]` is sent after the sample of its time, and those of 0 s before "
+              "plant time begins"),
     Key("line", "tables", about="console lines, below"),
     Key("event", "tables", about="what is done to the plant, below"),
     Key("loop", "tables", about="loops that are judged, below"),

@@ -116,8 +116,13 @@ bool pin_level(struct board *b, unsigned pin)
         return drive == PIN_HIGH;
     if ((part_get(p, MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG || i2c_holds_pin(b, pin))
         return false;
-    if (b->wired[pin] != PIN_LEVEL_OPEN)
-        return b->wired[pin] == PIN_LEVEL_HIGH;
+    enum pin_level level = PIN_LEVEL_OPEN;
+    if (b->world.pin_input != NULL)
+        level = b->world.pin_input(b->world.context, board_ns(b), pin);
+    if (level == PIN_LEVEL_OPEN)
+        level = b->wired[pin];
+    if (level != PIN_LEVEL_OPEN)
+        return level == PIN_LEVEL_HIGH;
     return (part_get(p, PUPDR) >> 2 * (pin % 16u) & 3u) == 1u;
 }
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from reflux import boards, build, launch
+from reflux import scenario as scenarios
 from reflux.errors import RunFailed
 from reflux.paths import CAMPAIGNS, ROOT, SCENARIOS, every
 from dev.testing import ctest_files
@@ -119,13 +120,13 @@ def script_tests(label: str) -> list[Test]:
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables", "pin_tables")
-        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_board_pins", "test_watchdog"):
+        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_board_pins", "test_board_both", "test_watchdog"):
             wanted |= needs("host", "reflux-board")
         if path.stem == "test_board_campaign":
             wanted |= needs("host", "board-campaign")
         if path.stem == "test_board_io":
             wanted |= needs("host", "board-io") | needs("stm32f405")
-        if path.stem in ("test_board_faults", "test_board_flips", "test_board_pins"):
+        if path.stem in ("test_board_faults", "test_board_flips", "test_board_pins", "test_board_both"):
             wanted |= needs("stm32f405")
         if path.stem in ("test_self_checks", "test_virtual_board"):
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
@@ -166,7 +167,8 @@ def target_tests() -> list[Test]:
 def target_logs() -> list[Test]:
     """The same scenario on the host and on the image gives one log: in the emulator, and on the virtual board, which has the whole chip."""
     whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
-    others = [path.stem for path in every(SCENARIOS, "*.toml") if path.stem not in EVERYWHERE]
+    # Plants at the board's own pins are in target.board_pins.
+    others = [path.stem for path in every(SCENARIOS, "*.toml") if path.stem not in EVERYWHERE and scenarios.load(path).wiring is None]
     return [*(same_log(f"target.{scenario}-{image.test}", scenario, *image.kinds) for scenario in EVERYWHERE for image in boards.RUNS
               if (scenario, image.test) != ("demo", "assert")),
             *(same_log(f"target.scenario-{scenario}-{image.test}", scenario, *image.kinds, lines=UNSUPERVISED.get(scenario, ()),
