@@ -57,7 +57,7 @@ class IoTest(unittest.TestCase):
         status, said = self.dialogue("--list").end()
         self.assertEqual(status, 0)
         lines = [" ".join(line.split()) for line in said.splitlines()]
-        self.assertEqual(lines, ["low level PC1 0", "T1 max31865 on spi1 PA4 missing: no chip answers", "pump relay on PB0 0 .. 100 %, safe 0",
+        self.assertEqual(lines, ["low level PC1 0", "T1 max31865 on spi1 PA4 bad: no chip answers", "pump relay on PB0 0 .. 100 %, safe 0",
                                  "heat window on PB1 100 .. 900 W, safe 0, heater",
                                  "enable on PC0: on while clock, tick and main loop turn; heaters are off without it"])
         sent = [line[2:] for line in self.log.read_text(encoding="utf-8").splitlines() if line.startswith("> ")]
@@ -66,12 +66,12 @@ class IoTest(unittest.TestCase):
     def test_a_sensor_with_a_fault_is_told_with_what_to_look_at_and_fails_the_check(self) -> None:
         d = self.dialogue()
         d.answer("warm it", "")
-        d.until("NOT OK: T1 missing: no chip answers; look at supply and ground of the chip, the select pin")
+        d.until("NOT OK: T1 bad: no chip answers; look at supply and ground of the chip, the select pin")
         for question in ("pump: relay", "heat: window", "Calibrate"):
             d.answer(question, "")
         status, said = d.end()
         self.assertEqual(status, 1)
-        self.assertIn("NOT OK T1 missing: no chip answers", said)
+        self.assertIn("NOT OK T1 bad: no chip answers", said)
 
     def at_outputs(self) -> Dialogue:
         d = self.dialogue()

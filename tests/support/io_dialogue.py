@@ -12,6 +12,8 @@ import time
 
 from board import PATIENCE_S, ROOT
 
+SILENT_S = 120.0  # it waits for an answer that nobody gives
+
 
 class Dialogue:
     """tools/io with these arguments. said: everything that it has printed."""
@@ -39,7 +41,7 @@ class Dialogue:
         end = time.monotonic() + PATIENCE_S
         assert self.process.stdout is not None
         while (found := self.said.find(words, self._read_to)) < 0:
-            if time.monotonic() > end or not select.select([self.process.stdout], [], [], PATIENCE_S)[0]:
+            if time.monotonic() > end or not select.select([self.process.stdout], [], [], SILENT_S)[0]:
                 raise AssertionError(f"no {words!r} in {self.said[self._read_to:]!r}")
             more = os.read(self.process.stdout.fileno(), 4096)
             if not more:
