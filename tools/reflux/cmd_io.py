@@ -72,7 +72,8 @@ def virtual_board(wiring: Path, no_build: bool) -> Iterator[str]:
     if not wiring.is_file():
         raise UserError(f"there is no {shown(wiring)}; docs/reference/pins.md says what is in a wiring file")
     if not no_build:
-        launch.build_for("board", quiet=True)
+        with contextlib.redirect_stdout(sys.stderr):  # the first time takes minutes, and --list is for other programs, too
+            launch.build_for("board")
     build.find_program("host", "reflux-board")
     with launch.start("board", extra=("--wiring", str(wiring))) as firmware:
         yield firmware.console
