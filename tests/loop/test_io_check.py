@@ -118,6 +118,17 @@ class IoTest(unittest.TestCase):
                 self.assertEqual(d.process.returncode, status)
                 self.assertIn("heat = 0 W", self.status())
 
+    def test_an_output_that_an_interlock_holds_is_told(self) -> None:
+        self.command(["begin", "set lock1.meas T1", "set lock1.mv heat", "set lock1.side above", "set lock1.limit 90", "set lock1.value 0", "apply"])
+        with board.console(self.firmware) as console:
+            self.ticks(console)
+        d = self.at_outputs()
+        d.answer("pump: relay", "")
+        d.answer("heat: window", "y")
+        d.until("NOT OK: heat is held by an interlock")
+        d.interrupt()
+        self.assertEqual(d.end()[0], 130)
+
     def test_a_value_that_the_board_refuses_moves_nothing(self) -> None:
         d = self.at_outputs()
         d.answer("pump: relay", "")

@@ -66,6 +66,14 @@ class VirtualBoardTest(unittest.TestCase):
         d.interrupt()
         self.assertEqual(d.end()[0], 130)
 
+    def test_a_sensor_that_is_not_wired_ends_the_virtual_board_with_its_reason(self) -> None:
+        d = self.dialogue()
+        d.answer("the reading is outside what the board believes", "pins.T9 30")
+        status, said = d.end()
+        self.assertEqual(status, 1)
+        self.assertIn("the virtual board has ended", said)
+        self.assertIn("T9", said)
+
     def test_ctrl_c_while_an_output_is_away_brings_it_back(self) -> None:
         d = self.dialogue()
         d.answer("the reading is outside what the board believes", "y")
@@ -75,7 +83,9 @@ class VirtualBoardTest(unittest.TestCase):
         d.answer("Qrb: window on PB1", "1")
         d.until("Did Qrb move")
         d.interrupt()
-        self.assertEqual(d.end()[0], 130)
+        status, said = d.end()
+        self.assertEqual(status, 130)
+        self.assertIn("outputs that were moved are at their safe values", said)
         lines = self.log.read_text(encoding="utf-8").splitlines()
         sent = [line[2:] for line in lines if line.startswith("> out ")]
         self.assertEqual(sent, ["out Qrb 1", "out Qrb 0"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import signal
+import subprocess
 import sys
 from pathlib import Path
 from typing import Iterator
@@ -20,6 +21,7 @@ from reflux.paths import named, shown, tool
 from reflux.ports import Port
 
 HOLD_LEAST_S, HOLD_MOST_S = 2.0, 60.0
+LAST_WORDS_S = 3.0
 
 
 def parser() -> argparse.ArgumentParser:
@@ -76,7 +78,14 @@ def virtual_board(wiring: Path, no_build: bool) -> Iterator[str]:
             launch.build_for("board")
     build.find_program("host", "reflux-board")
     with launch.start("board", extra=("--wiring", str(wiring))) as firmware:
-        yield firmware.console
+        try:
+            yield firmware.console
+        except RunFailed as error:  # such as a line for a sensor that the wiring does not have
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                if firmware.process is not None and "has ended" in str(error):
+                    firmware.process.wait(LAST_WORDS_S)
+            said = firmware.died()
+            raise RunFailed(f"{error}: {said}" if said else str(error)) from None
 
 
 def checked(board: CheckedBoard, person: Person, options: argparse.Namespace) -> int:
@@ -96,7 +105,9 @@ def checked(board: CheckedBoard, person: Person, options: argparse.Namespace) ->
     finally:
         with undisturbed():
             board.restore()
-    print("\noutputs are at their safe values; findings:")
+            if not options.list:
+                print("\noutputs that were moved are at their safe values", flush=True)
+    print("findings:")
     for fine, finding in check.findings:
         print(f"  {'ok    ' if fine else 'NOT OK'} {finding}")
     if not all(fine for fine, _ in check.findings):
