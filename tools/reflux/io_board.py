@@ -16,6 +16,7 @@ from reflux.session import Refused, Session
 
 TURN_S = 0.1
 SILENT_TICKS, SILENT_S = 3, 5.0  # no telemetry for so many ticks and so long: no samples come
+SLOWEST_S = 2.5  # settings may just have come: each sensor, a DS18B20 too, has been read by then, and says why where it could not be
 WIDE = 1e9  # believes whatever a sensor says
 QUALITIES = ("good", "uncertain", "bad", "missing")
 EVENT = re.compile(r"\s*(?:! )?[\d.]+ \w+ (SENSOR_FAULT|SENSOR_FINE|MEASUREMENT_BAD|MEASUREMENT_GOOD) (\S+) \S+ [^:]*(?:: (.*))?$")
@@ -45,7 +46,9 @@ class CheckedBoard:
         found = re.search(r"base tick ([\d.]+) s", self.talk.ask("status")[0])
         self.tick_s = float(found[1]) if found and float(found[1]) > 0 else 1.0
         self.talk.ask("log on")
-        self.samples(1)
+        end = self.now() + SLOWEST_S
+        while self.now() < end:
+            self.samples(1)
 
     def turn(self) -> None:
         """Takes what comes within a moment."""
