@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from reflux.errors import UserError
 from reflux.session import Session
 
-UNUSED = "-"
+UNUSED, LINK = "-", "link"
 # kinds of output whose pin is on or off, not something between
 ON_OFF = ("relay",)
 STEP_SHARE = 0.1  # of the span that the board may use: enough to see, little to spoil
@@ -67,7 +67,7 @@ def read(talk: Session) -> Wiring:
             name, _, value = line.partition(" = ")
             row, _, what = name.partition(".")
             rows.setdefault(row, {})[what] = value.split()[0]
-    if rows.get("io", {}).get("source") != "board":
+    if rows.get("io", {}).get("source", LINK) == LINK:
         raise UserError("the board takes its plant from the link: `set io.source board` after the sensors and outputs have their settings "
                         "(docs/use/pins.md)")
     used = {row: own for row, own in rows.items() if own.get("name", UNUSED) != UNUSED}
