@@ -230,9 +230,9 @@ class PythonPlantTest(unittest.TestCase):
 
 
 def programs_of_the_page() -> list[str]:
-    """The program between board and column, and the part of it for a Raspberry Pi."""
-    page = PAGE.read_text(encoding="utf-8")
-    return re.findall(r"^```python\n(.*?)^```\n", page, re.M | re.S)
+    """The program between board and column, and the part of it for a Raspberry Pi: files that the page links."""
+    linked = re.findall(r"\[(bridge\w*\.py)\]\(\1\)", PAGE.read_text(encoding="utf-8"))
+    return [(PAGE.parent / name).read_text(encoding="utf-8") for name in dict.fromkeys(linked)]
 
 
 def stand_ins(folder: Path) -> dict[str, Path]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from dev.reference import firmware_pages
 from dev.reference.board_page import virtual_board
+from dev.reference.named_boards_page import named_boards
 from dev.reference.pins_page import pins
 from dev.reference.plant_page import plant_files
 from dev.reference.scenario_page import scenario_files
@@ -22,7 +23,7 @@ PROGRAMS = ("reference_tables", "plant_tables", "pin_tables")
 def pages(folder: Path) -> dict[str, str]:
     """Text of each page by its name. folder: a build tree with the programs."""
     program = folder / PROGRAMS[0]
-    rows, simulated = rows_of(said_by(program)), rows_of(said_by(folder / PROGRAMS[1]))
+    rows, simulated, at_pins = rows_of(said_by(program)), rows_of(said_by(folder / PROGRAMS[1])), rows_of(said_by(folder / PROGRAMS[2]))
     return {
         "commands.md": firmware_pages.commands(rows),
         "parameters.md": firmware_pages.parameters(rows),
@@ -30,7 +31,8 @@ def pages(folder: Path) -> dict[str, str]:
         "errors.md": firmware_pages.errors(rows),
         "plant-files.md": plant_files(simulated),
         "scenario-files.md": scenario_files(simulated),
-        "pins.md": pins(rows_of(said_by(folder / PROGRAMS[2]))),
+        "pins.md": pins(at_pins),
+        "named-boards.md": named_boards(at_pins),
         "virtual-board.md": virtual_board(),
     }
 
@@ -43,7 +45,7 @@ def differing(made: dict[str, str], folder: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/reference",
-        description="Writes the pages of docs/reference (commands, parameters, events, refusals, plant and scenario files, pins, virtual board) from the tables "
+        description="Writes the pages of docs/reference (commands, parameters, events, refusals, plant and scenario files, pins, boards to buy, virtual board) from the tables "
         "and comments of the code and from the notes in docs/reference/notes. Builds what prints the tables first.")
     p.add_argument("--check", action="store_true", help="write nothing; name the pages that differ, status 1 where there are any")
     p.add_argument("--out", type=named, metavar="FOLDER", default=FOLDER, help="where the pages are put (default docs/reference)")

@@ -16,7 +16,7 @@ from reflux.errors import Ended
 
 SIGNALS = (signal.SIGTERM, signal.SIGHUP)  # a closed terminal ends what it started, too
 # These tell a board or a plant to stop before they end themselves; what the others have started is ended at once.
-GENTLE = ("run", "demo", "console", "play", "commission", "flash")
+GENTLE = ("run", "demo", "console", "play", "commission", "flash", "io")
 GENTLE_S, AT_ONCE_S = 15.0, 3.0  # after that the process ends whatever it was doing
 LOOK_AGAIN_S = 0.2
 KILL_S = 1.0

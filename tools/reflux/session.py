@@ -9,6 +9,7 @@ from typing import Callable, TextIO
 
 from reflux.errors import RunFailed
 from reflux.keys import masked
+from reflux.board_port import BoardPort
 from reflux.ports import Port
 
 REPLY_S = 20.0
@@ -24,9 +25,10 @@ class Refused(RunFailed):
 class Session:
     """Asynchronous lines go to `aside` as they come."""
 
-    def __init__(self, port: Port, log: TextIO | None = None, aside: Callable[[str], None] | None = None,
-                 reply_s: float = REPLY_S):
-        self.port, self.log, self.aside, self.reply_s = port, log, aside, reply_s
+    def __init__(self, port: Port | BoardPort, log: TextIO | None = None, aside: Callable[[str], None] | None = None,
+                 reply_s: float = REPLY_S, now: Callable[[], float] = time.monotonic):
+        """now: the clock that waits are measured by, s; a virtual board has its own."""
+        self.port, self.log, self.aside, self.reply_s, self.now = port, log, aside, reply_s, now
         self.rest = b""
         self.machine_mode()
 
@@ -46,15 +48,15 @@ class Session:
 
     def settle(self) -> None:
         """Replies to earlier attempts may still be on their way; telemetry may go on all the time."""
-        quiet_since, streams = time.monotonic(), False
-        while (left := quiet_since + SETTLED_S - time.monotonic()) > 0:
+        quiet_since, streams = self.now(), False
+        while (left := quiet_since + SETTLED_S - self.now()) > 0:
             try:
                 text = self.line(left)
             except TimeoutError:
                 break
             streams = text.startswith(ASYNCHRONOUS)
             if not streams:
-                quiet_since = time.monotonic()
+                quiet_since = self.now()
         if not streams:
             self.rest = b""
 
@@ -63,9 +65,9 @@ class Session:
         self.rest += self.port.write(text.encode("latin-1", "replace") + b"\n")
 
     def line(self, patience_s: float) -> str:
-        end = time.monotonic() + patience_s
+        end = self.now() + patience_s
         while b"\n" not in self.rest:
-            left = end - time.monotonic()
+            left = end - self.now()
             if left <= 0:
                 raise TimeoutError
             self.rest += self.port.read(min(left, 0.5))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dev.reference.markdown import code, contents, page, table
 from dev.reference.tables import Rows, check_same, notes
+from reflux.io_check import ADVICE
 
 SECTIONS = ("Pins", "Devices", "Faults", "Outputs", "Wiring files")
 
@@ -32,7 +33,7 @@ def pins(rows: Rows) -> str:
         ["## Pins"], table(("bus", "lines", "pins"), buses + others),
         ["## Devices"], noted["about"]["devices"].strip().splitlines(),
         table(("`device`", "at", "measures", "least interval, ms", "settings"), devices),
-        ["## Faults"], noted["about"]["faults"].strip().splitlines(), [f"- {text}" for (text,) in rows["fault"]],
+        ["## Faults"], noted["about"]["faults"].strip().splitlines(), table(("reason", "look at"), [(text, ADVICE[text]) for (text,) in rows["fault"]]),
         ["## Outputs"], noted["about"]["outputs"].strip().splitlines(),
         table(("`kind`", "what it does", "pins", "numbers"), outputs),
         ["## Wiring files"], noted["about"]["wiring"].strip().splitlines(),
