@@ -1,5 +1,8 @@
 #include "memory_transport.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #include "bench/text.h"
 #include "buses.h"
 #include "chips/wired.h"
@@ -75,6 +78,18 @@ static void memory_measure(struct transport *t, const char *sensor, double value
     wired_measure(wired, clock_ms * NS_PER_MS, sensor, value);
 }
 
+static bool memory_pins_fault(struct transport *t, const char *name, double value)
+{
+    char err[SIM_ERROR_SIZE], line[64];
+    const char *dot = strchr(name, '.');
+    (void)t;
+    if (wired == NULL || dot == NULL) {
+        return false;
+    }
+    (void)snprintf(line, sizeof(line), "%.*s", (int)(dot - name), name);
+    return wired_fault(wired, clock_ms * NS_PER_MS, line, dot + 1, value, err, sizeof(err));
+}
+
 static bool memory_loads(struct transport *t, double *ns, size_t n)
 {
     (void)t;
@@ -94,6 +109,7 @@ static const struct transport_ops memory_ops = {.read = memory_read,
                                                 .now_ms = memory_now,
                                                 .wire = memory_wire,
                                                 .measure = memory_measure,
+                                                .pins_fault = memory_pins_fault,
                                                 .loads = memory_loads,
                                                 .clock = memory_clock,
                                                 .close = memory_close};

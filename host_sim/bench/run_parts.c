@@ -27,6 +27,13 @@ void run_parts_comment(const struct run_parts *p, char *text, size_t size)
 bool run_parts_read(struct run_parts *p, char *err, size_t err_size)
 {
     const struct sim_options *o = &p->options;
+    if (o->wiring != NULL) {
+        p->wiring = wiring_read(o->wiring, o->seed, err, err_size);
+        if (p->wiring == NULL) {
+            return false;
+        }
+        p->events.wiring = p->wiring;
+    }
     for (size_t i = 0; i < o->n_events; i++) {
         if (!events_add(&p->events, o->class, o->event[i], err, err_size)) {
             return false;
@@ -127,8 +134,8 @@ bool run_parts_connect(struct run_parts *p, const volatile sig_atomic_t *interru
         return true;
     }
     p->run.pins = &p->pins;
-    return pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
-                          err_size);
+    return pins_side_open(&p->pins, &p->port, p->wiring, o->wiring, o->class, o->tick_ms, o->seed,
+                          err, err_size);
 }
 
 static bool close_file(FILE *file)
@@ -138,7 +145,9 @@ static bool close_file(FILE *file)
 
 bool run_parts_close(struct run_parts *p)
 {
-    pins_side_close(&p->pins);
+    wiring_free(p->wiring);
+    p->wiring = NULL;
+    p->events.wiring = NULL;
     if (p->console_open) {
         transport_close(&p->console_port);
     }
