@@ -50,11 +50,23 @@ static uint64_t memory_now(struct transport *t)
     return clock_ms;
 }
 
+/* Tells how the firmware has treated its chips. */
+static void warn_of_broken_rules(void)
+{
+    unsigned n = 0;
+    const char *first = wired == NULL ? "" : wiring_wrong(wired_wiring(wired), &n);
+    if (n > 0) {
+        (void)fprintf(stderr, "reflux-sim: warning: rules of data sheets broken: %u; first: %s\n",
+                      n, first);
+    }
+}
+
 static void memory_close(struct transport *t)
 {
     in_use[line_of(t)] = false;
     if (line_of(t) == HAL_UART_LINK) {
         buses_set_world(NULL);
+        warn_of_broken_rules();
         wired_close(wired);
         wired = NULL;
     }
