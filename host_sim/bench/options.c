@@ -48,6 +48,9 @@ static void print_pins_faults(void)
         " any chip: missing, dead, wrong (not on wire1, wire2); and\n",
         stdout);
     for (size_t i = 0; i < n; i++) {
+        if (kinds[i]->volts != NULL) {
+            continue;
+        }
         (void)printf(HELP_INDENT "  %s:", kinds[i]->name);
         for (size_t k = 0; (name = wiring_fault_of_kind(kinds[i], k)) != NULL; k++) {
             (void)printf(" %s", name);
