@@ -216,6 +216,8 @@ def judge(job: Job, run: Run) -> Cell:
     if job.device in {load.name for load in LOADS}:
         return Cell(load_words(seen), wrong)
     words = told(seen, wrong)
+    if words and not seen.sometimes and lost_since(seen) is None:
+        wrong.append("told, but the measurement is not lost")
     readings(seen, wrong)
     fell = fall_back(seen, wrong)
     back(seen, wrong)
