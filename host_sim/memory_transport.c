@@ -1,5 +1,6 @@
 #include "memory_transport.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "bench/text.h"
@@ -58,11 +59,23 @@ static uint64_t memory_now(struct transport *t)
     return clock_ms;
 }
 
+/* Tells how the firmware has treated its chips. */
+static void warn_of_broken_rules(void)
+{
+    unsigned n = 0;
+    const char *first = wired == NULL ? "" : wiring_wrong(wired_wiring(wired), &n);
+    if (n > 0) {
+        (void)fprintf(stderr, "reflux-sim: warning: rules of data sheets broken: %u; first: %s\n",
+                      n, first);
+    }
+}
+
 static void memory_close(struct transport *t)
 {
     in_use[line_of(t)] = false;
     if (line_of(t) == HAL_UART_LINK) {
         buses_set_world(NULL);
+        warn_of_broken_rules();
         wired_close(wired);
         wired = NULL;
     }
@@ -84,6 +97,18 @@ static void memory_measure(struct transport *t, const char *sensor, double value
 {
     (void)t;
     wired_measure(wired, clock_ms * NS_PER_MS, sensor, value);
+}
+
+static bool memory_pins_fault(struct transport *t, const char *name, double value)
+{
+    char err[SIM_ERROR_SIZE], line[64];
+    const char *dot = strchr(name, '.');
+    (void)t;
+    if (wired == NULL || dot == NULL) {
+        return false;
+    }
+    (void)snprintf(line, sizeof(line), "%.*s", (int)(dot - name), name);
+    return wired_fault(wired, clock_ms * NS_PER_MS, line, dot + 1, value, err, sizeof(err));
 }
 
 static bool memory_loads(struct transport *t, double *ns, size_t n)
@@ -118,6 +143,7 @@ static const struct transport_ops memory_ops = {.read = memory_read,
                                                 .fault = memory_fault,
                                                 .wire = memory_wire,
                                                 .measure = memory_measure,
+                                                .pins_fault = memory_pins_fault,
                                                 .loads = memory_loads,
                                                 .clock = memory_clock,
                                                 .close = memory_close};

@@ -43,24 +43,15 @@ static bool find_lines(struct pins_side *p, const struct plant_class *class, con
                     "%s: no line has the name of a manipulated variable of the plant", path);
 }
 
-bool pins_side_open(struct pins_side *p, struct transport *port, const char *wiring,
-                    const struct plant_class *class, uint32_t tick_ms, uint64_t seed, char *err,
-                    size_t err_size)
+bool pins_side_open(struct pins_side *p, struct transport *port, const struct wiring *wiring,
+                    const char *file, const struct plant_class *class, uint32_t tick_ms,
+                    uint64_t seed, char *err, size_t err_size)
 {
-    *p = (struct pins_side){.port = port, .tick_ms = tick_ms};
+    *p = (struct pins_side){.port = port, .wiring = wiring, .tick_ms = tick_ms};
     if (port->ops->measure == NULL)
-        return sim_fail(err, err_size, "--wiring %s: what is at %s has no pins", wiring,
-                        port->where);
-    p->wiring = wiring_read(wiring, seed, err, err_size);
-    return p->wiring != NULL && find_lines(p, class, wiring, err, err_size) &&
-           (port->ops->wire == NULL || port->ops->wire(port, wiring, seed, err, err_size));
-}
-
-void pins_side_close(struct pins_side *p)
-{
-    if (p->wiring != NULL)
-        wiring_free(p->wiring);
-    p->wiring = NULL;
+        return sim_fail(err, err_size, "--wiring %s: what is at %s has no pins", file, port->where);
+    return find_lines(p, class, file, err, err_size) &&
+           (port->ops->wire == NULL || port->ops->wire(port, file, seed, err, err_size));
 }
 
 bool pins_side_switches(const struct pins_side *p, size_t output)

@@ -19,7 +19,7 @@
 
 struct pins_side {
     struct transport *port;
-    struct wiring *wiring;
+    const struct wiring *wiring;
     uint8_t
         sensor_of[LINK_CHANNELS_MAX]; /* line of the wiring for each measurement; PINS_NONE: none */
     uint8_t output_of[LINK_CHANNELS_MAX]; /* likewise for each manipulated variable */
@@ -28,12 +28,11 @@ struct pins_side {
     uint64_t tick_ms, begin_ns, end_ns;
 };
 
-/* Reads the wiring and has the board at the port connected so. False, with a sentence in err: the wiring has nothing of the plant, or the board
- * has no pins. */
-bool pins_side_open(struct pins_side *p, struct transport *port, const char *wiring,
-                    const struct plant_class *class, uint32_t tick_ms, uint64_t seed, char *err,
-                    size_t err_size);
-void pins_side_close(struct pins_side *p);
+/* Has the board at the port connected as the wiring says, which was read from the file and lives longer. False, with a sentence in err: the
+ * wiring has nothing of the plant, or the board has no pins. */
+bool pins_side_open(struct pins_side *p, struct transport *port, const struct wiring *wiring,
+                    const char *file, const struct plant_class *class, uint32_t tick_ms,
+                    uint64_t seed, char *err, size_t err_size);
 
 /* Whether this manipulated variable, by its number in the plant, is a load that is switched on and off: it has no speed but its own. */
 bool pins_side_switches(const struct pins_side *p, size_t output);

@@ -161,6 +161,70 @@ static bool add_fault(struct event *event, const char *text, const char *name, c
            sim_fail(err, err_size, "--event %s: %s must be a whole number", text, full);
 }
 
+/* What a measurement or an output at the pins cannot have: only the plant link says it. */
+static bool is_of_link(enum instrument_option option)
+{
+    return option == OPTION_QUALITY || option == OPTION_DEAD || option == OPTION_DROPOUT ||
+           option == OPTION_NAN || option == OPTION_READBACK;
+}
+
+static void append_options_before_pins(char *text, size_t size, enum plant_kind kind)
+{
+    const char *between = "; before the pins it has ";
+    for (size_t k = 0; k < OPTION_COUNT; k++) {
+        bool fits = kind == PLANT_MEASUREMENT ? options[k].sensor : options[k].actuator;
+        if (fits && !is_of_link(options[k].option)) {
+            sim_append(text, size, "%s%s", between, options[k].name);
+            between = ", ";
+        }
+    }
+}
+
+static const struct plant_channel *instrument(const struct plant_class *class, const char *name,
+                                              const char *option, enum instrument_option *found)
+{
+    size_t unused;
+    const struct plant_channel *c = find(class, name, &unused);
+    for (size_t k = 0; c != NULL && k < OPTION_COUNT; k++) {
+        bool fits = c->kind == PLANT_MEASUREMENT ? options[k].sensor
+                                                 : c->kind == PLANT_MV && options[k].actuator;
+        if (fits && strcmp(options[k].name, option) == 0) {
+            *found = options[k].option;
+            return c;
+        }
+    }
+    return NULL;
+}
+
+/* Whether the name behind the time is one for the wiring: an option that only the instrument before the pins has is not. */
+static bool is_for_pins(const struct events *e, const struct plant_class *class, const char *name,
+                        const char *option)
+{
+    enum instrument_option found;
+    return e->wiring != NULL && wiring_has(e->wiring, name, NULL) &&
+           (wiring_has(e->wiring, name, option) ||
+            instrument(class, name, option, &found) == NULL || is_of_link(found));
+}
+
+static bool add_pins(const struct events *e, struct event *event, const struct plant_class *class,
+                     const char *text, const char *name, const char *option, char *err,
+                     size_t err_size)
+{
+    char reason[SIM_ERROR_SIZE];
+    size_t unused;
+    event->kind = EVENT_PINS;
+    sim_append(event->pins, sizeof(event->pins), "%s.%s", name, option);
+    if (wiring_fault_check(e->wiring, name, option, event->value, reason, sizeof(reason))) {
+        return true;
+    }
+    (void)sim_fail(err, err_size, "--event %s: %s", text, reason);
+    const struct plant_channel *c = find(class, name, &unused);
+    if (c != NULL && strstr(reason, "has no fault") != NULL) {
+        append_options_before_pins(err, err_size, c->kind);
+    }
+    return false;
+}
+
 bool events_want_board(const struct events *e)
 {
     for (size_t i = 0; i < e->n; i++) {
@@ -298,8 +362,18 @@ bool events_add(struct events *e, const struct plant_class *class, const char *t
         *dot = '\0';
         size_t unused;
         bool board = strcmp(name, "board") == 0 && find(class, name, &unused) == NULL;
-        good = board ? add_fault(&event, text, dot + 1, err, err_size)
-                     : add_option(&event, class, text, name, dot + 1, err, err_size);
+        if (is_for_pins(e, class, name, dot + 1)) {
+            good = add_pins(e, &event, class, text, name, dot + 1, err, err_size);
+        } else if (e->wiring != NULL && !board && find(class, name, &unused) == NULL) {
+            (void)sim_fail(err, err_size,
+                           "--event %s: neither the plant nor the wiring has \"%s\"; wired are ",
+                           text, name);
+            wiring_append_names(e->wiring, err, err_size);
+            good = false;
+        } else {
+            good = board ? add_fault(&event, text, dot + 1, err, err_size)
+                         : add_option(&event, class, text, name, dot + 1, err, err_size);
+        }
     } else {
         good = add_plain(&event, class, text, name, err, err_size);
     }

@@ -6,6 +6,8 @@
  *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/inside/faults.md)
  *     1200:noise=2       the noise of all sensors, times their own
  *     900:board.power_cut=2   a fault of a virtual board (virtual_board/fault_table.h)
+ *     900:T1.open=1      with a wiring file: a fault of a chip, of a bus (spi1.noise=1e-4) or of a load (Qrb.shorted=1), by the file's names
+ *                        (chips/wiring.h); 0 takes it back
  *
  * Everything is checked before the run begins.
  */
@@ -14,10 +16,12 @@
 
 #include "bench/swings.h"
 #include "bench/transport.h"
+#include "chips/wiring.h"
 #include "instruments.h"
 #include "virtual_board/fault_table.h"
 
-#define EVENTS_MAX 1024
+#define EVENTS_MAX      1024
+#define EVENT_PINS_SIZE 40u /* "T1.overvoltage" */
 
 struct event {
     double time_s;
@@ -29,17 +33,20 @@ struct event {
         EVENT_PERIOD,
         EVENT_OPTION,
         EVENT_NOISE,
-        EVENT_BOARD
+        EVENT_BOARD,
+        EVENT_PINS
     } kind;
     enum instrument_option option;
     enum fault_kind fault;
+    char pins[EVENT_PINS_SIZE]; /* of EVENT_PINS: name and fault, "T1.open" */
 };
 
 struct events {
     struct event list[EVENTS_MAX];
     size_t n, next;
     struct swings swings;
-    struct transport *board; /* that faults of a board go to; NULL: none takes them */
+    struct transport *board;     /* that faults of a board go to; NULL: none takes them */
+    const struct wiring *wiring; /* of its pins; NULL: the plant is at the link */
 };
 
 /* Returns the name of the n-th option of a measurement or of a manipulated variable, and NULL past the last. */

@@ -88,7 +88,7 @@ static bool overridden(const struct events *e, size_t at)
     for (size_t i = at + 1; i < e->next; i++) {
         const struct event *later = &e->list[i];
         if (later->kind == x->kind && x->kind != EVENT_BOARD && later->channel == x->channel &&
-            later->option == x->option) {
+            later->option == x->option && strcmp(later->pins, x->pins) == 0) {
             return true;
         }
     }
@@ -182,6 +182,12 @@ bool events_apply(struct events *e, double time_s, struct plant *plant, struct i
             break;
         case EVENT_NOISE:
             instruments_noise(in, event->value);
+            break;
+        case EVENT_PINS:
+            if (e->board == NULL || !transport_pins_fault(e->board, event->pins, event->value)) {
+                return sim_fail(err, err_size, "--event: the board does not take the fault %s=%g",
+                                event->pins, event->value);
+            }
             break;
         case EVENT_BOARD:
             if (e->board == NULL ||

@@ -6,6 +6,7 @@
 
 #include "bench/events.h"
 #include "bench/text.h"
+#include "chips/chip.h"
 #include "plants/plant_library.h"
 #include "plants/plant_task.h"
 
@@ -34,6 +35,33 @@ static void print_faults(void)
         (void)printf(HELP_INDENT " %-18s %g to %g%s%s\n" HELP_INDENT "   %s\n", row->name, row->lo,
                      row->hi, row->unit[0] != '\0' ? " " : "", row->unit, row->about);
     }
+}
+
+static void print_pins_faults(void)
+{
+    size_t n;
+    const char *name;
+    const struct chip_kind *const *kinds = chip_kinds(&n);
+    (void)fputs(
+        HELP_INDENT
+        "with --wiring, of a line or bus of the file, as T1.open=1; 0 takes it back:\n" HELP_INDENT
+        " any chip: missing, dead, wrong (not on wire1, wire2); and\n",
+        stdout);
+    for (size_t i = 0; i < n; i++) {
+        if (kinds[i]->volts != NULL) {
+            continue;
+        }
+        (void)printf(HELP_INDENT "  %s:", kinds[i]->name);
+        for (size_t k = 0; (name = wiring_fault_of_kind(kinds[i], k)) != NULL; k++) {
+            (void)printf(" %s", name);
+        }
+        (void)putchar('\n');
+    }
+    (void)fputs(HELP_INDENT
+                " spi1, i2c1, wire1, ...: noise (a bit is wrong with this probability), "
+                "stuck;\n" HELP_INDENT "  of spi1, ...: floats_low\n" HELP_INDENT
+                " loads: shorted (not of a valve with two pins), broken\n",
+                stdout);
 }
 
 void options_print_help(void)
@@ -69,6 +97,7 @@ void options_print_help(void)
                 "                         of a virtual board, as board.power_cut=2:\n",
                 stdout);
     print_faults();
+    print_pins_faults();
     (void)fputs(
         "  --measure NAME         a truth of the plant becomes a measurement, without lag and "
         "noise;\n"

@@ -27,6 +27,13 @@ void run_parts_comment(const struct run_parts *p, char *text, size_t size)
 bool run_parts_read(struct run_parts *p, char *err, size_t err_size)
 {
     const struct sim_options *o = &p->options;
+    if (o->wiring != NULL) {
+        p->wiring = wiring_read(o->wiring, o->seed, err, err_size);
+        if (p->wiring == NULL) {
+            return false;
+        }
+        p->events.wiring = p->wiring;
+    }
     for (size_t i = 0; i < o->n_events; i++) {
         if (!events_add(&p->events, o->class, o->event[i], err, err_size)) {
             return false;
@@ -103,8 +110,8 @@ static bool wire(struct run_parts *p, uint32_t session, char *err, size_t err_si
     const struct sim_options *o = &p->options;
     p->run.pins = &p->pins;
     p->run.rest = o->rest_on_link ? &p->rest : NULL;
-    if (!pins_side_open(&p->pins, &p->port, o->wiring, o->class, o->tick_ms, o->seed, err,
-                        err_size)) {
+    if (!pins_side_open(&p->pins, &p->port, p->wiring, o->wiring, o->class, o->tick_ms, o->seed,
+                        err, err_size)) {
         return false;
     }
     release_switched(p);
@@ -164,7 +171,9 @@ static bool close_file(FILE *file)
 
 bool run_parts_close(struct run_parts *p)
 {
-    pins_side_close(&p->pins);
+    wiring_free(p->wiring);
+    p->wiring = NULL;
+    p->events.wiring = NULL;
     if (p->console_open) {
         transport_close(&p->console_port);
     }

@@ -22,7 +22,8 @@ struct run_parts {
     struct transport port, console_port;
     bool port_open, console_open;
     struct link_server link;
-    struct pins_side pins; /* with --wiring */
+    struct wiring *wiring; /* with --wiring, and so */
+    struct pins_side pins;
     struct rest_side rest; /* with --rest-on-link */
     struct console console;
     FILE *transcript, *telemetry;

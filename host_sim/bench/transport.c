@@ -374,6 +374,11 @@ uint64_t transport_now_ms(struct transport *t)
     return transport_keeps_time(t) ? t->ops->now_ms(t) : sim_clock_ms();
 }
 
+bool transport_pins_fault(struct transport *t, const char *name, double value)
+{
+    return t->ops != NULL && t->ops->pins_fault != NULL && t->ops->pins_fault(t, name, value);
+}
+
 bool transport_fault(struct transport *t, const char *name, double value)
 {
     return t->ops != NULL && t->ops->fault != NULL && t->ops->fault(t, name, value);

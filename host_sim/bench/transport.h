@@ -37,6 +37,8 @@ struct transport_ops {
     bool (*wire)(struct transport *t, const char *wiring, uint64_t seed, char *err,
                  size_t err_size);
     void (*measure)(struct transport *t, const char *sensor, double value);
+    /* A fault of what is wired, "T1.open" (chips/wiring.h). False: it cannot have it. */
+    bool (*pins_fault)(struct transport *t, const char *name, double value);
     bool (*loads)(struct transport *t, double *ns, size_t n);
     /* The board's time, ns, and where in it the firmware's clock was 0. */
     void (*clock)(struct transport *t, uint64_t *now_ns, uint64_t *began_ns);
@@ -85,6 +87,9 @@ bool transport_keeps_time(const struct transport *t);
 
 /* Has what is at the other end have that fault; false: it cannot. */
 bool transport_fault(struct transport *t, const char *name, double value);
+
+/* Likewise a fault of what is wired to its pins, "T1.open". */
+bool transport_pins_fault(struct transport *t, const char *name, double value);
 
 /* For the implementations: marks the peer as gone and returns -1. */
 long transport_lost(struct transport *t, const char *reason);

@@ -134,6 +134,13 @@ static void board_measure(struct transport *t, const char *sensor, double value)
     (void)board_fault(t, name, value);
 }
 
+static bool board_pins_fault(struct transport *t, const char *fault, double value)
+{
+    char name[64];
+    (void)snprintf(name, sizeof(name), "pins.%s", fault);
+    return board_fault(t, name, value);
+}
+
 static bool board_loads(struct transport *t, double *ns, size_t n)
 {
     (void)t;
@@ -176,6 +183,7 @@ static const struct transport_ops board_ops = {.read = board_read,
                                                .now_ms = board_now,
                                                .fault = board_fault,
                                                .measure = board_measure,
+                                               .pins_fault = board_pins_fault,
                                                .loads = board_loads,
                                                .clock = board_clock,
                                                .limit = board_limit,

@@ -66,6 +66,21 @@ bool chips_add(struct chips *b, struct chip *chip, hal_pin select, char *err, si
     return true;
 }
 
+void chips_replace(struct chips *b, const struct chip *chip, struct chip *by)
+{
+    for (size_t i = 0; i < b->n; i++) {
+        if (b->place[i].chip == chip) {
+            b->place[i].chip = by;
+            b->place[i].addressed = false;
+        }
+    }
+}
+
+bool chips_held_low(const struct chips *b)
+{
+    return b->stuck;
+}
+
 bool chips_set(struct chips *b, const char *fault, double value, char *err, size_t err_size)
 {
     if (strcmp(fault, "noise") == 0) {

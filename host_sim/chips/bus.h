@@ -33,6 +33,12 @@ void chips_free(struct chips *b);
 /* Connects a chip. select: of a chip on SPI, else HAL_PIN_NONE. False, with a sentence in err: chip of another bus, select in use, bus full. */
 bool chips_add(struct chips *b, struct chip *chip, hal_pin select, char *err, size_t err_size);
 
+/* Puts another chip of the same bus in the place of one. */
+void chips_replace(struct chips *b, const struct chip *chip, struct chip *by);
+
+/* The data line is low although nobody transfers. */
+bool chips_held_low(const struct chips *b);
+
 /* Sets a fault of the bus: "noise", the probability (0..1) that a bit is wrong, each way; "stuck", the data line is low; "floats_low", a data
  * line that nobody drives reads 0 instead of 1 (SPI). False, with a sentence in err, for another name or value. */
 bool chips_set(struct chips *b, const char *fault, double value, char *err, size_t err_size);

@@ -16,7 +16,7 @@
 
 static const struct chip_kind *const kinds[] = {
     &chip_max31865, &chip_max31856, &chip_ds18b20,  &chip_ads1115,
-    &chip_bme280,   &chip_bmp280,   &chip_xgzp6897,
+    &chip_bme280,   &chip_bmp280,   &chip_xgzp6897, &chip_mcp4725,
 };
 
 const struct chip_kind *const *chip_kinds(size_t *n)
@@ -240,6 +240,11 @@ void chip_power(struct chip *c, uint64_t now_ns, bool on)
     if (on) {
         c->kind->power_on(c, now_ns);
     }
+}
+
+double chip_volts(const struct chip *c)
+{
+    return c->powered && c->kind->volts != NULL ? c->kind->volts(c) : 0.0;
 }
 
 bool chip_answers(const struct chip *c)

@@ -61,6 +61,9 @@ struct chip_kind {
     bool (*presence)(struct chip *c, uint64_t now_ns);
     void (*bit_out)(struct chip *c, uint64_t now_ns, bool bit);
     bool (*bit_in)(struct chip *c, uint64_t now_ns);
+
+    /* Of a chip that gives a voltage: V at its output. NULL: it gives none. */
+    double (*volts)(const struct chip *c);
 };
 
 #define CHIP_INPUTS_MAX 16u
@@ -100,6 +103,9 @@ void chip_at(struct chip *c, uint64_t now_ns);
 
 /* Turns the supply on, with everything as at power-on, or off. */
 void chip_power(struct chip *c, uint64_t now_ns, bool on);
+
+/* V at the output of a chip that gives a voltage; 0 without power. */
+double chip_volts(const struct chip *c);
 
 /* The chip has power and is not dead. */
 bool chip_answers(const struct chip *c);

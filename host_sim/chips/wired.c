@@ -160,6 +160,13 @@ static void i2c_stop(void *context, uint64_t now_ns, unsigned bus)
         chips_stop(b, now_ns);
 }
 
+static unsigned i2c_held(void *context, uint64_t now_ns, unsigned bus)
+{
+    const struct chips *b = bus_of(context, CHIP_I2C, bus);
+    (void)now_ns;
+    return b != NULL && chips_held_low(b) ? I2C_DATA_HELD : 0;
+}
+
 static enum wire_answer wire_reset(void *context, uint64_t now_ns, unsigned bus)
 {
     struct chips *b = bus_of(context, CHIP_ONEWIRE, bus);
@@ -201,6 +208,7 @@ struct wired *wired_open(const char *path, uint64_t seed, char *err, size_t err_
                               .i2c_write = i2c_write,
                               .i2c_read = i2c_read,
                               .i2c_stop = i2c_stop,
+                              .i2c_held = i2c_held,
                               .wire_reset = wire_reset,
                               .wire_bit = wire_bit};
     wiring_power(w->wiring, 0, true);
@@ -239,7 +247,7 @@ bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char 
     wiring_at(w->wiring, now_ns);
     for (size_t i = 0; i < w->n_outputs; i++)
         pass(w, i, now_ns);
-    return wiring_set(w->wiring, name, what, value, err, err_size);
+    return wiring_fault(w->wiring, now_ns, name, what, value, err, err_size);
 }
 
 size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns)

@@ -23,7 +23,7 @@ const struct wiring *wired_wiring(const struct wired *w);
 /* Gives the sensor of this name the value of its quantity from this moment on. */
 void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value);
 
-/* Sets a fault from this moment on: as wiring_set(). */
+/* Sets a fault from this moment on: as wiring_fault(). */
 bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char *what, double value,
                  char *err, size_t err_size);
 

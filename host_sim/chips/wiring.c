@@ -46,6 +46,7 @@ void wiring_free(struct wiring *w)
     }
     for (size_t i = 0; i < w->n_chips; i++) {
         chip_free(w->chip[i]);
+        chip_free(w->other[i]);
     }
     for (size_t kind = 0; kind < WIRING_BUS_KINDS; kind++) {
         for (size_t i = 0; i < WIRING_BUSES_MAX; i++) {
@@ -91,6 +92,9 @@ void wiring_at(struct wiring *w, uint64_t now_ns)
 {
     for (size_t i = 0; i < w->n_chips; i++) {
         chip_at(w->chip[i], now_ns);
+        if (w->other[i] != NULL) {
+            chip_at(w->other[i], now_ns);
+        }
     }
 }
 
@@ -101,7 +105,7 @@ void wiring_measure(struct wiring *w, size_t sensor, double value)
     const struct chip_input *in = &s->chip->kind->inputs[i];
     double part = (value - s->lo) / (s->hi - s->lo);
     double x = s->lo_in + part * (s->hi_in - s->lo_in);
-    s->chip->input[i] = fmin(fmax(x, in->lo), in->hi);
+    s->chip->input[i] = s->open ? 0.0 : fmin(fmax(x, in->lo), in->hi);
 }
 
 static bool set_output(struct wiring_output *o, const char *what, double value, char *err,

@@ -43,6 +43,7 @@ struct wiring_sensor {
     const char *input;   /* of the chip */
     double lo, hi;       /* of the quantity */
     double lo_in, hi_in; /* of the chip's input */
+    bool open;           /* fault: the wire to the input is broken */
     unsigned line;
 };
 
@@ -89,6 +90,36 @@ void wiring_measure(struct wiring *w, size_t sensor, double value);
 /* A fault or an input by name: "T1", "open"; "spi1", "noise"; "Q", "shorted" or "broken" of outputs. False, with a sentence in err. */
 bool wiring_set(struct wiring *w, const char *name, const char *what, double value, char *err,
                 size_t err_size);
+
+/* What can happen to a line or to a bus: a fault, which is there while its value is not 0, or a quantity of its chip that no line gives it. */
+struct wiring_fault {
+    const char *name; /* "open" */
+    const char *unit; /* "" of a fault */
+    double lo, hi;
+    const char *what; /* for people */
+};
+
+/* The n-th fault of a line or bus with this name. False: it has no more, or nothing has the name. */
+bool wiring_fault_at(const struct wiring *w, const char *name, size_t n,
+                     struct wiring_fault *fault);
+
+/* Whether a line or bus with this name has this fault, or any where `what` is NULL. */
+bool wiring_has(const struct wiring *w, const char *name, const char *what);
+
+/* Appends the names of all lines and buses: "T1, T10, Qrb, spi1". */
+void wiring_append_names(const struct wiring *w, char *text, size_t size);
+
+/* The n-th fault that chips of a kind have beside those of all chips; NULL past the last. */
+struct chip_kind;
+const char *wiring_fault_of_kind(const struct chip_kind *kind, size_t n);
+
+/* Whether a fault of a line or bus that there is may have this value. False, with a sentence in err that says which faults it has. */
+bool wiring_fault_check(const struct wiring *w, const char *name, const char *what, double value,
+                        char *err, size_t err_size);
+
+/* Sets a fault, or takes it back with 0: all of wiring_fault_at(), and what wiring_set() takes. */
+bool wiring_fault(struct wiring *w, uint64_t now_ns, const char *name, const char *what,
+                  double value, char *err, size_t err_size);
 
 /* Whether the load of an output is on while the pin has this level. */
 bool wiring_load(const struct wiring_output *output, bool high);

@@ -18,6 +18,7 @@ struct wiring {
     struct wiring_output output[WIRING_LINES_MAX];
     size_t n_outputs;
     struct chip *chip[WIRING_LINES_MAX];
+    struct chip *other[WIRING_LINES_MAX]; /* in its place while it is `wrong`; NULL: it never was */
     size_t n_chips;
     struct chips *bus[WIRING_BUS_KINDS][WIRING_BUSES_MAX];
     uint64_t seed;

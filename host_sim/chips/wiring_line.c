@@ -240,6 +240,11 @@ static bool read_input(const struct chip_kind *kind, const char *word, struct wi
                        char *err, size_t err_size)
 {
     bool several = strcmp(kind->inputs[0].name, "in0") == 0;
+    if (kind->volts != NULL) {
+        return sim_fail(err, err_size,
+                        "%s measures nothing; it gives a voltage, and no line has one yet",
+                        kind->name);
+    }
     char name[WIRING_NAME_SIZE + 2] = "";
     if (word == NULL && several) {
         return sim_fail(err, err_size,
@@ -405,7 +410,9 @@ static bool no_kind(const char *word, char *err, size_t err_size)
     const struct chip_kind *const *kinds = chip_kinds(&n);
     (void)sim_fail(err, err_size, "%s is no chip and no output; there are", word);
     for (size_t i = 0; i < n; i++) {
-        sim_append(err, err_size, " %s,", kinds[i]->name);
+        if (kinds[i]->volts == NULL) {
+            sim_append(err, err_size, " %s,", kinds[i]->name);
+        }
     }
     sim_append(err, err_size, " ssr, relay, pwm, valve");
     return false;

@@ -46,7 +46,7 @@ static void what_cannot_be_a_property_is_refused_in_words(void)
 {
     expect_refused("max31866", "",
                    "no chip is called max31866; there are max31865, max31856, ds18b20, ads1115, "
-                   "bme280, bmp280, xgzp6897");
+                   "bme280, bmp280, xgzp6897, mcp4725");
     expect_refused(
         "max31865", "refrence=400",
         "max31865 has no property refrence; it has reference, nominal, wires, capacitor, noise");
@@ -74,7 +74,7 @@ static void every_kind_is_whole_and_has_words_for_its_inputs(void)
 {
     size_t n;
     const struct chip_kind *const *kinds = chip_kinds(&n);
-    TEST_ASSERT_EQUAL_size_t(7, n);
+    TEST_ASSERT_EQUAL_size_t(8, n);
     for (size_t i = 0; i < n; i++) {
         const struct chip_kind *k = kinds[i];
         struct chip *c = chip_new(k->name, "", 3, err, sizeof(err));

@@ -190,6 +190,8 @@ static void lines_that_are_not_whole_are_refused(void)
                    "max31866 is no chip and no output; there are max31865, max31856, ds18b20, "
                    "ads1115, bme280, bmp280, xgzp6897, "
                    "ssr, relay, pwm, valve");
+    expect_refused("T1 mcp4725 i2c1 0x60\n", 1,
+                   "mcp4725 measures nothing; it gives a voltage, and no line has one yet");
     expect_refused("T1 max31865\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 PA4\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 spi1\n", 1, "max31865 has its place as in spi1 PA4");

@@ -1,5 +1,8 @@
 /* Input that people write for a run: events and scripts. Wrong input is refused with a line that helps. */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bench/events.h"
 #include "bench/script.h"
@@ -60,6 +63,78 @@ static void faults_of_a_board_are_checked(void)
     TEST_ASSERT_FALSE(events_want_board(&events));
     TEST_ASSERT_TRUE(event("1:board.crystal=0"));
     TEST_ASSERT_TRUE(events_want_board(&events));
+}
+
+/* A wiring file of these lines, whose names events may have. */
+static struct wiring *wire(const char *text)
+{
+    char path[] = "/tmp/scenario_input_XXXXXX";
+    int file = mkstemp(path);
+    TEST_ASSERT_TRUE(file >= 0);
+    TEST_ASSERT_EQUAL_INT((int)strlen(text), (int)write(file, text, strlen(text)));
+    (void)close(file);
+    struct wiring *w = wiring_read(path, 1, err, sizeof(err));
+    (void)remove(path);
+    TEST_ASSERT_NOT_NULL_MESSAGE(w, err);
+    return w;
+}
+
+static const char wired[] = "y1 max31856 spi1 PA4 type=K\n"
+                            "y2 ads1115  i2c1 0x48 1 lo=0 hi=100 lo_in=0.4 hi_in=2\n"
+                            "u1 ssr      PB0\n"
+                            "u2 valve    PB1 PC2 travel=60\n";
+
+static void faults_of_what_is_wired_are_taken(void)
+{
+    static const char *const good[] = {"1:y1.open=1",    "2:y1.open=0",        "1:y1.missing=1",
+                                       "1:y1.cold=60",   "1:y2.frozen=1",      "1:y2.dead=1",
+                                       "1:u1.shorted=1", "1:u2.broken=1",      "1:spi1.noise=1e-4",
+                                       "1:i2c1.stuck=1", "1:spi1.floats_low=1"};
+    struct wiring *w = wire(wired);
+    events.wiring = w;
+    for (size_t i = 0; i < sizeof(good) / sizeof(good[0]); i++) {
+        TEST_ASSERT_TRUE_MESSAGE(event(good[i]), err);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(EVENT_PINS, events.list[i].kind, good[i]);
+        const char *name = strchr(good[i], ':') + 1;
+        TEST_ASSERT_EQUAL_STRING_LEN(name, events.list[i].pins, strcspn(name, "="));
+    }
+    wiring_free(w);
+}
+
+static void an_option_that_only_the_instrument_has_stays_its_own_with_a_wiring(void)
+{
+    static const char *const own[] = {"1:y1.bias=3", "1:y2.stuck=4", "1:y1.frozen=1", "1:u1.hi=50"};
+    struct wiring *w = wire(wired);
+    events.wiring = w;
+    for (size_t i = 0; i < sizeof(own) / sizeof(own[0]); i++) {
+        TEST_ASSERT_TRUE_MESSAGE(event(own[i]), err);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(EVENT_OPTION, events.list[i].kind, own[i]);
+    }
+    wiring_free(w);
+}
+
+static void faults_that_a_line_does_not_have_are_refused_with_those_that_it_has(void)
+{
+    struct wiring *w = wire(wired);
+    events.wiring = w;
+    refused("1:y1.opne=1",
+            "y1 has no fault \"opne\"; it has missing, dead, wrong, cold, open, short");
+    refused("1:y1.opne=1", "; before the pins it has bias, noise");
+    refused("1:y1.quality=2", "y1 has no fault \"quality\""); /* the plant link would say it */
+    refused("1:u1.readback=1", "u1 has no fault \"readback\"; it has shorted, broken");
+    refused("1:u2.shorted=1", "u2 has no fault \"shorted\"; it has broken");
+    refused("1:i2c1.floats_low=1", "i2c1 has no fault \"floats_low\"; it has noise, stuck");
+    refused("1:y1.open=2", "y1.open must be 0 to 1");
+    refused("1:y1.cold=200", "y1.cold must be -64 to 150 degC");
+    refused("1:spi1.noise=-1", "spi1.noise must be 0 to 1");
+    refused("1:spi2.noise=0", "has \"spi2\"; wired are y1, y2, u1, u2, spi1, i2c1");
+    wiring_free(w);
+}
+
+static void faults_of_what_is_wired_need_a_wiring(void)
+{
+    refused("1:y1.open=1", "y1 has no option \"open\"");
+    refused("1:spi1.noise=1", "has no \"spi1\"");
 }
 
 static void events_of_wrong_form_are_refused(void)
@@ -242,6 +317,10 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(good_events_are_taken);
     RUN_TEST(faults_of_a_board_are_checked);
+    RUN_TEST(faults_of_what_is_wired_are_taken);
+    RUN_TEST(an_option_that_only_the_instrument_has_stays_its_own_with_a_wiring);
+    RUN_TEST(faults_that_a_line_does_not_have_are_refused_with_those_that_it_has);
+    RUN_TEST(faults_of_what_is_wired_need_a_wiring);
     RUN_TEST(events_of_wrong_form_are_refused);
     RUN_TEST(the_example_of_the_form_is_one_the_plant_takes);
     RUN_TEST(events_with_wrong_times_are_refused);

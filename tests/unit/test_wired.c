@@ -326,6 +326,105 @@ static void a_chip_listens_while_its_select_is_low(void)
     TEST_ASSERT_EQUAL_HEX8(0xFF, high_threshold(2, 'C', 0));
 }
 
+/* ---- faults of chips ---- */
+
+static void write_threshold(uint64_t now_ns, uint8_t value)
+{
+    void *c = world->context;
+    drive(now_ns, 'A', 4, PIN_LOW);
+    (void)world->spi_exchange(c, now_ns, 1, 1, 0x83);
+    (void)world->spi_exchange(c, now_ns, 1, 1, value);
+    drive(now_ns, 'A', 4, PIN_HIGH);
+}
+
+static void a_chip_that_is_missing_is_silent_and_comes_back_as_at_power_on(void)
+{
+    drive(1 * MS, 'A', 4, PIN_HIGH);
+    write_threshold(2 * MS, 0x12);
+    TEST_ASSERT_TRUE(fault(3 * MS, "T1", "missing", 1));
+    TEST_ASSERT_TRUE(fault(4 * MS, "T1", "missing", 1)); /* it is already */
+    TEST_ASSERT_TRUE(fault(5 * MS, "spi1", "floats_low", 1));
+    TEST_ASSERT_EQUAL_HEX8(0x00, high_threshold(1, 'A', 4));
+    TEST_ASSERT_TRUE(fault(30 * MS, "T1", "missing", 0));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, high_threshold(1, 'A', 4));
+}
+
+static void a_chip_that_is_dead_keeps_its_registers(void)
+{
+    drive(1 * MS, 'A', 4, PIN_HIGH);
+    write_threshold(2 * MS, 0x12);
+    TEST_ASSERT_TRUE(fault(3 * MS, "T1", "dead", 1));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, high_threshold(1, 'A', 4));
+    TEST_ASSERT_TRUE(fault(30 * MS, "T1", "dead", 0));
+    TEST_ASSERT_EQUAL_HEX8(0x12, high_threshold(1, 'A', 4));
+}
+
+/* Register 3 of a MAX31856 holds the cold junction's high threshold, 7Fh at power-on (data sheet of the MAX31856, table 6). */
+static void another_chip_answers_in_the_place_of_a_wrong_one_until_it_is_taken_back(void)
+{
+    drive(1 * MS, 'A', 4, PIN_HIGH);
+    write_threshold(2 * MS, 0x12);
+    TEST_ASSERT_TRUE_MESSAGE(fault(3 * MS, "T1", "wrong", 1), err);
+    TEST_ASSERT_TRUE(fault(4 * MS, "T1", "wrong", 1));
+    TEST_ASSERT_EQUAL_HEX8(0x7F, high_threshold(1, 'A', 4));
+    TEST_ASSERT_TRUE(fault(30 * MS, "T1", "wrong", 0));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, high_threshold(1, 'A', 4)); /* it has just got power */
+    TEST_ASSERT_EQUAL_HEX8(0xFF, high_threshold(2, 'C', 0)); /* the other bus is as it was */
+}
+
+static void a_wrong_chip_on_i2c_has_the_address_of_the_right_one(void)
+{
+    void *c = world->context;
+    TEST_ASSERT_TRUE_MESSAGE(fault(3 * MS, "U", "wrong", 1), err);
+    TEST_ASSERT_TRUE(world->i2c_address(c, 10 * MS, 1, 0x48, false));
+    world->i2c_stop(c, 10 * MS, 1);
+    TEST_ASSERT_FALSE(world->i2c_address(c, 11 * MS, 1, 0x6D, false));
+}
+
+static void a_broken_wire_leaves_a_voltage_input_at_0_V_until_it_is_taken_back(void)
+{
+    const struct chip *chip = wiring_sensor(wired_wiring(w), 2)->chip;
+    int in1 = chip_input_index(chip->kind, "in1");
+    wired_measure(w, 1 * MS, "U", 1.5);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5, chip->input[in1]);
+    TEST_ASSERT_TRUE(fault(2 * MS, "U", "open", 1));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, chip->input[in1]);
+    wired_measure(w, 3 * MS, "U", 1.75);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, chip->input[in1]);
+    TEST_ASSERT_TRUE(fault(4 * MS, "U", "open", 0));
+    wired_measure(w, 5 * MS, "U", 1.75);
+    TEST_ASSERT_EQUAL_DOUBLE(1.75, chip->input[in1]);
+}
+
+static void a_stuck_i2c_bus_is_held_low(void)
+{
+    void *c = world->context;
+    TEST_ASSERT_EQUAL_UINT(0, world->i2c_held(c, 1 * MS, 1));
+    TEST_ASSERT_TRUE(fault(2 * MS, "i2c1", "stuck", 1));
+    TEST_ASSERT_EQUAL_UINT(I2C_DATA_HELD, world->i2c_held(c, 3 * MS, 1));
+    TEST_ASSERT_EQUAL_UINT(0, world->i2c_held(c, 3 * MS, 2));
+    TEST_ASSERT_TRUE(fault(4 * MS, "i2c1", "stuck", 0));
+    TEST_ASSERT_EQUAL_UINT(0, world->i2c_held(c, 5 * MS, 1));
+}
+
+static void every_fault_of_every_line_can_be_set_and_taken_back(void)
+{
+    static const char *const names[] = {"T1", "T2", "U", "T3", "Q", "Lr", "spi1", "i2c1", "wire1"};
+    const struct wiring *wiring = wired_wiring(w);
+    struct wiring_fault f;
+    unsigned faults = 0;
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        for (size_t n = 0; wiring_fault_at(wiring, names[i], n, &f); n++, faults++) {
+            TEST_ASSERT_TRUE_MESSAGE(fault((100 + faults) * MS, names[i], f.name, f.hi), err);
+            TEST_ASSERT_TRUE_MESSAGE(fault((101 + faults) * MS, names[i], f.name, f.lo), err);
+            TEST_ASSERT_TRUE(wiring_fault_check(wiring, names[i], f.name, f.hi, err, sizeof(err)));
+            TEST_ASSERT_FALSE(
+                wiring_fault_check(wiring, names[i], f.name, f.hi + 1.0, err, sizeof(err)));
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT(10 + 10 + 6 + 5 + 2 + 1 + 3 + 2 + 2, faults);
+}
+
 static void a_file_with_too_many_outputs_is_refused(void)
 {
     char text[1024] = "";
@@ -365,5 +464,12 @@ int main(void)
     RUN_TEST(chips_answer_on_their_buses_and_nobody_on_the_others);
     RUN_TEST(a_chip_listens_while_its_select_is_low);
     RUN_TEST(a_file_with_too_many_outputs_is_refused);
+    RUN_TEST(a_chip_that_is_missing_is_silent_and_comes_back_as_at_power_on);
+    RUN_TEST(a_chip_that_is_dead_keeps_its_registers);
+    RUN_TEST(another_chip_answers_in_the_place_of_a_wrong_one_until_it_is_taken_back);
+    RUN_TEST(a_wrong_chip_on_i2c_has_the_address_of_the_right_one);
+    RUN_TEST(a_broken_wire_leaves_a_voltage_input_at_0_V_until_it_is_taken_back);
+    RUN_TEST(a_stuck_i2c_bus_is_held_low);
+    RUN_TEST(every_fault_of_every_line_can_be_set_and_taken_back);
     return UNITY_END();
 }
