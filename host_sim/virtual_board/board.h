@@ -99,7 +99,7 @@ struct board {
 
     uint64_t stalled_until_ns; /* the flash answers no fetch */
     bool held;                 /* no supply, or the reset pin is low: nothing runs */
-    bool hang_main, hang_tick; /* the main loop or the tick no longer gets on */
+    bool hang_main, hang_tick, hang_clock; /* main loop, tick or board clock no longer gets on */
     struct faults *faults;
     struct replay *replay; /* NULL: what comes is not kept */
     bool found; /* of a second board: it has come to the access whose address is wanted */
