@@ -119,13 +119,14 @@ def script_tests(label: str) -> list[Test]:
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables", "pin_tables")
-        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_board_pins", "test_watchdog"):
+        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_board_pins", "test_board_watchdog",
+                         "test_watchdog"):
             wanted |= needs("host", "reflux-board")
         if path.stem == "test_board_campaign":
             wanted |= needs("host", "board-campaign")
         if path.stem == "test_board_io":
             wanted |= needs("host", "board-io") | needs("stm32f405")
-        if path.stem in ("test_board_faults", "test_board_flips", "test_board_pins"):
+        if path.stem in ("test_board_faults", "test_board_flips", "test_board_pins", "test_board_watchdog"):
             wanted |= needs("stm32f405")
         if path.stem in ("test_self_checks", "test_virtual_board"):
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
