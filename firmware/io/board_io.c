@@ -15,7 +15,7 @@
 #define READINGS_MISSED 3u
 #define INTERVAL_MAX_MS 1000u
 /* So much later than its time the command of a tick may come before its outputs go to their safe position. */
-#define LATE_MS 500u
+#define LATE_MS      500u
 #define VALVE_FAULTS (OUTPUT_END_MISSED | OUTPUT_BOTH_ENDS)
 
 void board_io_init(struct board_io *b, struct event_queue *events, const uint64_t *plant_time)
@@ -199,9 +199,8 @@ static void tell_output(struct board_io *b, uint8_t i, uint8_t faults)
               b->settings->output[b->output_row[i]].name, value, number);
 }
 
-/* Tells faults of an output: those of a motor valve's end contacts when they come, the others when they change. Returns the quality of what it
- * is said to be: bad where a chip does not say. */
-static enum quality tell_output_faults(struct board_io *b, uint8_t i)
+/* Tells faults of an output: those of a motor valve's end contacts when they come, the others when they change. */
+static void tell_output_faults(struct board_io *b, uint8_t i)
 {
     uint8_t faults = outputs_faults(b->output_at[i]), before = b->output_fault[i];
     uint8_t valve = faults & VALVE_FAULTS;
@@ -212,7 +211,6 @@ static enum quality tell_output_faults(struct board_io *b, uint8_t i)
     if (((faults ^ before) & OUTPUT_TOLD) != 0)
         tell_output(b, i, faults & OUTPUT_TOLD);
     b->output_fault[i] = faults;
-    return (faults & OUTPUT_NO_CHIP) != 0 ? QUALITY_BAD : QUALITY_GOOD;
 }
 
 static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
@@ -236,8 +234,8 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     for (uint8_t i = 0; i < b->n_outputs; i++) {
         const struct output_config *o = &b->settings->output[b->output_row[i]];
         float part = output_part(b, i);
-        enum quality quality = tell_output_faults(b, i);
-        sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), quality};
+        tell_output_faults(b, i);
+        sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
     }
     b->due_ms = next_due(b, now_ms);
     return true;

@@ -392,7 +392,7 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
     W(output_config, settings.range, 14, "range", "4-20mA|0-20mA|0-24mA|0-5V|0-10V", 0,
       "of a chip"),
     W(output_config, settings.pin[4], 15, "zero_cross", PINS_WORDS, 0,
-      "burst: pin that falls when the mains cross zero; - = groups begin anywhere")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
+      "burst: falls when the mains cross 0")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */
