@@ -39,7 +39,7 @@
 #define CODE_MOST      0xFFFFu
 #define SPI_HZ         1000000u
 #define FRAME_MS       1u
-#define REST_MS        20u  /* between two rounds */
+#define REST_MS        50u  /* between two rounds: others have the bus for 9 of 10 milliseconds */
 #define RETRY_MS       250u /* between two rounds of a chip that does not answer */
 #define FAILURES_MAX   3u
 #define REFUSALS_MAX   250u /* turns in which the bus was somebody else's */

@@ -14,17 +14,13 @@
 
 #define MHZ_OF_ONE_IN_A_MS 1000000u
 
-enum err mains_open(struct mains *m, hal_pin pin)
+void mains_open(struct mains *m, hal_pin pin)
 {
     *m = (struct mains){.pin = pin};
-    if (pin == HAL_PIN_NONE)
-        return ERR_OK;
-    enum err err = hal_pulse_open(pin);
-    if (err)
-        return err;
+    if (pin == HAL_PIN_NONE || hal_pulse_open(pin) != ERR_OK)
+        return;
     hal_pulse_set_dead_time(pin, DEAD_MS);
     m->edges = hal_pulse_count(pin);
-    return ERR_OK;
 }
 
 static uint16_t mains_grown(uint16_t ms, uint32_t elapsed_ms)

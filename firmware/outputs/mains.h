@@ -36,8 +36,8 @@ struct mains {
     uint32_t period_us;  /* between two crossings */
 };
 
-/* HAL_PIN_NONE: does nothing. Errors of hal_pulse_open(). */
-MUST_CHECK enum err mains_open(struct mains *m, hal_pin pin);
+/* HAL_PIN_NONE: does nothing. A pin that cannot count, because another one has its interrupt, never has mains, and so is told. */
+void mains_open(struct mains *m, hal_pin pin);
 
 /* Clock. Crossings in this time, made up ones too; 0 while the mains are not found. */
 uint32_t mains_pass(struct mains *m, uint32_t elapsed_ms);

@@ -12,8 +12,8 @@
 #define CLEAR  16u
 #define SELECT 17u
 /* Rounds of reading that may pass until a chip is told as silent, and a round and its rest. */
-#define TOLD_MS  150u
-#define RETRY_MS 300u
+#define TOLD_MS  250u
+#define RETRY_MS 350u
 
 /* SBAS528D, AD5422 rev. I: registers; what is at the output follows from them and from the clear pin. */
 static struct {
@@ -293,7 +293,7 @@ static void a_chip_that_has_lost_its_supply_gets_range_and_code_again(void)
     begin();
     run(0.8, 100);
     chip.control = chip.data = 0;
-    run(0.8, 100);
+    run(0.8, 150);
     TEST_ASSERT_EQUAL_HEX16(0x1005, chip.control);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.8, at());
     TEST_ASSERT_EQUAL(0, outputs_faults(0));
@@ -339,7 +339,7 @@ static void single_disturbed_frames_are_mended_and_not_told(void)
     for (unsigned k = 0; k < 300; k++) {
         chip.broken = 1;
         ends = random_below(&random, 2) ? TRANSFER_FAILED : TRANSFER_RUNS;
-        run(0.4, 60 + random_below(&random, 40));
+        run(0.4, 130 + random_below(&random, 60));
         TEST_ASSERT_EQUAL(0, outputs_faults(0));
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.4, at());
     }

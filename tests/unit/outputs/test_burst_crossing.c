@@ -283,6 +283,21 @@ static void mains_that_are_lost_are_told_at_once_and_found_again(void)
     }
 }
 
+static void a_pin_that_cannot_count_is_told_and_groups_run_free(void)
+{
+    bench_begin();
+    bench_pins[CROSSING].refuses = true;
+    struct output_settings s = bench_settings(OUTPUT_BURST, 3);
+    s.pin[OUTPUT_CROSSING] = CROSSING;
+    bench_open(&s, 1);
+    for (unsigned k = 0; k < 4000; k++) {
+        outputs_command(0, true, 0.5f);
+        bench_turn();
+    }
+    TEST_ASSERT_EQUAL(OUTPUT_NO_CROSSING, outputs_faults(0));
+    TEST_ASSERT_FLOAT_WITHIN(0.05f, 0.5f, outputs_readback(0));
+}
+
 static void without_the_pin_nothing_is_told(void)
 {
     bench_begin();
@@ -339,6 +354,7 @@ int main(void)
     RUN_TEST(other_frequencies_are_no_mains);
     RUN_TEST(mains_that_were_never_there_are_told_after_three_seconds_and_groups_run_free);
     RUN_TEST(mains_that_are_lost_are_told_at_once_and_found_again);
+    RUN_TEST(a_pin_that_cannot_count_is_told_and_groups_run_free);
     RUN_TEST(without_the_pin_nothing_is_told);
     RUN_TEST(a_command_of_0_and_a_safe_state_keep_the_mains);
     RUN_TEST(several_outputs_may_have_the_same_crossings_and_nothing_else);
