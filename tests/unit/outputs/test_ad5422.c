@@ -46,8 +46,9 @@ static enum transfer_state exchange(const struct spi_device *device, struct tran
         chip.broken--;
         return ends;
     }
+    const uint8_t answer[3] = {0, (uint8_t)(chip.answer >> 8), (uint8_t)chip.answer};
     for (unsigned k = 0; k < t->n_in; k++)
-        t->in[k] = chip.absent ? 0xFFu : k == 0 ? 0 : (uint8_t)(chip.answer >> (k == 1 ? 8 : 0));
+        t->in[k] = chip.absent ? 0xFFu : answer[k];
     if (chip.absent || t->n_out == 0)
         return TRANSFER_DONE;
     uint16_t word = (uint16_t)(t->out[1] << 8 | t->out[2]);
