@@ -35,7 +35,7 @@ struct operate *app_door(struct app *app)
 
 static void start_watching(struct app *app)
 {
-    app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
+    app->service.watchdog = hal_watchdog_start(WATCHDOG_FIRST_MS);
     enum hal_reset cause = hal_reset_cause();
     app->service.early_resets = early_resets_init(
         &app->early_resets, hal_retained(HAL_RETAINED_STARTS, sizeof(struct early_resets_record)),

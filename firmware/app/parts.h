@@ -15,7 +15,12 @@
 #include "storage/storage.h"
 #include "supervise/restart.h"
 
-#define WATCHDOG_MS 2000
+/* Time-outs of the watchdog. A board whose own outputs are in use has the short one, because they must be off 2 s after the last command even
+ * where its clock hangs: the reset is what switches them off then, and the watchdog's own clock, 32 kHz, may be as slow as 17. So a board that
+ * can have outputs begins with it, and has the long one once it is known that its plant is at the link. */
+#define WATCHDOG_MS       2000
+#define WATCHDOG_PINS_MS  1000
+#define WATCHDOG_FIRST_MS (CONFIG_DEVICES != 0 ? WATCHDOG_PINS_MS : WATCHDOG_MS)
 
 /* The plan's channels in the plant's tables. The tick writes it (binding.c). */
 struct binding {

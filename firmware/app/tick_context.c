@@ -26,7 +26,7 @@ void tick_context_init(struct app *app)
 
 void tick_context_start(struct app *app, enum hal_reset cause)
 {
-    heartbeat_init(&app->tick.heartbeat, WATCHDOG_MS);
+    heartbeat_init(&app->tick.heartbeat, WATCHDOG_FIRST_MS);
     restart_init(&app->tick.restart,
                  hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
@@ -218,11 +218,11 @@ static void watch_samples(struct app *app, uint64_t now_ms)
     restart_keep(&app->tick.restart, &app->supervisor);
 }
 
-/* Returns the longest time a tick may take: a base tick of the plant, and a second at most. */
+/* Returns the longest time a tick may take: a base tick of the plant, and half the watchdog's time-out at most. */
 static uint32_t tick_deadline_ms(const struct app *app)
 {
     float tick_ms = service_in_force(&app->service)->tick_s * 1000.0f;
-    uint32_t longest_ms = WATCHDOG_MS / 2;
+    uint32_t longest_ms = app->tick.heartbeat.timeout_ms / 2u;
     return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 
@@ -234,6 +234,18 @@ static bool next_sample(struct app *app, uint64_t now_ms, struct io_sample *samp
     if (wait)
         app->service.samples.seen_ms = now_ms; /* nobody has looked */
     return sample_gate_poll(&app->tick.gate, io, wait, now_ms, sample);
+}
+
+/* Has the watchdog's time-out follow the plan in force. Both directions hold the tick and the main loop to the longer of two only after the
+ * watchdog has it. */
+static void fit_watchdog(struct app *app)
+{
+    struct heartbeat *h = &app->tick.heartbeat;
+    uint32_t wanted_ms = pins_are_source(&service_in_force(&app->service)->config.pins)
+                             ? WATCHDOG_PINS_MS
+                             : WATCHDOG_MS;
+    if (CONFIG_DEVICES != 0 && h->timeout_ms != wanted_ms && hal_watchdog_change(wanted_ms))
+        heartbeat_change(h, wanted_ms);
 }
 
 void tick_context_run(struct app *app)
@@ -256,6 +268,7 @@ void tick_context_run(struct app *app)
         silent_tick(app, now_ms);
     else
         watch_samples(app, now_ms);
+    fit_watchdog(app);
     if (heartbeat_due(&app->tick.heartbeat, hal_clock_ms(), app->main_turns))
         hal_watchdog_feed();
 }

@@ -15,7 +15,8 @@
 #define READINGS_MISSED 3u
 #define INTERVAL_MAX_MS 1000u
 /* So much later than its time the command of a tick may come before its outputs go to their safe position. */
-#define LATE_MS 500u
+#define LATE_MS      500u
+#define VALVE_FAULTS (OUTPUT_END_MISSED | OUTPUT_BOTH_ENDS)
 
 void board_io_init(struct board_io *b, struct event_queue *events, const uint64_t *plant_time)
 {
@@ -187,14 +188,29 @@ static float output_part(const struct board_io *b, uint8_t i)
     return follows && (type == OUTPUT_WINDOW || type == OUTPUT_BURST) ? b->fraction[i] : really;
 }
 
-/* Tells faults of a motor valve's end contacts when they come. */
-static void tell_valve(struct board_io *b, uint8_t i)
+/* The detail of the event is the number of the first of these faults, from 1. */
+static void tell_output(struct board_io *b, uint8_t i, uint8_t faults)
 {
-    uint8_t faults = outputs_faults(b->output_at[i]) & (OUTPUT_END_MISSED | OUTPUT_BOTH_ENDS);
-    if (faults != 0 && faults != b->valve_fault[i])
+    uint8_t first = (uint8_t)(faults & -faults), number = 0;
+    while (first >> number != 0)
+        number++;
+    float value = faults != 0 ? (float)faults : outputs_mains(b->output_at[i]);
+    event_put(b->events, *b->plant_time, faults != 0 ? EVENT_OUTPUT_FAULT : EVENT_OUTPUT_FINE,
+              b->settings->output[b->output_row[i]].name, value, number);
+}
+
+/* Tells faults of an output: those of a motor valve's end contacts when they come, the others when they change. */
+static void tell_output_faults(struct board_io *b, uint8_t i)
+{
+    uint8_t faults = outputs_faults(b->output_at[i]), before = b->output_fault[i];
+    uint8_t valve = faults & VALVE_FAULTS;
+    faults &= VALVE_FAULTS | OUTPUT_TOLD;
+    if (valve != 0 && valve != (before & VALVE_FAULTS))
         event_put(b->events, *b->plant_time, EVENT_VALVE_FAULT,
-                  b->settings->output[b->output_row[i]].name, (float)faults, 0);
-    b->valve_fault[i] = faults;
+                  b->settings->output[b->output_row[i]].name, (float)valve, 0);
+    if (((faults ^ before) & OUTPUT_TOLD) != 0)
+        tell_output(b, i, faults & OUTPUT_TOLD);
+    b->output_fault[i] = faults;
 }
 
 static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
@@ -218,7 +234,7 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     for (uint8_t i = 0; i < b->n_outputs; i++) {
         const struct output_config *o = &b->settings->output[b->output_row[i]];
         float part = output_part(b, i);
-        tell_valve(b, i);
+        tell_output_faults(b, i);
         sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
     }
     b->due_ms = next_due(b, now_ms);

@@ -30,7 +30,7 @@ struct board_io {
     uint8_t output_at[CONFIG_OUTPUTS];  /* its index in firmware/outputs */
     bool drive[CONFIG_OUTPUTS];         /* the command of the last tick */
     float fraction[CONFIG_OUTPUTS];
-    uint8_t valve_fault[CONFIG_OUTPUTS]; /* that an event has told */
+    uint8_t output_fault[CONFIG_OUTPUTS]; /* bits that events have told */
     uint64_t commanded_ms;
     uint8_t n_outputs;
     uint32_t identity; /* checksum of the settings that devices and outputs have */

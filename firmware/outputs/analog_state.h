@@ -6,13 +6,13 @@
 #include <stdint.h>
 
 #include "hal/pin.h"
+#include "outputs/output_span.h"
 
 /* Owner: analog.c. */
 struct output_analog {
     hal_pin pin;
-    uint32_t command;      /* that the pin has; above OUTPUT_FULL: the pin is off */
-    uint32_t gain, offset; /* 1/65536 of the output's span; gain without its sign */
-    bool falls;            /* the gain is below 0 */
+    uint32_t command; /* that the pin has; above OUTPUT_FULL: the pin is off */
+    struct output_span span;
 };
 
 #endif

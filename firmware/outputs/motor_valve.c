@@ -43,7 +43,7 @@ static enum err valve_open(void *state, const struct output_settings *s, float *
     v->scale = UINT32_MAX / v->travel_ms;
     v->place_ms = v->home == CLOSES ? v->travel_ms : 0;
     enum err err = ERR_OK;
-    for (unsigned k = 0; k < OUTPUT_PINS; k++) {
+    for (unsigned k = 0; k < VALVE_PINS; k++) {
         v->pin[k] = s->pin[k];
         if (k < OUTPUT_OPEN_END && !err)
             err = hal_output_open(s->pin[k], s->low);

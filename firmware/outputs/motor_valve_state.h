@@ -6,16 +6,19 @@
 #include <stdint.h>
 
 #include "hal/pin.h"
+#include "outputs/output_settings.h"
+
+#define VALVE_PINS (OUTPUT_CLOSED_END + 1u)
 
 /* Owner: motor_valve.c. Directions: 1 opens, -1 closes, 0 none. */
 struct output_motor_valve {
-    hal_pin pin[4]; /* enum output_pin */
-    int8_t running; /* direction of the motor */
-    int8_t turned;  /* direction of its last run */
-    int8_t seated;  /* end at which the valve certainly is */
-    bool homed;     /* the position is known */
-    int8_t home;    /* end that is looked for before it is */
-    uint8_t faults; /* enum output_fault */
+    hal_pin pin[VALVE_PINS]; /* enum output_pin */
+    int8_t running;          /* direction of the motor */
+    int8_t turned;           /* direction of its last run */
+    int8_t seated;           /* end at which the valve certainly is */
+    bool homed;              /* the position is known */
+    int8_t home;             /* end that is looked for before it is */
+    uint8_t faults;          /* enum output_fault */
     uint8_t closed_ms
         [2]; /* how long the contacts of the open and the closed end have been closed, up to the limit */
     uint32_t travel_ms, band_ms, pause_ms;

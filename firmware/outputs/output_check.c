@@ -34,6 +34,8 @@ static const char *pin_wrong(const struct output_settings *outputs, uint8_t inde
 {
     const struct output_settings *s = &outputs[index];
     hal_pin pin = s->pin[k];
+    if (pin == HAL_PIN_NONE && s->type == OUTPUT_AD5422 && k == OUTPUT_PIN)
+        return "the chip has no watchdog of its own, so its clear pin is needed to let it fall";
     if (pin == HAL_PIN_NONE)
         return output_needs(s->type, k) ? "a pin is missing" : NULL;
     if (!hal_pin_is_free(pin))
@@ -42,7 +44,8 @@ static const char *pin_wrong(const struct output_settings *outputs, uint8_t inde
         if (s->pin[m] == pin)
             return "the output has the same pin twice";
     for (uint8_t m = 0; m < index; m++)
-        if (outputs[m].type < OUTPUT_TYPES && uses_pin(&outputs[m], pin)) {
+        if (outputs[m].type < OUTPUT_TYPES && uses_pin(&outputs[m], pin) &&
+            !(k == OUTPUT_CROSSING && outputs[m].pin[k] == pin)) {
             *other = m;
             return "another output has the same pin";
         }

@@ -5,8 +5,24 @@
 
 /* In the order of enum output_type. */
 static const struct output_kind *const output_kinds[OUTPUT_TYPES] = {
-    NULL,           &window_output,  &burst_output,       &relay_output, &pwm_output,
-    &analog_output, &stepper_output, &motor_valve_output, &enable_output};
+    NULL,           &window_output,  &burst_output,       &relay_output,  &pwm_output,
+    &analog_output, &stepper_output, &motor_valve_output, &enable_output, &ad5422_output};
+
+const char *output_fault_text(uint8_t number)
+{
+    switch (number != 0 ? 1u << (number - 1u) : 0) {
+    case OUTPUT_NO_CHIP:
+        return "no chip answers, or not with what it was given";
+    case OUTPUT_LOOP_OPEN:
+        return "no current flows";
+    case OUTPUT_HOT:
+        return "chip too hot";
+    case OUTPUT_NO_CROSSING:
+        return "no zero crossings of the mains";
+    default:
+        return "";
+    }
+}
 
 const struct output_kind *output_kind(uint8_t type)
 {

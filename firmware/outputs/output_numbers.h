@@ -9,15 +9,15 @@
 /* clang-format off */
 #define OUTPUT_NUMBERS(X) \
     X(dead_man, 1, "s", DRIVEN, 0.5f, 2.0f, 2.0f, "time without a command after which the output goes to its safe position") \
-    X(safe, 2, "", ANALOG | VALVE, 0.0f, 1.0f, 0.0f, "safe position, fraction of the command's span; other outputs are off") \
+    X(safe, 2, "", ANALOG | VALVE | CHIP, 0.0f, 1.0f, 0.0f, "safe position, fraction of the command's span; other outputs are off") \
     X(period, 3, "s", WINDOW, 0.1f, 120.0f, 2.0f, "period of the window") \
     X(least_on, 4, "s", WINDOW | RELAY, 0.0f, 60.0f, 0.02f, "shortest time on; what is missing or too much is carried over") \
     X(least_off, 5, "s", WINDOW | RELAY | ENABLE, 0.0f, 600.0f, 0.02f, "shortest time off; kept after a reset too") \
     X(cycles, 6, "", BURST, 1.0f, 60.0f, 3.0f, "whole cycles of the mains that are on or off together; at 60 Hz a multiple of 3") \
     X(hysteresis, 7, "", RELAY, 0.0f, 0.98f, 0.1f, "on above 0.5 and half of this, off below 0.5 less half of this") \
     X(frequency, 8, "Hz", PWM | ANALOG, 1.0f, 100000.0f, 1000.0f, "frequency of the pulse width") \
-    X(gain, 9, "", ANALOG, -1.0f, 1.0f, 1.0f, "change of the output's span over the command's") \
-    X(offset, 10, "", ANALOG, 0.0f, 1.0f, 0.0f, "output, fraction of its span, at command 0") \
+    X(gain, 9, "", ANALOG | CHIP, -1.0f, 1.0f, 1.0f, "change of the output's span over the command's") \
+    X(offset, 10, "", ANALOG | CHIP, 0.0f, 1.0f, 0.0f, "output, fraction of its span, at command 0") \
     X(flow, 11, "l/h", STEPPER, 0.001f, 1000.0f, 1.0f, "flow at command 1") \
     X(steps, 12, "1/ml", STEPPER, 0.01f, 100000.0f, 100.0f, "steps that pump a millilitre") \
     X(ramp, 13, "1/s2", STEPPER, 50.0f, 10000.0f, 500.0f, "largest change of speed, steps/s each second") \

@@ -12,7 +12,8 @@
 #define STEPPER OUTPUT_BIT(OUTPUT_STEPPER)
 #define VALVE   OUTPUT_BIT(OUTPUT_MOTOR_VALVE)
 #define ENABLE  OUTPUT_BIT(OUTPUT_ENABLE)
-#define DRIVEN  (WINDOW | BURST | RELAY | PWM | ANALOG | STEPPER | VALVE)
+#define CHIP    OUTPUT_BIT(OUTPUT_AD5422)
+#define DRIVEN  (WINDOW | BURST | RELAY | PWM | ANALOG | STEPPER | VALVE | CHIP)
 
 #define NUMBER(field, id, unit, types, lo, hi, initial, help)                                      \
     {#field, unit, help, (uint16_t)offsetof(struct output_settings, field), types, lo, hi, initial},
@@ -25,9 +26,10 @@ const size_t output_number_count = sizeof output_numbers / sizeof *output_number
 static const struct {
     const char *name;
     uint8_t pins, needed; /* bits of enum output_pin */
-} types[OUTPUT_TYPES] = {{"none", 0, 0},    {"window", 1, 1},       {"burst", 1, 1},
+} types[OUTPUT_TYPES] = {{"none", 0, 0},    {"window", 1, 1},       {"burst", 17, 1},
                          {"relay", 1, 1},   {"pwm", 1, 1},          {"analog", 1, 1},
-                         {"stepper", 3, 1}, {"motor_valve", 15, 3}, {"enable", 1, 1}};
+                         {"stepper", 3, 1}, {"motor_valve", 15, 3}, {"enable", 1, 1},
+                         {"ad5422", 3, 3}};
 
 void output_settings_init(struct output_settings *s)
 {

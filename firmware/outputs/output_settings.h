@@ -24,6 +24,7 @@ enum output_type {
     OUTPUT_STEPPER,     /* pump with a stepper motor and a driver with step and direction */
     OUTPUT_MOTOR_VALVE, /* motor that turns a valve both ways, with or without end switches */
     OUTPUT_ENABLE,      /* contactor in series with all heaters; takes no command */
+    OUTPUT_AD5422,      /* chip with a current or a voltage: 4-20 mA, 0-10 V */
     OUTPUT_TYPES
 };
 
@@ -31,11 +32,22 @@ enum output_type {
 
 /* Pins that an output may have, by index of output_settings.pin[]. */
 enum output_pin {
-    OUTPUT_PIN,        /* switches; the pulse width; a step; the motor that opens */
-    OUTPUT_SECOND_PIN, /* stepper: direction (may be missing); motor valve: the motor that closes */
+    OUTPUT_PIN, /* switches; the pulse width; a step; the motor that opens; a chip's clear */
+    OUTPUT_SECOND_PIN, /* stepper: direction (may be missing); motor valve: the motor that closes; a chip's select */
     OUTPUT_OPEN_END, /* motor valve: contact to ground that is closed when the valve is open (may be missing) */
     OUTPUT_CLOSED_END, /* ... when it is closed (may be missing) */
+    OUTPUT_CROSSING,   /* burst: falls at zero crossings of the mains (may be missing) */
     OUTPUT_PINS
+};
+
+/* Words of out.range, in their order. */
+enum output_range {
+    OUTPUT_4_20_MA,
+    OUTPUT_0_20_MA,
+    OUTPUT_0_24_MA,
+    OUTPUT_0_5_V,
+    OUTPUT_0_10_V,
+    OUTPUT_RANGES
 };
 
 struct output_settings {
@@ -45,6 +57,8 @@ struct output_settings {
     bool heater;   /* behind the enable output: safe while that one is off */
     bool mains_60; /* burst: 60 Hz instead of 50 */
     bool reverse;  /* stepper: the direction pin is on */
+    uint8_t bus;   /* chip: of SPI, from 1; 0: none */
+    uint8_t range; /* chip: enum output_range */
     /* Numbers: output_numbers[] says what they mean. */
     float dead_man, safe;
     float period, least_on, least_off;
@@ -80,5 +94,11 @@ const char *output_type_name(uint8_t type);
 /* Whether an output of this type uses the pin, and whether the pin may not be missing. type < OUTPUT_TYPES. */
 bool output_uses(uint8_t type, enum output_pin pin);
 bool output_needs(uint8_t type, enum output_pin pin);
+
+/* Whether an output of this type is a chip on a bus. */
+static inline bool output_has_bus(uint8_t type)
+{
+    return type == OUTPUT_AD5422;
+}
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 
 #include "base/assertion.h"
+#include "outputs/ad5422_state.h"
 #include "outputs/analog_state.h"
 #include "outputs/burst_state.h"
 #include "outputs/enable_state.h"
@@ -32,6 +33,7 @@ union output_state {
     struct output_stepper stepper;
     struct output_motor_valve motor_valve;
     struct output_enable enable;
+    struct output_ad5422 ad5422;
 };
 
 struct output {
@@ -80,6 +82,8 @@ static void close_all(void)
     hal_output_safe();
     for (unsigned k = 0; k < OUTPUTS_MAX; k++) {
         struct output *o = &all.output[k];
+        if (o->kind && o->kind->close)
+            o->kind->close(&o->state);
         for (unsigned m = 0; m < OUTPUT_PINS && o->kind; m++)
             if (o->pin[m] != HAL_PIN_NONE)
                 hal_pin_use(o->pin[m], HAL_PIN_CLOSED);
@@ -169,6 +173,13 @@ uint8_t outputs_faults(uint8_t index)
     REFLUX_ASSERT(index < OUTPUTS_MAX);
     const struct output *o = &all.output[index];
     return o->kind && o->kind->faults ? o->kind->faults(&o->state) : 0;
+}
+
+float outputs_mains(uint8_t index)
+{
+    REFLUX_ASSERT(index < OUTPUTS_MAX);
+    const struct output *o = &all.output[index];
+    return o->kind && o->kind->mains ? o->kind->mains(&o->state) : 0.0f;
 }
 
 float outputs_readback(uint8_t index)
@@ -285,6 +296,11 @@ void outputs_clock(uint32_t now_ms)
         elapsed_ms--;
     }
     step_all(made_safe || atomic_load(&all.safe), elapsed_ms);
+    for (unsigned k = 0; k < OUTPUTS_MAX; k++) {
+        struct output *o = &all.output[k];
+        if (o->kind && o->kind->clock)
+            o->kind->clock(&o->state, now_ms);
+    }
 }
 
 void outputs_safe(void)

@@ -14,6 +14,7 @@
  *  2. An output of type `enable`, a contactor in series with all heaters, is on only while clock, tick and main loop have each turned within
  *     OUTPUTS_REPORT_MS and no heater is said to be stuck on. Outputs with settings.heater are off while it is off, and read back so.
  *  3. Where the clock itself stands, nothing here runs: the watchdog resets the chip, and pull resistors hold the pins off (hal/output.h).
+ *     A chip on a bus falls by its clear pin, which is such a pin.
  *  4. outputs_safe() switches everything off at once, until outputs_resume().
  * Going to the safe position does not wait for a least time on. A least time off is kept always.
  *
@@ -64,6 +65,9 @@ enum output_rule outputs_rule(uint8_t index);
 
 /* Bits of enum output_fault (outputs/output_kind.h). */
 uint8_t outputs_faults(uint8_t index);
+
+/* Tick. Frequency of the mains, Hz, that a burst output measures at its zero crossings; 0: none, or none that can be the mains. */
+float outputs_mains(uint8_t index);
 
 /* Board clock. now_ms: its milliseconds, which wrap. The first turn after outputs_open() only begins to count. Turns
  * without a new millisecond do nothing; lost milliseconds are made up for. */

@@ -5,6 +5,12 @@ void heartbeat_init(struct heartbeat *h, uint32_t timeout_ms)
     *h = (struct heartbeat){.timeout_ms = timeout_ms};
 }
 
+void heartbeat_change(struct heartbeat *h, uint32_t timeout_ms)
+{
+    h->timeout_ms = timeout_ms;
+    h->fed = false;
+}
+
 void heartbeat_tick_begins(struct heartbeat *h, uint64_t now_ms)
 {
     h->tick_ms = now_ms;

@@ -27,6 +27,8 @@ struct heartbeat {
 };
 
 void heartbeat_init(struct heartbeat *h, uint32_t timeout_ms);
+/* The watchdog has another time-out from the next feeding on, which comes at once if it may. */
+void heartbeat_change(struct heartbeat *h, uint32_t timeout_ms);
 /* Call these before and after the work of a tick. deadline_ms: longest time that a tick may take. */
 void heartbeat_tick_begins(struct heartbeat *h, uint64_t now_ms);
 void heartbeat_tick_ends(struct heartbeat *h, uint64_t now_ms, uint32_t deadline_ms);

@@ -46,6 +46,7 @@ static bool claim(struct claims *c, hal_pin pin, uint8_t bus)
 #define PIN_TWICE   "is taken by another device, output or bus"
 #define BUS_WANTED  "must be a bus that the device speaks: spi, i2c or wire; - for one at a pin"
 #define BUS_LACKING "is none of this board's"
+#define BUS_TAKEN   "needs a pin that is taken by another device or output"
 
 static enum err claim_pin(struct claims *claims, const char *group, unsigned index,
                           const char *field, const char *text, struct config_fault *fault)
@@ -156,8 +157,7 @@ static enum err check_device(const struct config *config, unsigned i, struct cla
         return refuse_pins(fault, ERR_UNKNOWN, "chan", i + 1, "bus", d->name, BUS_LACKING);
     for (unsigned k = 0; k < n; k++)
         if (!claim(claims, pins[k], d->bus))
-            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name,
-                               "needs a pin that is taken by another device or output");
+            return refuse_pins(fault, ERR_CONFLICT, "chan", i + 1, "bus", d->name, BUS_TAKEN);
     if (!board_device_takes_type(d))
         return refuse_pins(fault, ERR_RANGE, "chan", i + 1, "type", d->name,
                            "must be one that the device can have");
@@ -166,7 +166,11 @@ static enum err check_device(const struct config *config, unsigned i, struct cla
     return check_select(config, i, claims, family, fault);
 }
 
-static const char *const pin_fields[OUTPUT_PINS] = {"pin", "pin2", "end_open", "end_closed"};
+static const char *const pin_fields[OUTPUT_PINS] = {"pin", "pin2", "end_open", "end_closed",
+                                                    "zero_cross"};
+
+/* In place of the bus of a pin: several outputs may look at the same zero crossings. */
+#define CROSSING BUS_WORDS
 
 /* Names the field that output_check() complains about. */
 static enum err refuse_output(const struct output_config *o, unsigned i,
@@ -195,8 +199,18 @@ static enum err check_output(const struct config *config, unsigned i, struct cla
         all[k] = pins_output(&config->pins, k);
     if (!output_check(all, (uint8_t)(i + 1u), (uint8_t)i, &problem))
         return refuse_output(o, i, &problem, fault);
+    if (all[i].bus != 0 && output_has_bus(all[i].type)) {
+        hal_pin pins[3];
+        unsigned n = bus_pins((enum bus_word)all[i].bus, pins);
+        if (n == 0)
+            return refuse_pins(fault, ERR_UNKNOWN, "out", i + 1, "bus", o->name, BUS_LACKING);
+        for (unsigned k = 0; k < n; k++)
+            if (!claim(claims, pins[k], all[i].bus))
+                return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, "bus", o->name, BUS_TAKEN);
+    }
     for (unsigned k = 0; k < OUTPUT_PINS; k++)
-        if (all[i].pin[k] != HAL_PIN_NONE && !claim(claims, all[i].pin[k], BUS_NONE))
+        if (all[i].pin[k] != HAL_PIN_NONE &&
+            !claim(claims, all[i].pin[k], k == OUTPUT_CROSSING ? CROSSING : BUS_NONE))
             return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, pin_fields[k], o->name,
                                PIN_TWICE);
     if (!(o->lo < o->hi))

@@ -372,11 +372,12 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
     ROW(2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0,
         "engineering unit of that"),
     W(output_config, settings.type, 3, "kind",
-      "-|window|burst|relay|pwm|analog|stepper|motor_valve|enable", 0, "what is done with the pin"),
+      "-|window|burst|relay|pwm|analog|stepper|motor_valve|enable|ad5422", 0,
+      "what is done with the pin"),
     W(output_config, settings.pin[0], 4, "pin", PINS_WORDS, 0,
-      "its pin; of a motor valve the one that opens"),
+      "its pin; motor valve: the one that opens; ad5422: its clear pin"),
     W(output_config, settings.pin[1], 5, "pin2", PINS_WORDS, 0,
-      "stepper: direction; motor valve: the pin that closes"),
+      "stepper: direction; motor valve: the pin that closes; ad5422: its select"),
     W(output_config, settings.pin[2], 6, "end_open", PINS_WORDS, 0,
       "motor valve: contact that is closed when it is open"),
     W(output_config, settings.pin[3], 7, "end_closed", PINS_WORDS, 0,
@@ -388,7 +389,12 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
     W(output_config, settings.heater, 11, "heater", "off|on", 0,
       "off while the output of kind enable is off"),
     W(output_config, settings.reverse, 12, "reverse", "off|on", 0,
-      "stepper: the direction pin is on")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
+      "stepper: the direction pin is on"),
+    W(output_config, settings.bus, 13, "bus", "-|spi1|spi2|spi3", 0, "bus of a chip"),
+    W(output_config, settings.range, 14, "range", "4-20mA|0-20mA|0-24mA|0-5V|0-10V", 0,
+      "of a chip"),
+    W(output_config, settings.pin[4], 15, "zero_cross", PINS_WORDS, 0,
+      "burst: falls when the mains cross 0")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */

@@ -264,6 +264,13 @@ void hal_watchdog_feed(void)
         (void)setitimer(ITIMER_REAL, &timer, NULL);
 }
 
+bool hal_watchdog_change(uint32_t timeout_ms)
+{
+    if (watchdog_ms != 0)
+        watchdog_ms = timeout_ms;
+    return true;
+}
+
 bool hal_watchdog_start(uint32_t timeout_ms)
 {
     struct sigaction action = {.sa_handler = bite};

@@ -312,6 +312,12 @@ bool hal_watchdog_start(uint32_t timeout_ms)
     return false;
 }
 
+bool hal_watchdog_change(uint32_t timeout_ms)
+{
+    (void)timeout_ms;
+    return true;
+}
+
 void hal_watchdog_feed(void)
 {
     unfed_ms = clock_ms - fed_ms > unfed_ms ? clock_ms - fed_ms : unfed_ms;

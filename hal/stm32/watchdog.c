@@ -15,9 +15,11 @@ static void wait_arrived(void)
     }
 }
 
+/* The prescaler has room for the longest time-out and stays, so that a change is one register. */
 bool hal_watchdog_start(uint32_t timeout_ms)
 {
-    struct watchdog_time time = watchdog_time(timeout_ms, LSI_PER_MS);
+    struct watchdog_time time = watchdog_time(2u * timeout_ms, LSI_PER_MS);
+    time.reload = watchdog_reload(timeout_ms, time.prescaler, LSI_PER_MS);
     pins_freeze_watchdog();
     IWDG_KR = IWDG_KR_START;
     wait_arrived();
@@ -30,6 +32,21 @@ bool hal_watchdog_start(uint32_t timeout_ms)
     IWDG_KR = IWDG_KR_RELOAD;
     /* In the emulator nothing was written anywhere. */
     return time.reload != 0 && IWDG_RLR == time.reload && IWDG_PR == time.prescaler;
+}
+
+/* RM0090 21.4.3, RM0041 18.4.3: the register is written and read while nothing is on its way to it. */
+bool hal_watchdog_change(uint32_t timeout_ms)
+{
+    if (IWDG_SR != 0) {
+        return false;
+    }
+    uint16_t reload = watchdog_reload(timeout_ms, IWDG_PR, LSI_PER_MS);
+    if (IWDG_RLR == reload) {
+        return true;
+    }
+    IWDG_KR = IWDG_KR_ACCESS;
+    IWDG_RLR = reload;
+    return false;
 }
 
 void hal_watchdog_feed(void)

@@ -28,4 +28,12 @@ static inline struct watchdog_time watchdog_time(uint32_t timeout_ms, uint32_t s
                                   (uint16_t)(timeout_ms * slow_per_ms / (4u << prescaler))};
 }
 
+/* Largest reload whose time-out is not above timeout_ms with this prescaler; at most what the register holds. */
+static inline uint16_t watchdog_reload(uint32_t timeout_ms, uint32_t prescaler,
+                                       uint32_t slow_per_ms)
+{
+    uint32_t reload = timeout_ms * slow_per_ms / (4u << prescaler);
+    return (uint16_t)(reload < WATCHDOG_RELOAD_MAX ? reload : WATCHDOG_RELOAD_MAX);
+}
+
 #endif

@@ -142,7 +142,7 @@ static void reset(struct board *b, enum board_reset kind)
 {
     b->resets[kind]++;
     board_note(b, "reset %s", board_reset_name(kind));
-    b->hang_main = b->hang_tick = false;
+    b->hang_main = b->hang_tick = b->hang_clock = false;
     bus_reset(b, kind); /* while it is still known what the flash was about */
     end_events(b);
     board_set_core_hz(b, board_internal_hz(b));

@@ -97,9 +97,9 @@ struct board {
     /* Interrupts of SysTick, which are the firmware's clock; where that was 0. */
     uint64_t clock_ms, clock_began_ns;
 
-    uint64_t stalled_until_ns; /* the flash answers no fetch */
-    bool held;                 /* no supply, or the reset pin is low: nothing runs */
-    bool hang_main, hang_tick; /* the main loop or the tick no longer gets on */
+    uint64_t stalled_until_ns;             /* the flash answers no fetch */
+    bool held;                             /* no supply, or the reset pin is low: nothing runs */
+    bool hang_main, hang_tick, hang_clock; /* main loop, tick or board clock no longer gets on */
     struct faults *faults;
     struct replay *replay; /* NULL: what comes is not kept */
     bool found; /* of a second board: it has come to the access whose address is wanted */

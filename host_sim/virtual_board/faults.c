@@ -238,6 +238,9 @@ static void carry_out(struct faults *f, enum fault_kind kind, double value)
     case FAULT_HANG_TICK:
         b->hang_tick = number != 0;
         break;
+    case FAULT_HANG_CLOCK:
+        b->hang_clock = number != 0;
+        break;
     case FAULT_FLIP_RAM:
         flip_memory(f, MEMORY_RAM, number);
         break;

@@ -253,7 +253,9 @@ void processor_run(struct board *b, uint64_t until)
         }
         unsigned n = takes_interrupts(p) ? interrupts_pick(p->interrupts, core_masks(p), false) : 0;
         unsigned active = interrupts_active(p->interrupts);
-        bool hangs = (b->hang_main && active == 0) || (b->hang_tick && active == EXCEPTION_PENDSV);
+        bool hangs = (b->hang_main && active == 0) ||
+                     (b->hang_tick && active == EXCEPTION_PENDSV) ||
+                     (b->hang_clock && active == EXCEPTION_SYSTICK);
         if (n == 0 && hangs)
             pass_time(b, until);
         else if (n != 0)

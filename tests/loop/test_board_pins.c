@@ -395,6 +395,24 @@ static void outputs_are_off_after_a_reset_until_they_are_commanded(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.5, pins_mean("Q", 20000));
 }
 
+/* Feedings come eight times in a time-out: 1 s of a board with outputs, 2 s of one whose plant is at the link. The tick looks every 50 ms. */
+static void the_watchdog_is_fed_as_a_board_with_outputs_needs_it(void)
+{
+    (void)memory_port_unfed_ms();
+    pass(20000);
+    uint64_t pins = memory_port_unfed_ms();
+    TEST_ASSERT_TRUE(pins >= 125 && pins < 125 + 50);
+    PINS_ASK("begin", "set io.source link", "apply");
+    pass(20000);
+    uint64_t link = memory_port_unfed_ms();
+    TEST_ASSERT_TRUE(link >= 250 && link < 250 + 50);
+    PINS_ASK("begin", "set io.source board", "apply");
+    pass(1000);
+    (void)memory_port_unfed_ms();
+    pass(20000);
+    TEST_ASSERT_TRUE(memory_port_unfed_ms() < 125 + 50);
+}
+
 /* ---- settings ---- */
 
 static void saved_settings_are_there_after_a_restart(void)
@@ -463,6 +481,7 @@ int main(void)
     RUN_TEST(outputs_go_off_when_the_plant_is_at_the_link);
     RUN_TEST(other_settings_leave_the_outputs_alone);
     RUN_TEST(outputs_are_off_after_a_reset_until_they_are_commanded);
+    RUN_TEST(the_watchdog_is_fed_as_a_board_with_outputs_needs_it);
     RUN_TEST(saved_settings_are_there_after_a_restart);
     RUN_TEST(settings_that_conflict_are_refused_and_the_old_ones_stay);
     RUN_TEST(settings_that_a_chip_cannot_have_are_told);

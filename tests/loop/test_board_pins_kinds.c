@@ -150,6 +150,33 @@ static void the_contactor_of_the_heaters_opens_when_ticks_stop(void)
     TEST_ASSERT_EQUAL_DOUBLE(heater, pins_on_s("Q"));
 }
 
+/* Nothing is wired to these pins. */
+static void a_chip_that_does_not_answer_is_told_and_its_output_does_not_follow(void)
+{
+    output(1, "V", "ad5422", "PB0");
+    set("out", 1, "pin2", "PB1");
+    set("out", 1, "bus", "spi1");
+    set("mv", 1, "follow", "3");
+    in_force();
+    PINS_ASK("out V 0.5");
+    pass(10000);
+    ask_ok("events");
+    TEST_ASSERT_EQUAL_UINT_MESSAGE(
+        1, times_said("OUTPUT_FAULT V 8 output at the board's pins has a fault: no chip"),
+        board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("NOT_FOLLOWING V "), board.said);
+}
+
+static void mains_that_do_not_come_are_told_once(void)
+{
+    output(1, "Q", "burst", "PB0");
+    set("out", 1, "zero_cross", "PC0");
+    in_force();
+    is_on_for("Q", 0.25, 0.01); /* it goes on without them */
+    ask_ok("events");
+    TEST_ASSERT_EQUAL_UINT_MESSAGE(1, times_said("OUTPUT_FAULT Q 64"), board.said);
+}
+
 static void the_contactor_is_no_manipulated_variable(void)
 {
     set("out", 1, "name", "E");
@@ -202,6 +229,8 @@ int main(void)
     RUN_TEST(a_relay_is_on_above_one_half);
     RUN_TEST(outputs_of_every_kind_go_off_when_ticks_stop);
     RUN_TEST(the_contactor_of_the_heaters_opens_when_ticks_stop);
+    RUN_TEST(a_chip_that_does_not_answer_is_told_and_its_output_does_not_follow);
+    RUN_TEST(mains_that_do_not_come_are_told_once);
     RUN_TEST(the_contactor_is_no_manipulated_variable);
     RUN_TEST(a_contact_is_a_level);
     RUN_TEST(pulses_are_a_flow);

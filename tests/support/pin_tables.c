@@ -60,7 +60,8 @@ static void print_devices(void)
 
 static void print_outputs(void)
 {
-    static const char *const pins[OUTPUT_PINS] = {"pin", "pin2", "end_open", "end_closed"};
+    static const char *const pins[OUTPUT_PINS] = {"pin", "pin2", "end_open", "end_closed",
+                                                  "zero_cross"};
     for (uint8_t type = 1; type < OUTPUT_TYPES; type++) {
         printf("output\t%s\t", output_type_name(type));
         for (unsigned k = 0, n = 0; k < OUTPUT_PINS; k++)

@@ -1,5 +1,5 @@
 # Outputs of the board, above pins that only remember.
-foreach(part window burst switches stepper motor_valve dead_man enable)
+foreach(part window burst burst_crossing switches stepper motor_valve dead_man enable ad5422)
   reflux_test(outputs_${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/outputs/test_${part}.c"
               "${CMAKE_CURRENT_LIST_DIR}/outputs/outputs_bench.c" LIBS reflux_outputs)
 endforeach()

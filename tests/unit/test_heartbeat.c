@@ -84,6 +84,24 @@ static void late_ticks_followed_by_silence_starve_it_for_a_quarter_of_its_time(v
     TEST_ASSERT_TRUE(heartbeat_due(&h, now, ++turns));
 }
 
+static void a_shorter_time_is_fed_at_once_and_at_its_own_rate(void)
+{
+    (void)fed(100, true);
+    heartbeat_change(&h, 1000);
+    TEST_ASSERT_TRUE(heartbeat_due(&h, now, ++turns));
+    TEST_ASSERT_FALSE(heartbeat_due(&h, now, ++turns));
+    TEST_ASSERT_EQUAL(80, fed(10000 + 400, true));
+}
+
+static void a_main_loop_that_hangs_starves_a_shorter_time_sooner(void)
+{
+    heartbeat_change(&h, 1000);
+    (void)fed(1000, true);
+    unsigned n = fed(500, false);
+    TEST_ASSERT_TRUE(n >= 3 && n <= 4);
+    TEST_ASSERT_EQUAL(0, fed(10000, false));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -92,5 +110,7 @@ int main(void)
     RUN_TEST(ticks_that_are_late_one_upon_another_starve_it);
     RUN_TEST(one_late_tick_starves_nobody_whatever_comes_after_it);
     RUN_TEST(late_ticks_followed_by_silence_starve_it_for_a_quarter_of_its_time);
+    RUN_TEST(a_shorter_time_is_fed_at_once_and_at_its_own_rate);
+    RUN_TEST(a_main_loop_that_hangs_starves_a_shorter_time_sooner);
     return UNITY_END();
 }

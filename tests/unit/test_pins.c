@@ -197,7 +197,7 @@ static void every_word_of_a_bus_is_its_family_and_number(void)
 static void every_word_of_a_pin_is_the_pin(void)
 {
     static const char *const fields[] = {"out1.pin", "out1.pin2", "out1.end_open",
-                                         "out1.end_closed"};
+                                         "out1.end_closed", "out1.zero_cross"};
     char text[16];
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
         TEST_ASSERT_EQUAL_STRING("-", word(fields[k], 0, text, sizeof text));

@@ -311,6 +311,57 @@ static void an_output_cannot_have_a_pin_of_a_device_or_of_its_bus(void)
     refused(ERR_CONFLICT, "out", 1, "pin", "Q", pin_twice);
 }
 
+static void chip(unsigned i, const char *name, const char *clear, const char *select,
+                 const char *bus)
+{
+    output(i, name, "ad5422", clear);
+    set_of("out", i, "pin2", select);
+    set_of("out", i, "bus", bus);
+}
+
+static void a_chip_shares_its_bus_with_devices_and_other_chips(void)
+{
+    device(1, "T1", "max31865", "spi1", "PA4");
+    chip(1, "V", "PB0", "PB1", "spi1");
+    chip(2, "W", "PC0", "PC1", "spi1");
+    accepted();
+}
+
+static void a_chip_must_have_a_clear_pin_and_a_bus_that_is_there(void)
+{
+    chip(1, "V", "-", "PB1", "spi1");
+    refused(ERR_CONFLICT, "out", 1, "pin", "V",
+            "the chip has no watchdog of its own, so its clear pin is needed to let it fall");
+    chip(1, "V", "PB0", "PB1", "-");
+    refused(ERR_CONFLICT, "out", 1, "kind", "V", "its chip needs an SPI bus");
+}
+
+static void a_chip_takes_the_pins_of_its_bus(void)
+{
+    output(1, "Q", "window", "PA5");
+    chip(2, "V", "PB0", "PB1", "spi1");
+    refused(ERR_CONFLICT, "out", 2, "bus", "V",
+            "needs a pin that is taken by another device or output");
+}
+
+static void a_chip_cannot_have_the_select_of_a_device(void)
+{
+    device(1, "T1", "max31865", "spi1", "PA4");
+    chip(1, "V", "PB0", "PA4", "spi1");
+    refused(ERR_CONFLICT, "out", 1, "pin2", "V", pin_twice);
+}
+
+static void bursts_share_their_zero_crossings_and_devices_do_not(void)
+{
+    output(1, "Q", "burst", "PB0");
+    set("out1.zero_cross", "PC0");
+    output(2, "R", "burst", "PB1");
+    set("out2.zero_cross", "PC0");
+    accepted();
+    device(1, "F", "flow", "-", "PC0");
+    refused(ERR_CONFLICT, "out", 1, "zero_cross", "Q", pin_twice);
+}
+
 static void there_is_one_enable_output(void)
 {
     output(1, "E1", "enable", "PB0");
@@ -409,6 +460,11 @@ int main(void)
     RUN_TEST(an_output_must_have_a_free_pin);
     RUN_TEST(two_outputs_cannot_have_one_pin);
     RUN_TEST(an_output_cannot_have_a_pin_of_a_device_or_of_its_bus);
+    RUN_TEST(a_chip_shares_its_bus_with_devices_and_other_chips);
+    RUN_TEST(a_chip_must_have_a_clear_pin_and_a_bus_that_is_there);
+    RUN_TEST(a_chip_takes_the_pins_of_its_bus);
+    RUN_TEST(a_chip_cannot_have_the_select_of_a_device);
+    RUN_TEST(bursts_share_their_zero_crossings_and_devices_do_not);
     RUN_TEST(there_is_one_enable_output);
     RUN_TEST(a_number_outside_its_range_is_named);
     RUN_TEST(an_output_must_have_a_span);

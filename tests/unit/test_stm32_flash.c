@@ -17,7 +17,14 @@
 #define AREA_SIZE 0x40000u
 #define PAGE      0x1000u
 
-#define USUAL_MS 2000u /* WATCHDOG_MS in firmware/app/app.c */
+#define USUAL_MS 2000u /* WATCHDOG_MS in firmware/app/parts.h */
+#define PINS_MS  1000u /* WATCHDOG_PINS_MS there */
+/* DS8626: kHz of the watchdog's clock over chips and temperature. */
+#define SLOWEST 17u
+#define FASTEST 47u
+/* Outputs must be off so soon after the last command, which may be a turn of the tick older than the last feeding. */
+#define DEAD_MAN_MS 2000u
+#define TURN_MS     50u
 
 static unsigned erases, fed, unfed, n_sent, held;
 static unsigned busy_ms, dip_at_ms, passed; /* passed: looks at the status of a busy flash */
@@ -153,14 +160,33 @@ static void test_every_time_out_is_the_nearest_the_registers_can_hold(void)
     TEST_ASSERT_UINT_WITHIN(1, 4095, longest.reload);
 }
 
+/* The counter stops at 0, a count after the reload has run down. */
+static void test_a_clock_that_hangs_ends_in_a_reset_within_the_dead_mans_time(void)
+{
+    IWDG_KR = IWDG_PR = IWDG_RLR = 0;
+    TEST_ASSERT_TRUE(hal_watchdog_start(PINS_MS));
+    double slowest = milliseconds(IWDG_PR, IWDG_RLR + 1u, SLOWEST);
+    printf("watchdog of a board with outputs where its clock is slowest: %.0f ms\n", slowest);
+    TEST_ASSERT_TRUE(slowest + TURN_MS < DEAD_MAN_MS);
+}
+
+/* Half a time-out is the main loop's and the tick's own limit. */
+static void test_no_time_out_is_shorter_than_what_main_loop_and_tick_may_take(void)
+{
+    TEST_ASSERT_TRUE(hal_watchdog_start(PINS_MS));
+    TEST_ASSERT_TRUE(milliseconds(IWDG_PR, IWDG_RLR, FASTEST) > PINS_MS / 2.0);
+    (void)hal_watchdog_change(USUAL_MS);
+    TEST_ASSERT_TRUE(hal_watchdog_change(USUAL_MS));
+    double usual = milliseconds(IWDG_PR, IWDG_RLR, FASTEST);
+    printf("watchdog where its clock is fastest: %.0f ms\n", usual);
+    TEST_ASSERT_TRUE(usual > USUAL_MS / 2.0);
+}
+
 /* The flash is busy for so many looks at its status; a millisecond passes at each second one. */
 static void test_an_erase_feeds_the_watchdog_and_keeps_the_plant_link_alive(void)
 {
     static const unsigned lasts_ms[] = {1, 999, 2000, 4500};
-    TEST_ASSERT_TRUE(hal_watchdog_start(USUAL_MS));
-    double usual = milliseconds(IWDG_PR, IWDG_RLR, 47);
-    printf("watchdog where its clock is fastest: %.0f ms\n", usual);
-    TEST_ASSERT_TRUE(usual > 1000); /* the main loop's and the tick's own limit */
+    TEST_ASSERT_TRUE(hal_watchdog_start(PINS_MS));
     uint32_t prescaler = IWDG_PR, reload = IWDG_RLR;
     for (unsigned i = 0; i < sizeof lasts_ms / sizeof lasts_ms[0]; i++) {
         AREA[AREA_SIZE / 2 - 1] = AREA[AREA_SIZE / 2] = AREA[AREA_SIZE - 1] = 0;
@@ -314,6 +340,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_time_out_is_the_nearest_the_registers_can_hold);
+    RUN_TEST(test_a_clock_that_hangs_ends_in_a_reset_within_the_dead_mans_time);
+    RUN_TEST(test_no_time_out_is_shorter_than_what_main_loop_and_tick_may_take);
     RUN_TEST(test_an_erase_feeds_the_watchdog_and_keeps_the_plant_link_alive);
     RUN_TEST(test_a_flash_that_stays_busy_is_given_up);
     RUN_TEST(test_without_a_plant_nothing_is_sent);

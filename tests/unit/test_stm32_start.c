@@ -220,6 +220,29 @@ static void test_the_watchdog_is_set_and_fed_in_order(void)
     TEST_ASSERT_EQUAL_HEX32(IWDG_KR_RELOAD, now(IWDG_KR));
 }
 
+/* RM0090 21.3 and 21.4.3, RM0041 18.4.3: a value is written, and read, while none is on its way. */
+static void test_the_watchdog_gets_another_time_while_it_runs(void)
+{
+    TEST_ASSERT_TRUE(hal_watchdog_start(1000));
+    uint32_t prescaler = now(IWDG_PR);
+    static const uint32_t wanted_ms[] = {2000, 1000};
+    for (unsigned k = 0; k < 2; k++) {
+        unsigned calls = 1;
+        iwdg_early = false;
+        iwdg_busy = 3; /* a value of before */
+        while (!hal_watchdog_change(wanted_ms[k]) && calls < 100)
+            calls++;
+        TEST_ASSERT_TRUE(calls > 1 && calls < 100);
+        TEST_ASSERT_FALSE(iwdg_early);
+        TEST_ASSERT_EQUAL(prescaler, now(IWDG_PR));
+        uint32_t counts = now(IWDG_RLR) * (4u << prescaler), right = wanted_ms[k] * LSI_PER_MS;
+        TEST_ASSERT_TRUE(counts <= right && counts > right / 100u * 99u);
+        unsigned writes_before = n_writes;
+        TEST_ASSERT_TRUE(hal_watchdog_change(wanted_ms[k])); /* it has it */
+        TEST_ASSERT_EQUAL(writes_before, n_writes);
+    }
+}
+
 /* RM0090 5.4.1, RM0041 4.4.1: whatever the level was, it is the chosen one; the rest stays. */
 static void test_the_level_of_the_detector_is_replaced(void)
 {
@@ -394,6 +417,7 @@ int main(void)
     RUN_TEST(test_the_plant_link_is_served_by_polling);
     RUN_TEST(test_an_overrun_alone_is_read_away);
     RUN_TEST(test_the_watchdog_is_set_and_fed_in_order);
+    RUN_TEST(test_the_watchdog_gets_another_time_while_it_runs);
     RUN_TEST(test_the_level_of_the_detector_is_replaced);
     RUN_TEST(test_the_address_of_a_fault);
     RUN_TEST(test_damaged_bytes_are_counted_and_dropped);

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "outputs_bench.h"
 
+#include "hal/pulse.h"
 #include "unity.h"
 
 #include <stdio.h>
+#include <string.h>
 
 struct bench_pin bench_pins[256];
 uint32_t bench_now;
@@ -86,6 +88,55 @@ void hal_output_safe(void)
         }
 }
 
+uint32_t bench_edges[256];
+enum transfer_state (*bench_spi)(const struct spi_device *device, struct transfer *t);
+unsigned bench_spi_stops;
+bool bench_spi_busy;
+
+enum err hal_pulse_open(hal_pin pin)
+{
+    struct bench_pin *p = &bench_pins[pin];
+    if (p->taken || p->refuses)
+        return ERR_RANGE;
+    p->use = HAL_PIN_INPUT_PULLED;
+    return ERR_OK;
+}
+
+uint32_t hal_pulse_count(hal_pin pin)
+{
+    return bench_edges[pin];
+}
+
+void hal_pulse_set_dead_time(hal_pin pin, uint8_t dead_ms)
+{
+    (void)pin;
+    TEST_ASSERT_TRUE(dead_ms > 0 && dead_ms < 7); /* half a cycle at 65 Hz is 7.7 ms */
+}
+
+enum err hal_spi_open(const struct spi_device *device)
+{
+    bench_pins[device->select].use = HAL_PIN_OUTPUT;
+    return device->bus == 1 ? ERR_OK : ERR_RANGE;
+}
+
+enum err hal_spi_start(const struct spi_device *device, struct transfer *t)
+{
+    if (bench_spi_busy)
+        return ERR_STATE;
+    t->state = TRANSFER_DONE;
+    if (bench_spi)
+        t->state = (uint8_t)bench_spi(device, t);
+    else
+        memset(t->in, 0xFF, t->n_in);
+    return ERR_OK;
+}
+
+void hal_spi_stop(uint8_t bus)
+{
+    TEST_ASSERT_EQUAL(1, bus);
+    bench_spi_stops++;
+}
+
 void bench_begin(void)
 {
     uint8_t failed;
@@ -96,7 +147,9 @@ void bench_begin(void)
     for (unsigned k = 0; k < 256; k++)
         bench_pins[k] = (struct bench_pin){.use = HAL_PIN_CLOSED};
     bench_now = 0u - BENCH_WRAP_MS;
-    bench_safe = 0;
+    bench_safe = bench_spi_stops = 0;
+    bench_spi = NULL;
+    bench_spi_busy = false;
 }
 
 struct output_settings bench_settings(enum output_type type, uint8_t index)
@@ -105,10 +158,11 @@ struct output_settings bench_settings(enum output_type type, uint8_t index)
     output_settings_init(&s);
     s.type = (uint8_t)type;
     for (unsigned k = 0; k < OUTPUT_PINS; k++)
-        if (output_uses(s.type, k))
+        if (output_uses(s.type, k) && k != OUTPUT_CROSSING)
             s.pin[k] = (hal_pin)(16u * (index % 15u) + 4u * (index / 15u) + k);
     if (type == OUTPUT_ENABLE)
         s.least_off = 5.0f;
+    s.bus = 1;
     return s;
 }
 

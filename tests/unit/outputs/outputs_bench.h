@@ -5,6 +5,7 @@
 #ifndef REFLUX_TESTS_OUTPUTS_BENCH_H
 #define REFLUX_TESTS_OUTPUTS_BENCH_H
 
+#include "hal/spi.h"
 #include "outputs/output_check.h"
 #include "outputs/output_kind.h"
 #include "outputs/outputs.h"
@@ -29,12 +30,19 @@ struct bench_pin {
 };
 
 extern struct bench_pin bench_pins[256];
-extern uint32_t bench_now;  /* of the board clock */
-extern unsigned bench_safe; /* calls of hal_output_safe() */
+extern uint32_t bench_now;        /* of the board clock */
+extern uint32_t bench_edges[256]; /* falling edges at each pin */
+
+/* What is at the SPI buses: exchanges the bytes of a transfer and returns its state. NULL, as bench_begin() leaves it: nothing, all bits are 1. */
+extern enum transfer_state (*bench_spi)(const struct spi_device *device, struct transfer *t);
+extern unsigned bench_spi_stops; /* calls of hal_spi_stop() */
+extern bool bench_spi_busy;      /* the bus is somebody else's */
+extern unsigned bench_safe;      /* calls of hal_output_safe() */
 
 /* All pins as after a reset, all outputs closed. */
 void bench_begin(void);
-/* An output of this type on pins 16 * index and the three above it, with numbers as at first. */
+/* An output of this type on pins 16 * index and the three above it, with numbers as at first, without a pin for zero crossings; a chip on
+ * SPI bus 1. */
 struct output_settings bench_settings(enum output_type type, uint8_t index);
 /* Checks and opens, and lets the clock begin to count. The test fails where an output is refused. */
 void bench_open(const struct output_settings *settings, uint8_t n);

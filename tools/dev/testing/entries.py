@@ -28,6 +28,8 @@ HOST = ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libre
 LIBRARIES = ("libreflux", "libreflux_board", "libreflux_lab")
 CAMPAIGN_SHARE = 0.05
 WITH_BLOCKS = ("stm32f405", "stm32f405-fixed")
+ON_THE_FLASHED_BOARD = ("test_board_faults", "test_board_flips", "test_board_pins", "test_board_both", "test_board_watchdog", "test_pins_faults",
+                        "test_io_check_board")
 EVERYWHERE = ("smoke", "demo")  # scenarios that fit every image; the STM32F100 holds no other
 # Unsupervised, because the tick in which a proposal is adopted depends on the speed of the main loop.
 UNSUPERVISED = {f"self-tuning-{name}": ("begin", "set block1.supervise off", "apply") for name in ("one", "pair", "wood-berry")}
@@ -120,13 +122,13 @@ def script_tests(label: str) -> list[Test]:
         wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_reference":
             wanted |= needs("host", "reference_tables", "plant_tables", "pin_tables")
-        if path.stem in ("test_virtual_board", "test_board_faults", "test_board_flips", "test_board_pins", "test_board_both", "test_pins_faults", "test_watchdog"):
+        if path.stem in ("test_virtual_board", "test_watchdog", *ON_THE_FLASHED_BOARD):
             wanted |= needs("host", "reflux-board")
         if path.stem == "test_board_campaign":
             wanted |= needs("host", "board-campaign")
         if path.stem == "test_board_io":
             wanted |= needs("host", "board-io") | needs("stm32f405")
-        if path.stem in ("test_board_faults", "test_board_flips", "test_board_pins", "test_board_both", "test_pins_faults"):
+        if path.stem in ON_THE_FLASHED_BOARD:
             wanted |= needs("stm32f405")
         if path.stem in ("test_self_checks", "test_virtual_board"):
             wanted |= needs("host", "board-self-checks") | needs("stm32f405")
