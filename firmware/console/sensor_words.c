@@ -3,9 +3,12 @@
 
 #include "console/phrases.h"
 #include "devices/devices.h"
+#include "io/output_proof.h"
 
 void sensor_event_words(const struct event *e, struct text *line)
 {
     if (e->code == EVENT_SENSOR_FAULT && e->detail != 0)
         put_reason(line, device_fault_text((uint16_t)(1u << (e->detail - 1u))));
+    if (e->code == EVENT_OUTPUT_FAULT)
+        put_reason(line, output_proof_text(e->detail));
 }

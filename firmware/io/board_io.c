@@ -90,6 +90,7 @@ void board_io_take(struct board_io *b, const struct config *config)
     atomic_signal_fence(memory_order_seq_cst);
     b->n_devices = b->n_outputs = 0;
     memset(b->drive, 0, sizeof b->drive); /* no output gets the command of another one */
+    memset(b->proof, 0, sizeof b->proof);
     if (pins_are_source(&config->pins))
         open_devices(b);
     if (pins_are_source(&config->pins))
@@ -197,6 +198,58 @@ static void tell_valve(struct board_io *b, uint8_t i)
     b->valve_fault[i] = faults;
 }
 
+/* The largest part of another output that shows at the same channel as output i. */
+static float part_of_others(const struct board_io *b, uint8_t i, const float *part)
+{
+    uint8_t device = b->settings->output[b->output_row[i]].proof.device;
+    float most = 0.0f;
+    for (uint8_t k = 0; k < b->n_outputs; k++)
+        if (k != i && b->settings->output[b->output_row[k]].proof.device == device &&
+            part[k] > most)
+            most = part[k];
+    return most;
+}
+
+/* Looks whether output i does as it is told, and takes the power from the heaters where one heats untold. part: of all outputs. */
+static enum output_proof_fault prove(struct board_io *b, uint8_t i, const float *part,
+                                     const struct io_sample *sample)
+{
+    const struct output_config *o = &b->settings->output[b->output_row[i]];
+    struct output_proof *p = &b->proof[i];
+    enum output_proof_fault before = (enum output_proof_fault)p->known_fault;
+    struct output_proof_look look = {
+        .part = part[i], .others = part_of_others(b, i, part), .since_ms = b->tick_ms};
+    for (uint8_t k = 0; k < b->n_devices; k++)
+        if (b->row[k] + 1u == o->proof.device) {
+            look.reading = sample->measurement[k].value;
+            look.usable = quality_usable(sample->measurement[k].quality);
+        }
+    enum output_proof_fault fault = output_proof_step(p, &o->proof, &look);
+    if (fault == before)
+        return fault;
+    event_put(b->events, *b->plant_time,
+              fault == PROOF_FINE ? EVENT_OUTPUT_FINE : EVENT_OUTPUT_FAULT, o->name, look.reading,
+              (uint8_t)fault);
+    outputs_stuck(b->output_at[i], output_proof_stuck(fault));
+    return fault;
+}
+
+/* Outputs as they really were; uncertain where the channel of an output contradicts it. */
+static void read_back(struct board_io *b, struct io_sample *sample)
+{
+    float part[CONFIG_OUTPUTS];
+    for (uint8_t i = 0; i < b->n_outputs; i++)
+        part[i] = output_part(b, i);
+    sample->n_readback = b->n_outputs;
+    for (uint8_t i = 0; i < b->n_outputs; i++) {
+        const struct output_config *o = &b->settings->output[b->output_row[i]];
+        tell_valve(b, i);
+        sample->readback[i] = (struct io_reading){
+            o->lo + part[i] * (o->hi - o->lo),
+            prove(b, i, part, sample) == PROOF_FINE ? QUALITY_GOOD : QUALITY_UNCERTAIN};
+    }
+}
+
 static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct board_io *b = context;
@@ -214,13 +267,7 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     sample->n_measurements = b->n_devices;
     for (unsigned i = 0; i < b->n_devices; i++)
         sample->measurement[i] = newest_reading(b, i, now_ms);
-    sample->n_readback = b->n_outputs;
-    for (uint8_t i = 0; i < b->n_outputs; i++) {
-        const struct output_config *o = &b->settings->output[b->output_row[i]];
-        float part = output_part(b, i);
-        tell_valve(b, i);
-        sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
-    }
+    read_back(b, sample);
     b->due_ms = next_due(b, now_ms);
     return true;
 }
