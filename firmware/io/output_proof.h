@@ -12,7 +12,7 @@
  *   off   no more than `change` over `off_s`; the flow is given `off_s` to run out.
  * Off counts only while every output with the same channel is off. Without a usable reading all times begin anew.
  *
- * Bounds, from the later one of fault and command (a test measures them):
+ * Bounds, from the later one of fault and command, and two samples more (tests/unit/test_output_proof_pots.c measures them):
  *   NO_HEAT      2 x on_s below the limit; longer only as long as it cools by `change` in less than on_s
  *   WARMS        2 x on_s, where the fault heats by `change` in on_s at least; 3 x on_s after it was switched off
  *   NOT_COOLING  off_s
