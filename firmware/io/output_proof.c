@@ -18,7 +18,8 @@ const char *output_proof_text(uint8_t fault)
         [PROOF_FINE] = "?",
         [PROOF_NO_HEAT] = "on, and nothing warms: fuse, element, wire or relay open, or its "
                           "thermometer elsewhere",
-        [PROOF_WARMS] = "off, and it warms: relay stuck or shorted; `enable` stays off until restart",
+        [PROOF_WARMS] =
+            "off, and it warms: relay stuck or shorted; `enable` stays off until restart",
         [PROOF_NOT_COOLING] =
             "off, and it does not cool: relay stuck or shorted; `enable` stays off until restart",
         [PROOF_STILL_HOT] = "still not cooler: contactor stuck, or none in its way; pull the plug",

@@ -57,10 +57,10 @@ struct output_proof {
 
 /* What there is to judge an output by at a sample. */
 struct output_proof_look {
-    float part;        /* what it really is, fraction of its span */
-    float others;      /* the largest part of another output with the same channel; 0: there is none */
-    float reading;     /* of its channel, EU */
-    bool usable;       /* whether there is such a reading */
+    float part;    /* what it really is, fraction of its span */
+    float others;  /* the largest part of another output with the same channel; 0: there is none */
+    float reading; /* of its channel, EU */
+    bool usable;   /* whether there is such a reading */
     uint32_t since_ms; /* since the sample before */
 };
 

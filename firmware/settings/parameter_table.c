@@ -361,9 +361,8 @@ OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
 #define PORT_PINS(p)                                                                               \
     "|P" p "0|P" p "1|P" p "2|P" p "3|P" p "4|P" p "5|P" p "6|P" p "7|P" p "8|P" p "9|P" p         \
     "10|P" p "11|P" p "12|P" p "13|P" p "14|P" p "15"
-#define PINS_WORDS "-" PORT_PINS("A") PORT_PINS("B") PORT_PINS("C") "|PD0|PD1|PD2"
-#define CHANNEL_WORDS                                                                              \
-    "-|chan1|chan2|chan3|chan4|chan5|chan6|chan7|chan8|chan9|chan10|chan11|chan12"
+#define PINS_WORDS    "-" PORT_PINS("A") PORT_PINS("B") PORT_PINS("C") "|PD0|PD1|PD2"
+#define CHANNEL_WORDS "-|chan1|chan2|chan3|chan4|chan5|chan6|chan7|chan8|chan9|chan10|chan11|chan12"
 #define NUMBER(field, id, unit, types, lo, hi, initial, help)                                      \
     F(output_config, settings.field, 16 + (id), #field, unit, lo, hi, initial, help),
 
@@ -403,7 +402,8 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
         "off and hot, that much cooler within this time; off, no such flow over it; 0 = not "
         "watched"),
     ROW(55, PARAMETER_U16, offsetof(struct output_config, proof.limit), "proof_below", "EU", 0,
-        65535, 0, "warms: below every temperature at which its liquid may boil")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
+        65535, 0, "warms: below every temperature at which its liquid may boil"))
+                                       DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */

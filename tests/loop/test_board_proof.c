@@ -111,8 +111,8 @@ static void set_up(void)
     PINS_ASK("set out2.proof flows", "set out2.proof_at chan2", "set out2.proof_change 0.1",
              "set out2.proof_on 30", "set out2.proof_off 30");
     PINS_ASK("set meas1.frozen 60", "set meas2.frozen 60", "set meas3.frozen 60");
-    PINS_ASK("set loop1.name boil", "set loop1.pv TB", "set loop1.out Q", "set loop1.action reverse",
-             "set loop1.gain 5", "set loop1.ti 300");
+    PINS_ASK("set loop1.name boil", "set loop1.pv TB", "set loop1.out Q",
+             "set loop1.action reverse", "set loop1.gain 5", "set loop1.ti 300");
     PINS_ASK("apply");
 }
 

@@ -30,9 +30,7 @@ void setUp(void)
     fault = PROOF_FINE;
 }
 
-void tearDown(void)
-{
-}
+void tearDown(void) {}
 
 /* Passes so many seconds in which the reading changes evenly by `by`; ends early where what is known changes. */
 static void pass(const struct proof_config *c, unsigned seconds, float by)

@@ -109,7 +109,8 @@ static enum output_proof_fault sample_later(struct pot *p, double power, double 
     }
     struct output_proof_look look = {.part = (float)part,
                                      .reading = (float)noise_of(p),
-                                     .usable = !p->loses || random_below(&random_of_test, 2000) != 0,
+                                     .usable =
+                                         !p->loses || random_below(&random_of_test, 2000) != 0,
                                      .since_ms = (uint32_t)(p->tick_s * 1000.0)};
     return output_proof_step(&p->proof, &p->c, &look);
 }
@@ -130,9 +131,7 @@ void setUp(void)
     random_of_test = (struct random_source){SEED};
 }
 
-void tearDown(void)
-{
-}
+void tearDown(void) {}
 
 /* ---- no false word ---- */
 
