@@ -29,7 +29,7 @@ const char *output_proof_text(uint8_t fault)
     return texts[fault < PROOF_FAULTS ? fault : PROOF_FINE];
 }
 
-static void begin_window(struct output_proof *p, enum proof_phase phase, float first)
+static void open_window(struct output_proof *p, enum proof_phase phase, float first)
 {
     p->phase = (uint8_t)phase & 7u;
     p->first = p->extreme = first;
@@ -42,13 +42,13 @@ static void know(struct output_proof *p, enum output_proof_fault fault)
 }
 
 /* Whether the window is as long as that. 0 s: never, because then nobody wants to know. */
-static bool is_over(const struct output_proof *p, uint16_t window_s)
+static bool window_is_over(const struct output_proof *p, uint16_t window_s)
 {
     return window_s != 0 && p->passed_ms >= window_s * 1000u;
 }
 
-static enum proof_phase phase_of(const struct output_proof *p, const struct proof_config *c,
-                                 const struct output_proof_look *look)
+static enum proof_phase phase_by_look(const struct output_proof *p, const struct proof_config *c,
+                                      const struct output_proof_look *look)
 {
     bool heater = c->kind == PROOF_KIND_WARMS, hot = heater && look->reading >= (float)c->limit;
     if (!look->usable || !float_is_finite(look->reading))
@@ -76,11 +76,11 @@ static void judge_heat(struct output_proof *p, const struct proof_config *c, flo
     if (t < p->extreme)
         p->extreme = t;
     bool warmer = t - p->extreme >= c->change, cooled = p->first - t >= c->change;
-    if (!warmer && !cooled && !is_over(p, c->on_s))
+    if (!warmer && !cooled && !window_is_over(p, c->on_s))
         return;
     if (!cooled && !output_proof_stuck((enum output_proof_fault)p->known_fault))
         know(p, warmer ? PROOF_FINE : PROOF_NO_HEAT);
-    begin_window(p, PHASE_FULL, t);
+    open_window(p, PHASE_FULL, t);
 }
 
 /* Judges a heater that is off, below the limit. */
@@ -90,9 +90,9 @@ static void judge_rest(struct output_proof *p, const struct proof_config *c, flo
         p->extreme = t;
     if (c->on_s != 0 && t - p->extreme >= c->change) {
         tell_stuck(p, PROOF_WARMS);
-        begin_window(p, PHASE_SETTLING, t);
-    } else if (is_over(p, c->on_s)) {
-        begin_window(p, PHASE_REST, t);
+        open_window(p, PHASE_SETTLING, t);
+    } else if (window_is_over(p, c->on_s)) {
+        open_window(p, PHASE_REST, t);
     }
 }
 
@@ -102,10 +102,10 @@ static void judge_cooling(struct output_proof *p, const struct proof_config *c, 
     if (t > p->extreme)
         p->extreme = t;
     if (t <= p->extreme - c->change) {
-        begin_window(p, PHASE_HOT, t);
-    } else if (is_over(p, c->off_s)) {
+        open_window(p, PHASE_HOT, t);
+    } else if (window_is_over(p, c->off_s)) {
         tell_stuck(p, PROOF_NOT_COOLING);
-        begin_window(p, PHASE_HOT, t);
+        open_window(p, PHASE_HOT, t);
     }
 }
 
@@ -119,8 +119,8 @@ static void step_heater(struct output_proof *p, const struct proof_config *c, fl
         judge_heat(p, c, t);
         break;
     case PHASE_SETTLING:
-        if (is_over(p, c->on_s))
-            begin_window(p, PHASE_REST, t);
+        if (window_is_over(p, c->on_s))
+            open_window(p, PHASE_REST, t);
         break;
     case PHASE_REST:
         judge_rest(p, c, t);
@@ -139,7 +139,7 @@ static void step_heater(struct output_proof *p, const struct proof_config *c, fl
 static void judge_mean(struct output_proof *p, const struct proof_config *c, uint16_t window_s,
                        enum output_proof_fault fault)
 {
-    if (!is_over(p, window_s))
+    if (!window_is_over(p, window_s))
         return;
     float least = c->change * ((float)p->passed_ms / 1000.0f);
     bool flows = fault == PROOF_FLOWS ? p->extreme > least : p->extreme >= least;
@@ -147,7 +147,7 @@ static void judge_mean(struct output_proof *p, const struct proof_config *c, uin
         know(p, fault);
     else if (p->known_fault == (unsigned)fault)
         know(p, PROOF_FINE);
-    begin_window(p, (enum proof_phase)p->phase, 0.0f);
+    open_window(p, (enum proof_phase)p->phase, 0.0f);
 }
 
 static void step_flow(struct output_proof *p, const struct proof_config *c, float flow,
@@ -158,8 +158,8 @@ static void step_flow(struct output_proof *p, const struct proof_config *c, floa
     p->extreme += counted * ((float)since_ms / 1000.0f);
     if (p->phase == PHASE_FULL)
         judge_mean(p, c, c->on_s, PROOF_NO_FLOW);
-    else if (p->phase == PHASE_SETTLING && is_over(p, c->off_s))
-        begin_window(p, PHASE_REST, 0.0f);
+    else if (p->phase == PHASE_SETTLING && window_is_over(p, c->off_s))
+        open_window(p, PHASE_REST, 0.0f);
     else if (p->phase == PHASE_REST)
         judge_mean(p, c, c->off_s, PROOF_FLOWS);
 }
@@ -167,11 +167,11 @@ static void step_flow(struct output_proof *p, const struct proof_config *c, floa
 enum output_proof_fault output_proof_step(struct output_proof *p, const struct proof_config *c,
                                           const struct output_proof_look *look)
 {
-    enum proof_phase phase = phase_of(p, c, look);
+    enum proof_phase phase = phase_by_look(p, c, look);
     if (c->kind == PROOF_KIND_NONE)
         return PROOF_FINE;
     if ((unsigned)phase != p->phase)
-        begin_window(p, phase, c->kind == PROOF_KIND_WARMS ? look->reading : 0.0f);
+        open_window(p, phase, c->kind == PROOF_KIND_WARMS ? look->reading : 0.0f);
     else if (p->passed_ms < PASSED_MAX_MS - look->since_ms)
         p->passed_ms = (p->passed_ms + look->since_ms) & PASSED_MASK;
     if (phase != PHASE_NONE && c->kind == PROOF_KIND_WARMS)
