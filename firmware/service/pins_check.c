@@ -214,7 +214,8 @@ static enum err check_proof(const struct config *config, unsigned i, struct conf
     if (o->settings.type == OUTPUT_ENABLE)
         return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, "proof", o->name,
                            "must be - of an output of kind enable");
-    if (p->device == 0 || config->pins.device[p->device - 1u].name[0] == '\0')
+    if (p->device == 0 || p->device > CONFIG_DEVICES ||
+        config->pins.device[p->device - 1u].name[0] == '\0')
         return refuse_pins(fault, ERR_EMPTY, "out", i + 1, "proof_at", o->name,
                            "must say which channel shows that it acts, chan1 say");
     if (!(p->change > 0.0f))

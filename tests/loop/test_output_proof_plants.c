@@ -207,8 +207,8 @@ static void heater_is(double power)
     instruments_set(&in, channel("Qrb"), OPTION_STUCK, power);
 }
 
-/* Waits until the fault is told of what is watched, within so many seconds and two samples. Returns the seconds. */
-static double told_after(size_t what, enum output_proof_fault fault, double most_s)
+/* Waits until the fault is told of what is watched, within so many seconds and two samples. */
+static void told_after(size_t what, enum output_proof_fault fault, double most_s)
 {
     double from = now_s;
     while (told[what] == PROOF_FINE) {
@@ -219,14 +219,13 @@ static double told_after(size_t what, enum output_proof_fault fault, double most
     TEST_ASSERT_EQUAL_INT(fault, told[what]);
     printf("%-3s %.45s...: %4.0f s, bound %.0f s\n", watched[what].channel,
            output_proof_text((uint8_t)fault), now_s - from, most_s);
-    return now_s - from;
 }
 
 static void a_relay_that_shorts_in_the_cold_is_told(void)
 {
     quiet_until(3600.0);
     heater_is(1.5);
-    (void)told_after(0, PROOF_WARMS, 2.0 * watched[0].c.on_s);
+    told_after(0, PROOF_WARMS, 2.0 * watched[0].c.on_s);
 }
 
 static void a_relay_that_shorts_at_the_boil_is_told(void)
@@ -235,7 +234,7 @@ static void a_relay_that_shorts_at_the_boil_is_told(void)
     control(106.0, now_s + 3600.0);
     heater_is(1.5);
     command[HEATER] = 0.0;
-    (void)told_after(0, PROOF_NOT_COOLING, watched[0].c.off_s);
+    told_after(0, PROOF_NOT_COOLING, watched[0].c.off_s);
 }
 
 static void a_heater_that_fails_on_the_way_to_the_boil_is_told(void)
@@ -243,7 +242,7 @@ static void a_heater_that_fails_on_the_way_to_the_boil_is_told(void)
     command[HEATER] = 1.2;
     quiet_until(300.0);
     heater_is(0.0);
-    (void)told_after(0, PROOF_NO_HEAT, 2.0 * watched[0].c.on_s);
+    told_after(0, PROOF_NO_HEAT, 2.0 * watched[0].c.on_s);
 }
 
 static void a_heater_that_fails_at_the_boil_is_told_below_it(void)
@@ -256,21 +255,21 @@ static void a_heater_that_fails_at_the_boil_is_told_below_it(void)
         tick();
         TEST_ASSERT_EQUAL_INT(PROOF_FINE, told[0]);
     }
-    (void)told_after(0, PROOF_NO_HEAT, 2.0 * watched[0].c.on_s);
+    told_after(0, PROOF_NO_HEAT, 2.0 * watched[0].c.on_s);
 }
 
 static void feed_that_flows_through_a_closed_valve_is_told(void)
 {
     quiet_until(600.0);
     instruments_set(&in, channel("vF"), OPTION_STUCK, 30.0);
-    (void)told_after(3, PROOF_FLOWS, 2.0 * watched[3].c.off_s);
+    told_after(3, PROOF_FLOWS, 2.0 * watched[3].c.off_s);
 }
 
 static void cooling_water_that_fails_is_told(void)
 {
     quiet_until(600.0);
     set("supply", 0.0);
-    (void)told_after(4, PROOF_NO_FLOW, 2.0 * watched[4].c.on_s);
+    told_after(4, PROOF_NO_FLOW, 2.0 * watched[4].c.on_s);
 }
 
 int main(int argc, char **argv)
