@@ -198,16 +198,18 @@ static void tell_valve(struct board_io *b, uint8_t i)
     b->valve_fault[i] = faults;
 }
 
-/* The largest part of another output that shows at the same channel as output i. */
-static float part_of_others(const struct board_io *b, uint8_t i, const float *part)
+/* The largest parts of other outputs than i: of those that show at the same channel, and of all. */
+static void look_at_others(const struct board_io *b, uint8_t i, const float *part,
+                           struct output_proof_look *look)
 {
     uint8_t device = b->settings->output[b->output_row[i]].proof.device;
-    float most = 0.0f;
-    for (uint8_t k = 0; k < b->n_outputs; k++)
-        if (k != i && b->settings->output[b->output_row[k]].proof.device == device &&
-            part[k] > most)
-            most = part[k];
-    return most;
+    for (uint8_t k = 0; k < b->n_outputs; k++) {
+        bool same = b->settings->output[b->output_row[k]].proof.device == device;
+        if (k != i && same && part[k] > look->others)
+            look->others = part[k];
+        if (k != i && part[k] > look->elsewhere)
+            look->elsewhere = part[k];
+    }
 }
 
 /* Looks whether output i does as it is told, and takes the power from the heaters where one heats untold. part: of all outputs. */
@@ -217,8 +219,8 @@ static enum output_proof_fault prove(struct board_io *b, uint8_t i, const float 
     const struct output_config *o = &b->settings->output[b->output_row[i]];
     struct output_proof *p = &b->proof[i];
     enum output_proof_fault before = (enum output_proof_fault)p->known_fault;
-    struct output_proof_look look = {
-        .part = part[i], .others = part_of_others(b, i, part), .since_ms = b->tick_ms};
+    struct output_proof_look look = {.part = part[i], .since_ms = b->tick_ms};
+    look_at_others(b, i, part, &look);
     for (uint8_t k = 0; k < b->n_devices; k++)
         if (b->row[k] + 1u == o->proof.device) {
             look.reading = sample->measurement[k].value;

@@ -5,11 +5,13 @@
 #define PASSED_MAX_MS PASSED_MASK /* longer than the longest window, 65535 s */
 
 enum proof_phase {
-    PHASE_NONE,     /* nothing can be said */
-    PHASE_FULL,     /* on, and of a heater: below the limit */
-    PHASE_SETTLING, /* off; what it did before may still show */
-    PHASE_REST,     /* off, and of a heater: below the limit */
-    PHASE_HOT       /* a heater is off, at the limit or above */
+    PHASE_NONE,         /* nothing can be said */
+    PHASE_FULL,         /* on, and of a heater: below the limit */
+    PHASE_SETTLING,     /* off; what was before may still show */
+    PHASE_REST,         /* off, and of a heater: below the limit */
+    PHASE_WARMER,       /* like that, and it was warmer at the end of a window */
+    PHASE_TWICE_WARMER, /* of two */
+    PHASE_HOT           /* a heater is off, at the limit or above */
 };
 
 const char *output_proof_text(uint8_t fault)
@@ -59,7 +61,10 @@ static enum proof_phase phase_by_look(const struct output_proof *p, const struct
         return PHASE_NONE;
     if (hot)
         return PHASE_HOT;
-    return p->phase == PHASE_REST ? PHASE_REST : PHASE_SETTLING;
+    if (heater && !(look->elsewhere <= OUTPUT_PROOF_OFF))
+        return PHASE_NONE;
+    bool rests = p->phase >= PHASE_REST && p->phase <= PHASE_TWICE_WARMER;
+    return rests ? (enum proof_phase)p->phase : PHASE_SETTLING;
 }
 
 /* ---- heater ---- */
@@ -86,14 +91,17 @@ static void judge_heat(struct output_proof *p, const struct proof_config *c, flo
 /* Judges a heater that is off, below the limit. */
 static void judge_rest(struct output_proof *p, const struct proof_config *c, float t)
 {
-    if (t < p->extreme)
-        p->extreme = t;
-    if (c->on_s != 0 && t - p->extreme >= c->change) {
+    if (c->on_s == 0 || p->passed_ms < c->on_s * 500u)
+        return;
+    bool warmer = t - p->first >= 0.5f * c->change;
+    enum proof_phase next = PHASE_REST;
+    if (warmer && p->phase == PHASE_REST)
+        next = PHASE_WARMER;
+    else if (warmer && p->phase == PHASE_WARMER)
+        next = PHASE_TWICE_WARMER;
+    else if (warmer)
         tell_stuck(p, PROOF_WARMS);
-        open_window(p, PHASE_SETTLING, t);
-    } else if (window_is_over(p, c->on_s)) {
-        open_window(p, PHASE_REST, t);
-    }
+    open_window(p, next, t);
 }
 
 /* Judges a heater that is off, at the limit or above. */
@@ -123,6 +131,8 @@ static void step_heater(struct output_proof *p, const struct proof_config *c, fl
             open_window(p, PHASE_REST, t);
         break;
     case PHASE_REST:
+    case PHASE_WARMER:
+    case PHASE_TWICE_WARMER:
         judge_rest(p, c, t);
         break;
     case PHASE_HOT:
@@ -170,6 +180,8 @@ enum output_proof_fault output_proof_step(struct output_proof *p, const struct p
     enum proof_phase phase = phase_by_look(p, c, look);
     if (c->kind == PROOF_KIND_NONE)
         return PROOF_FINE;
+    if (phase == PHASE_HOT && p->phase == PHASE_TWICE_WARMER)
+        tell_stuck(p, PROOF_WARMS);
     if ((unsigned)phase != p->phase)
         open_window(p, phase, c->kind == PROOF_KIND_WARMS ? look->reading : 0.0f);
     else if (p->passed_ms < PASSED_MAX_MS - look->since_ms)

@@ -4,7 +4,9 @@
  *   on    at least OUTPUT_PROOF_FULL, below `limit`: warmer by `change` within `on_s`, or it is dead. At `limit` and above liquid may boil,
  *         and there more heat gives no more temperature: nothing is said. A dead heater comes to `limit` from above by itself. Where the
  *         reading falls by `change` something cold comes in, and the time begins anew.
- *   off   below `limit`: not warmer by `change` within `on_s`. The heat that its metal had is given `on_s` to come out.
+ *   off   below `limit`: not warmer by half of `change` in each of three halves of `on_s` in a row; at `limit` two have been enough. So
+ *         warm liquor that is poured in within half of `on_s` accuses nobody. While another output of the board is on, what it brings may be
+ *         warm, and nothing is said. The heat that metal and pipes had is given `on_s` to come out.
  *   off   at `limit` or above: cooler by `change` within `off_s`, again and again. A heater that boils although it is off does not cool.
  * Of a heater that is partly on nothing is said: at rest losses take all that it gives.
  * A pump or valve (proof `flows`) is judged by the mean of its flow over a window; one reading counts for OUTPUT_PROOF_SPIKE x `change` at most.
@@ -14,9 +16,9 @@
  *
  * Bounds, from the later one of fault and command, and two samples more (tests/unit/test_output_proof_pots.c measures them):
  *   NO_HEAT      2 x on_s below the limit; longer only as long as it cools by `change` in less than on_s
- *   WARMS        2 x on_s, where the fault heats by `change` in on_s at least; 3 x on_s after it was switched off
+ *   WARMS        3 x on_s, where the fault heats by `change` in on_s at least, and as long as it is below the limit
  *   NOT_COOLING  off_s
- *   STILL_HOT    after one of the two before: the same once more, and on_s
+ *   STILL_HOT    after one of the two before: the same once more
  *   FLOWS        2 x off_s; 3 x off_s after it was switched off
  *   NO_FLOW      2 x on_s
  * An on_s or off_s of 0 leaves out what it belongs to.
@@ -57,10 +59,11 @@ struct output_proof {
 
 /* What there is to judge an output by at a sample. */
 struct output_proof_look {
-    float part;    /* what it really is, fraction of its span */
-    float others;  /* the largest part of another output with the same channel; 0: there is none */
-    float reading; /* of its channel, EU */
-    bool usable;   /* whether there is such a reading */
+    float part;   /* what it really is, fraction of its span */
+    float others; /* the largest part of another output with the same channel; 0: there is none */
+    float elsewhere;   /* the largest part of any other output of the board */
+    float reading;     /* of its channel, EU */
+    bool usable;       /* whether there is such a reading */
     uint32_t since_ms; /* since the sample before */
 };
 

@@ -175,10 +175,10 @@ static void a_loop_that_holds_a_temperature_below_the_boil_is_quiet(void)
 
 static void a_shorted_relay_of_a_cold_heater_opens_the_contactor(void)
 {
-    quiet(ON_S + 10u);
+    quiet(2u * ON_S);
     pins_fault("Q", "shorted", 1);
     board_forget();
-    (void)seconds_to("OUTPUT_FAULT Q ", 2u * ON_S + 2u);
+    (void)seconds_to("OUTPUT_FAULT Q ", 3u * ON_S + 2u);
     TEST_ASSERT_TRUE_MESSAGE(said("off, and it warms"), board.said);
     pot_second();
     TEST_ASSERT_EQUAL_DOUBLE(0.0, k_is_on());

@@ -85,6 +85,9 @@ static void tick(void)
                                          .reading = (float)reading_of(w->channel),
                                          .usable = true,
                                          .since_ms = (uint32_t)(TICK_S * 1000.0)};
+        for (unsigned k = 0; k < INPUTS; k++)
+            if (k != w->input)
+                look.elsewhere = fmaxf(look.elsewhere, (float)(command[k] / inputs[k].hi));
         told[i] = output_proof_step(&proof[i], &w->c, &look);
     }
 }
@@ -223,9 +226,10 @@ static void told_after(size_t what, enum output_proof_fault fault, double most_s
 
 static void a_relay_that_shorts_in_the_cold_is_told(void)
 {
+    command[VALVE_REFLUX] = command[VALVE_WATER] = 0.0;
     quiet_until(3600.0);
     heater_is(1.5);
-    told_after(0, PROOF_WARMS, 2.0 * watched[0].c.on_s);
+    told_after(0, PROOF_WARMS, 3.0 * watched[0].c.on_s);
 }
 
 static void a_relay_that_shorts_at_the_boil_is_told(void)

@@ -109,7 +109,38 @@ static void a_heater_that_warms_although_it_is_off_is_stuck(void)
     pass(&heater, 7u * 24u * HOUR_S, 2.0f);
     TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
     pass(&heater, HOUR_S, 60.0f);
-    told_within(PROOF_WARMS, 2u * heater.on_s);
+    told_within(PROOF_WARMS, 3u * heater.on_s);
+}
+
+static void a_heater_that_warms_to_the_limit_although_it_is_off_is_stuck_there(void)
+{
+    pass(&heater, 2u * heater.on_s, 0.0f);
+    pass(&heater, heater.on_s + heater.on_s / 4u, 54.9f);
+    TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
+    pass(&heater, 10, 1.0f);
+    TEST_ASSERT_EQUAL_INT(PROOF_WARMS, fault);
+}
+
+static void warm_liquor_that_is_poured_in_is_no_stuck_heater(void)
+{
+    for (unsigned n = 0; n < 100; n++) {
+        pass(&heater, HOUR_S + 7u * n, 0.0f);
+        pass(&heater, heater.on_s / 2u, 60.0f);
+        TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
+        pass(&heater, 3u * HOUR_S, -60.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
+}
+
+static void warm_feed_that_another_output_brings_is_no_stuck_heater(void)
+{
+    pass(&heater, HOUR_S, 0.0f);
+    look.elsewhere = 0.3f;
+    pass(&heater, HOUR_S, 54.0f);
+    look.elsewhere = 0.0f;
+    pass(&heater, heater.on_s - 5u, 0.9f);
+    pass(&heater, HOUR_S, -20.0f);
+    TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
 }
 
 static void heat_that_was_stored_makes_no_stuck_heater(void)
@@ -310,6 +341,9 @@ int main(void)
     RUN_TEST(a_heater_that_holds_a_temperature_with_part_of_its_power_is_not_dead);
     RUN_TEST(cold_liquid_that_comes_in_is_no_dead_heater);
     RUN_TEST(a_heater_that_warms_although_it_is_off_is_stuck);
+    RUN_TEST(a_heater_that_warms_to_the_limit_although_it_is_off_is_stuck_there);
+    RUN_TEST(warm_liquor_that_is_poured_in_is_no_stuck_heater);
+    RUN_TEST(warm_feed_that_another_output_brings_is_no_stuck_heater);
     RUN_TEST(heat_that_was_stored_makes_no_stuck_heater);
     RUN_TEST(a_heater_that_boils_although_it_is_off_is_stuck);
     RUN_TEST(a_hot_heater_that_is_off_and_cools_is_fine);

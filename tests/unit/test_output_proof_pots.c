@@ -135,7 +135,7 @@ void tearDown(void) {}
 
 /* ---- no false word ---- */
 
-enum use { FULL_ON, PARTLY_ON, OFF, OFF_FOR_DAYS, HELD, SWITCHED, CHARGED, USES };
+enum use { FULL_ON, PARTLY_ON, OFF, OFF_FOR_DAYS, HELD, SWITCHED, CHARGED, POURED, USES };
 
 /* Uses the pot like this for a while. */
 static void use(struct pot *p, enum use how)
@@ -146,8 +146,11 @@ static void use(struct pot *p, enum use how)
         until = p->s + between(0.3, 3.0) * DAY_S;
     if (how == CHARGED) /* something cold comes in for a fifth of the time that the heater has */
         until = p->s + 0.2 * p->c.on_s;
+    if (how == POURED) /* something warm, within half of that time */
+        until = p->s + between(0.0, 0.5) * p->c.on_s - 2.0 * p->tick_s;
+    double pour = (set - p->t) * p->tick_s / (until - p->s);
     while (p->s < until) {
-        double u = how == OFF || how == OFF_FOR_DAYS ? 0.0 : part;
+        double u = how == OFF || how == OFF_FOR_DAYS || how == POURED ? 0.0 : part;
         if (how == HELD) {
             sum = fmin(fmax(sum + (set - p->t) * p->tick_s * 1e-4, 0.0), 1.0);
             u = fmin(fmax((set - p->t) * 0.1 + sum, 0.0), 1.0);
@@ -156,6 +159,8 @@ static void use(struct pot *p, enum use how)
             u = p->t < set ? 1.0 : 0.0;
         if (how == CHARGED)
             p->t = fmax(p->t - p->tick_s * 30.0 / (0.2 * p->c.on_s), 10.0);
+        if (how == POURED)
+            p->t = fmin(p->t + pour, p->boil);
         enum output_proof_fault fault = sample_later(p, u, u);
         if (fault != PROOF_FINE)
             fails(p, "false alarm", fault);
@@ -176,6 +181,8 @@ static void pots_that_are_well_are_never_accused(void)
             rest_s += how == OFF_FOR_DAYS ? p.s - before_s : 0.0;
             if (how == CHARGED)
                 use(&p, FULL_ON);
+            if (how == POURED)
+                use(&p, OFF);
         }
         hours += p.s / 3600.0;
         rest += rest_s / 3600.0;
@@ -256,7 +263,7 @@ static void heaters_stuck_on_are_told_within_their_bound(void)
         }
         if (fault == PROOF_WARMS) {
             TEST_ASSERT_TRUE(cold);
-            note(&p, fault, p.s - from, (off ? 2.0 : 3.0) * p.c.on_s);
+            note(&p, fault, p.s - from, 3.0 * p.c.on_s);
         } else {
             TEST_ASSERT_EQUAL_INT(PROOF_NOT_COOLING, fault);
             note(&p, fault, p.s - limit_at, p.c.off_s);
