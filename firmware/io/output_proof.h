@@ -8,6 +8,7 @@
  *         warm liquor that is poured in within half of `on_s` accuses nobody. While another output of the board is on, what it brings may be
  *         warm, and nothing is said. The heat that metal and pipes had is given `on_s` to come out.
  *   off   at `limit` or above: cooler by `change` within `off_s`, again and again. A heater that boils although it is off does not cool.
+ *         Nothing that flows in may be so hot.
  * Of a heater that is partly on nothing is said: at rest losses take all that it gives.
  * A pump or valve (proof `flows`) is judged by the mean of its flow over a window; one reading counts for OUTPUT_PROOF_SPIKE x `change` at most.
  *   on    at least OUTPUT_PROOF_FULL: `change` at least over `on_s`

@@ -402,7 +402,7 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
         "off and hot, that much cooler within this time; off, no such flow over it; 0 = not "
         "watched"),
     ROW(55, PARAMETER_U16, offsetof(struct output_config, proof.limit), "proof_below", "EU", 0,
-        65535, 0, "warms: below every temperature at which its liquid may boil"))
+        65535, 0, "warms: temperature below its boiling points, above that of all that flows in"))
                                        DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
