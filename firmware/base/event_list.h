@@ -171,7 +171,11 @@
     BLOCK(VALVE_FAULT, "end contact of a motor valve not closed in time (1), or both closed (2)",  \
           ALARM, PLAIN)                                                                            \
     BLOCK(OUTPUT_FAULT, "output at the board's pins has a fault", ALARM, PLAIN)                    \
-    BLOCK(OUTPUT_FINE, "output at the board's pins has no fault any more; mains, Hz", INFO, PLAIN)
+    BLOCK(OUTPUT_FINE, "output at the board's pins has no fault any more; mains, Hz", INFO, PLAIN) \
+    BLOCK(OUTPUT_CONTRADICTED, "output at the board's pins does not act as told; its channel reads",      \
+          ALARM, PLAIN)                                                                            \
+    BLOCK(OUTPUT_ACTS, "output at the board's pins acts as told again; its channel reads", INFO,   \
+          PLAIN)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS), and no MANUAL_BY_BOARD. */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0

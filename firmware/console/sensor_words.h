@@ -1,4 +1,4 @@
-/* Faults of sensors at the board's own pins, in words. A board without pins has none.
+/* Faults of sensors and outputs at the board's own pins, in words. A board without pins has none.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */

@@ -62,12 +62,25 @@ struct device_config {
     uint8_t type;    /* of the sensor: word of the table */
 };
 
+enum proof_kind { PROOF_KIND_NONE, PROOF_KIND_WARMS, PROOF_KIND_FLOWS };
+
+/* How an output is proved (io/output_proof.h). EU: of its channel. */
+struct proof_config {
+    float change;   /* EU: heater: least rise and fall; pump or valve: least flow */
+    uint16_t on_s;  /* 0: not judged */
+    uint16_t off_s; /* 0: not judged */
+    uint16_t limit; /* EU: heater: below every temperature at which its liquid may boil */
+    uint8_t kind;   /* enum proof_kind */
+    uint8_t device; /* row of chan, from 1; 0: none */
+};
+
 struct output_config {
     char name[CHANNEL_NAME_SIZE]; /* of the manipulated variable; empty: unused */
     char unit[CHANNEL_UNIT_SIZE];
     float lo, hi; /* EU at command 0 and 1 */
     /* Its pins are words of the table here: 0 none, 1 PA0 (pins_of_word()). Not used: mains_60, which holds for all. */
     struct output_settings settings;
+    struct proof_config proof;
 };
 
 #if CONFIG_DEVICES

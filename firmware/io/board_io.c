@@ -91,6 +91,7 @@ void board_io_take(struct board_io *b, const struct config *config)
     atomic_signal_fence(memory_order_seq_cst);
     b->n_devices = b->n_outputs = 0;
     memset(b->drive, 0, sizeof b->drive); /* no output gets the command of another one */
+    memset(b->proof, 0, sizeof b->proof);
     if (pins_are_source(&config->pins))
         open_devices(b);
     if (pins_are_source(&config->pins))
@@ -213,6 +214,60 @@ static void tell_output_faults(struct board_io *b, uint8_t i)
     b->output_fault[i] = faults;
 }
 
+/* The largest parts of other outputs than i: of those that show at the same channel, and of all. */
+static void look_at_others(const struct board_io *b, uint8_t i, const float *part,
+                           struct output_proof_look *look)
+{
+    uint8_t device = b->settings->output[b->output_row[i]].proof.device;
+    for (uint8_t k = 0; k < b->n_outputs; k++) {
+        bool same = b->settings->output[b->output_row[k]].proof.device == device;
+        if (k != i && same && part[k] > look->others)
+            look->others = part[k];
+        if (k != i && part[k] > look->elsewhere)
+            look->elsewhere = part[k];
+    }
+}
+
+/* Looks whether output i does as it is told, and takes the power from the heaters where one heats untold. part: of all outputs. */
+static enum output_proof_fault prove(struct board_io *b, uint8_t i, const float *part,
+                                     const struct io_sample *sample)
+{
+    const struct output_config *o = &b->settings->output[b->output_row[i]];
+    struct output_proof *p = &b->proof[i];
+    enum output_proof_fault before = (enum output_proof_fault)p->known_fault;
+    struct output_proof_look look = {.part = part[i], .since_ms = b->tick_ms};
+    look_at_others(b, i, part, &look);
+    for (uint8_t k = 0; k < b->n_devices; k++)
+        if (b->row[k] + 1u == o->proof.device) {
+            look.reading = sample->measurement[k].value;
+            look.usable = quality_usable(sample->measurement[k].quality);
+        }
+    enum output_proof_fault fault = output_proof_step(p, &o->proof, &look);
+    if (fault == before)
+        return fault;
+    event_put(b->events, *b->plant_time,
+              fault == PROOF_FINE ? EVENT_OUTPUT_ACTS : EVENT_OUTPUT_CONTRADICTED, o->name, look.reading,
+              (uint8_t)fault);
+    outputs_stuck(b->output_at[i], output_proof_stuck(fault));
+    return fault;
+}
+
+/* Outputs as they really were; uncertain where the channel of an output contradicts it. */
+static void read_back(struct board_io *b, struct io_sample *sample)
+{
+    float part[CONFIG_OUTPUTS];
+    for (uint8_t i = 0; i < b->n_outputs; i++)
+        part[i] = output_part(b, i);
+    sample->n_readback = b->n_outputs;
+    for (uint8_t i = 0; i < b->n_outputs; i++) {
+        const struct output_config *o = &b->settings->output[b->output_row[i]];
+        tell_output_faults(b, i);
+        sample->readback[i] = (struct io_reading){
+            o->lo + part[i] * (o->hi - o->lo),
+            prove(b, i, part, sample) == PROOF_FINE ? QUALITY_GOOD : QUALITY_UNCERTAIN};
+    }
+}
+
 static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
 {
     struct board_io *b = context;
@@ -230,13 +285,7 @@ static bool board_poll(void *context, uint64_t now_ms, struct io_sample *sample)
     sample->n_measurements = b->n_devices;
     for (unsigned i = 0; i < b->n_devices; i++)
         sample->measurement[i] = newest_reading(b, i, now_ms);
-    sample->n_readback = b->n_outputs;
-    for (uint8_t i = 0; i < b->n_outputs; i++) {
-        const struct output_config *o = &b->settings->output[b->output_row[i]];
-        float part = output_part(b, i);
-        tell_output_faults(b, i);
-        sample->readback[i] = (struct io_reading){o->lo + part * (o->hi - o->lo), QUALITY_GOOD};
-    }
+    read_back(b, sample);
     b->due_ms = next_due(b, now_ms);
     return true;
 }

@@ -11,6 +11,7 @@
 #include "base/event.h"
 #include "exchange/config.h"
 #include "hal/io.h"
+#include "io/output_proof.h"
 
 #if CONFIG_DEVICES
 #include "devices/device.h"
@@ -31,6 +32,7 @@ struct board_io {
     bool drive[CONFIG_OUTPUTS];         /* the command of the last tick */
     float fraction[CONFIG_OUTPUTS];
     uint8_t output_fault[CONFIG_OUTPUTS]; /* bits that events have told */
+    struct output_proof proof[CONFIG_OUTPUTS];
     uint64_t commanded_ms;
     uint8_t n_outputs;
     uint32_t identity; /* checksum of the settings that devices and outputs have */

@@ -218,6 +218,32 @@ static enum err check_output(const struct config *config, unsigned i, struct cla
     return ERR_OK;
 }
 
+/* Refuses a proof (io/output_proof.h) that could never tell anything, or would tell wrongly. */
+static enum err check_proof(const struct config *config, unsigned i, struct config_fault *fault)
+{
+    const struct output_config *o = &config->pins.output[i];
+    const struct proof_config *p = &o->proof;
+    if (p->kind == PROOF_KIND_NONE)
+        return ERR_OK;
+    if (o->settings.type == OUTPUT_ENABLE)
+        return refuse_pins(fault, ERR_CONFLICT, "out", i + 1, "proof", o->name,
+                           "must be - of an output of kind enable");
+    if (p->device == 0 || p->device > CONFIG_DEVICES ||
+        config->pins.device[p->device - 1u].name[0] == '\0')
+        return refuse_pins(fault, ERR_EMPTY, "out", i + 1, "proof_at", o->name,
+                           "must say which channel shows that it acts, chan1 say");
+    if (!(p->change > 0.0f))
+        return refuse_pins(fault, ERR_RANGE, "out", i + 1, "proof_change", o->name,
+                           "must be above 0: what is more than noise");
+    if (p->on_s == 0 && p->off_s == 0)
+        return refuse_pins(fault, ERR_EMPTY, "out", i + 1, "proof_on", o->name,
+                           "and proof_off are both 0: one must say how long");
+    if (p->kind == PROOF_KIND_WARMS && p->limit == 0)
+        return refuse_pins(fault, ERR_RANGE, "out", i + 1, "proof_below", o->name,
+                           "must say below which temperature nothing boils");
+    return ERR_OK;
+}
+
 enum err pins_check(const struct config *config, struct config_fault *fault)
 {
     struct claims claims = {.n = 0};
@@ -228,5 +254,8 @@ enum err pins_check(const struct config *config, struct config_fault *fault)
     for (unsigned i = 0; err == ERR_OK && i < CONFIG_OUTPUTS; i++)
         if (config->pins.output[i].name[0] != '\0')
             err = check_output(config, i, &claims, fault);
+    for (unsigned i = 0; err == ERR_OK && i < CONFIG_OUTPUTS; i++)
+        if (config->pins.output[i].name[0] != '\0')
+            err = check_proof(config, i, fault);
     return err;
 }

@@ -363,7 +363,8 @@ OPTIONAL_FIELDS device_fields[] = {DEVICE_ROWS(
 #define PORT_PINS(p)                                                                               \
     "|P" p "0|P" p "1|P" p "2|P" p "3|P" p "4|P" p "5|P" p "6|P" p "7|P" p "8|P" p "9|P" p         \
     "10|P" p "11|P" p "12|P" p "13|P" p "14|P" p "15"
-#define PINS_WORDS "-" PORT_PINS("A") PORT_PINS("B") PORT_PINS("C") "|PD0|PD1|PD2"
+#define PINS_WORDS    "-" PORT_PINS("A") PORT_PINS("B") PORT_PINS("C") "|PD0|PD1|PD2"
+#define CHANNEL_WORDS "-|chan1|chan2|chan3|chan4|chan5|chan6|chan7|chan8|chan9|chan10|chan11|chan12"
 #define NUMBER(field, id, unit, types, lo, hi, initial, help)                                      \
     F(output_config, settings.field, 16 + (id), #field, unit, lo, hi, initial, help),
 
@@ -394,7 +395,23 @@ OPTIONAL_FIELDS output_fields[] = {DEVICE_ROWS(
     W(output_config, settings.range, 14, "range", "4-20mA|0-20mA|0-24mA|0-5V|0-10V", 0,
       "of a chip"),
     W(output_config, settings.pin[4], 15, "zero_cross", PINS_WORDS, 0,
-      "burst: falls when the mains cross 0")) DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
+      "burst: falls when the mains cross 0"),
+    W(output_config, proof.kind, 50, "proof", "-|warms|flows", PROOF_KIND_NONE,
+      "how its channel shows that it acts: a heater warms, a pump or valve lets flow; - = not "
+      "watched"),
+    W(output_config, proof.device, 51, "proof_at", CHANNEL_WORDS, 0, "channel that shows it"),
+    F(output_config, proof.change, 52, "proof_change", "EU", 0, BIG, 0,
+      "warms: rise or fall that counts, many times the noise; flows: least flow that counts"),
+    ROW(53, PARAMETER_U16, offsetof(struct output_config, proof.on_s), "proof_on", "s", 0, 65535, 0,
+        "three quarters on, that much warmer within this time, or that much flow over it; 0 = not "
+        "watched"),
+    ROW(54, PARAMETER_U16, offsetof(struct output_config, proof.off_s), "proof_off", "s", 0, 65535,
+        0,
+        "off and hot, that much cooler within this time; off, no such flow over it; 0 = not "
+        "watched"),
+    ROW(55, PARAMETER_U16, offsetof(struct output_config, proof.limit), "proof_below", "EU", 0,
+        65535, 0, "warms: temperature below its boiling points, above that of all that flows in"))
+                                       DEVICE_NUMBER_ROWS(OUTPUT_NUMBERS(NUMBER))};
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* Group with an index. most: the count of the largest board, which is the default in the headers. */

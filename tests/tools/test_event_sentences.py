@@ -13,7 +13,7 @@ ROW = re.compile(r"\| `(\w+)` \| (\w+) \| (.*?)<br>`(.*?)` \|")
 # The board of the page: docs/reference/events.md says what it is. It has no alarm.
 BOARD = Names({"T1": "degC"}, {"Lr": "l/h"}, {"top": ("T1", "Lr")}, {"Lr": ["T1"]})
 WITH_REASON = {"PLANT_REFUSED", "MEASUREMENT_BAD", "BLOCK_EVENT", "BLOCK_ALARM", "PROPOSAL_REFUSED", "COMMISSION_ENDED", "NOT_DETERMINED", "TRIAL_FAILED",
-               "WATCH_FAILED", "MANUAL_BY_BOARD", "INTERLOCK_ON", "INTERLOCK_OFF", "WATCH_SIGN", "SENSOR_FAULT", "SENSOR_POOR", "OUTPUT_FAULT",
+               "WATCH_FAILED", "MANUAL_BY_BOARD", "INTERLOCK_ON", "INTERLOCK_OFF", "WATCH_SIGN", "SENSOR_FAULT", "SENSOR_POOR", "OUTPUT_FAULT", "OUTPUT_CONTRADICTED",
                "SEQUENCE_HELD", "SEQUENCE_ABORTED"}
 
 

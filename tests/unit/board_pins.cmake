@@ -1,5 +1,5 @@
 # Settings of devices and outputs at the board's own pins, the host's buses, and the world that a wiring file makes of chips and loads.
-foreach(part pins pins_check)
+foreach(part pins pins_check output_proof output_proof_pots)
   reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c" LIBS reflux_hal_memory reflux_app reflux_link)
 endforeach()
 reflux_test(wired LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_wired.c" LIBS reflux_chips)
