@@ -172,8 +172,8 @@
           ALARM, PLAIN)                                                                            \
     BLOCK(OUTPUT_FAULT, "output at the board's pins has a fault", ALARM, PLAIN)                    \
     BLOCK(OUTPUT_FINE, "output at the board's pins has no fault any more; mains, Hz", INFO, PLAIN) \
-    BLOCK(OUTPUT_CONTRADICTED, "output at the board's pins does not act as told; its channel reads",      \
-          ALARM, PLAIN)                                                                            \
+    BLOCK(OUTPUT_CONTRADICTED,                                                                     \
+          "output at the board's pins does not act as told; its channel reads", ALARM, PLAIN)      \
     BLOCK(OUTPUT_ACTS, "output at the board's pins acts as told again; its channel reads", INFO,   \
           PLAIN)
 
