@@ -107,6 +107,12 @@ static void stop_transfer(const struct device *d)
     }
 }
 
+void device_close(struct device *d)
+{
+    if (d->transfer.state == TRANSFER_RUNS)
+        stop_transfer(d);
+}
+
 uint16_t device_begin(struct device *d, uint32_t now_ms, uint8_t n_out, uint8_t n_in,
                       uint16_t wait_ms)
 {

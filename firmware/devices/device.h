@@ -107,6 +107,10 @@ struct device {
 enum err device_open(struct device *d, const struct device_kind *kind,
                      const struct device_settings *settings, uint16_t interval_ms);
 
+/* Ends the transfer that runs, which points into the device: before its memory becomes another one's. Of a device that was opened, while the board
+ * clock does not step it. */
+void device_close(struct device *d);
+
 /* Board clock. Runs the steps that are due. Cycles begin at whole multiples of the interval of this clock. */
 void device_clock(struct device *d, uint32_t now_ms);
 

@@ -89,6 +89,8 @@ void board_io_take(struct board_io *b, const struct config *config)
     b->open = false;
     b->tick_ms = tick_ms;
     atomic_signal_fence(memory_order_seq_cst);
+    for (unsigned i = 0; i < b->n_devices; i++)
+        device_close(&b->device[i]);
     b->n_devices = b->n_outputs = 0;
     memset(b->drive, 0, sizeof b->drive); /* no output gets the command of another one */
     memset(b->proof, 0, sizeof b->proof);
