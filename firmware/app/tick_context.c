@@ -222,7 +222,7 @@ static void watch_samples(struct app *app, uint64_t now_ms)
 static uint32_t tick_deadline_ms(const struct app *app)
 {
     float tick_ms = service_in_force(&app->service)->tick_s * 1000.0f;
-    uint32_t longest_ms = app->tick.heartbeat.timeout_ms / 2u;
+    uint32_t longest_ms = (CONFIG_DEVICES != 0 ? app->tick.heartbeat.timeout_ms : WATCHDOG_MS) / 2u;
     return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 

@@ -11,8 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* More than all buses of a board and all chips that sixteen channels can share. */
-#define LINE_CLAIMS_MAX 28u
+/* All seven buses of a board, and a chip for each of twelve channels. */
+#define LINE_CLAIMS_MAX 20u
 #define LINE_WHOLE      0xFFu /* in place of an address: the bus itself */
 
 /* Claims a bus (unit LINE_WHOLE) or a chip on it (unit: its address) for this time from now; a claim that the holder has is renewed. line:
