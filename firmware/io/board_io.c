@@ -248,8 +248,8 @@ static enum output_proof_fault prove(struct board_io *b, uint8_t i, const float 
     if (fault == before)
         return fault;
     event_put(b->events, *b->plant_time,
-              fault == PROOF_FINE ? EVENT_OUTPUT_ACTS : EVENT_OUTPUT_CONTRADICTED, o->name, look.reading,
-              (uint8_t)fault);
+              fault == PROOF_FINE ? EVENT_OUTPUT_ACTS : EVENT_OUTPUT_CONTRADICTED, o->name,
+              look.reading, (uint8_t)fault);
     outputs_stuck(b->output_at[i], output_proof_stuck(fault));
     return fault;
 }
