@@ -70,6 +70,8 @@ void binding_announce(struct app *app);
 #if CONFIG_DEVICES
 /* Has the plant where the plan in force says it is: at the link, at the board's pins, or at both. */
 void binding_take_source(struct app *app);
+/* Whether a plan has changed the plant's tables since binding_follow_plant() looked. */
+bool source_changed(const struct app *app);
 /* Binds anew what is at the link where its plant has come, gone or changed beside the board's own pins, which go on. Readings of a plant that
  * has gone are missing, as those of a sensor that fails. Nobody knows what its outputs do, so their loops go to manual. */
 void source_follow_link(struct app *app);
@@ -83,6 +85,11 @@ void source_main_loop_turns(void);
 static inline void binding_take_source(struct app *app)
 {
     (void)app;
+}
+static inline bool source_changed(const struct app *app)
+{
+    (void)app;
+    return false;
 }
 static inline void source_follow_link(struct app *app)
 {

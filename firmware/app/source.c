@@ -30,6 +30,11 @@ void binding_take_source(struct app *app)
     app->binding.generation = port.generation(port.context) - 1u;
 }
 
+bool source_changed(const struct app *app)
+{
+    return app->service.io.generation(app->service.io.context) != app->binding.generation;
+}
+
 void source_follow_link(struct app *app)
 {
     if (app->service.io.context != &app->both_io || !both_io_link_changed(&app->both_io))

@@ -162,6 +162,8 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     /* Whoever asked before a safe state did not know of it. So the tick takes these requests first, and they do not
      * end the safe state. */
     take_requests_in_tick(app, verdict == SAMPLE_TICK);
+    if (source_changed(app))
+        return; /* the sample is of channels that a plan has just replaced */
     if (verdict == SAMPLE_TICK_LOST)
         supervisor_go_safe(&app->supervisor, "samples");
     if (verdict == SAMPLE_TICK_STALLED)

@@ -299,6 +299,7 @@ static void settings_that_come_within_a_conversion_mix_no_inputs(void)
         pass(1000 - board.clock_ms % 1000 +
              50 * n); /* one of the two inputs is converted now, or none */
         PINS_ASK("begin", n % 2 ? "set chan1.hi 300" : "set chan1.hi 200", "apply");
+        pins_samples(1); /* the tick that takes the plan has no row */
         for (unsigned k = 0; k < 3; k++) {
             pins_samples(1);
             if (is_good("L"))
@@ -308,6 +309,27 @@ static void settings_that_come_within_a_conversion_mix_no_inputs(void)
         }
         reads("L", 1.25, 0.001);
         reads("L2", 2.5, 0.001);
+    }
+}
+
+static void a_plan_that_swaps_two_sensors_gives_neither_the_reading_of_the_other(void)
+{
+    for (unsigned n = 0; n < 4; n++) {
+        ask_ok("begin");
+        channel(1, n % 2 ? "T1" : "T10", "degC", "max31865", "spi1", n % 2 ? "PA4" : "PB12");
+        channel(2, n % 2 ? "T10" : "T1", "degC", "max31865", "spi1", n % 2 ? "PB12" : "PA4");
+        PINS_ASK("set loop1.pv T1", "apply");
+        for (unsigned k = 0; k < 5; k++) {
+            pins_samples(1);
+            if (pins_take_rows() == 0)
+                continue;
+            if (is_good("T1"))
+                reads("T1", 78.3, 0.1);
+            if (is_good("T10"))
+                reads("T10", 99.6, 0.1);
+        }
+        reads("T1", 78.3, 0.1);
+        reads("T10", 99.6, 0.1);
     }
 }
 
@@ -472,6 +494,7 @@ int main(void)
     RUN_TEST(a_fault_is_told_once);
     RUN_TEST(a_bus_that_is_stuck_is_told_for_its_devices_alone);
     RUN_TEST(settings_that_come_within_a_conversion_mix_no_inputs);
+    RUN_TEST(a_plan_that_swaps_two_sensors_gives_neither_the_reading_of_the_other);
     RUN_TEST(a_noisy_bus_gives_no_wrong_number_for_a_good_one);
     RUN_TEST(the_loop_of_a_lost_thermometer_holds_and_then_goes_to_manual);
     RUN_TEST(the_board_goes_to_its_safe_state_where_that_is_declared);
