@@ -271,6 +271,25 @@ static void an_open_device_forgets_what_it_was(void)
     TEST_ASSERT_FALSE(a.ready);
 }
 
+/* Its memory is another device's next, and the bus would write into it. */
+static void a_device_that_is_closed_leaves_no_transfer_behind(void)
+{
+    script_fails("11", 2, SCRIPT_NEVER_ENDS);
+    script_run(&a, 1);
+    TEST_ASSERT_EQUAL(TRANSFER_RUNS, a.transfer.state);
+    device_close(&a);
+    TEST_ASSERT_EQUAL(1, script_seen.stops);
+}
+
+static void closing_a_device_stops_no_transfer_of_another(void)
+{
+    script("11", "12 34");
+    script_run(&a, 50);
+    script_is_done();
+    device_close(&a);
+    TEST_ASSERT_EQUAL(0, script_seen.stops);
+}
+
 /* ---- claims ---- */
 
 static void a_claim_keeps_others_off_until_it_ends(void)
@@ -333,6 +352,8 @@ int main(void)
     RUN_TEST(the_number_of_a_result_is_never_0_again);
     RUN_TEST(a_result_that_is_published_while_it_is_read_is_whole);
     RUN_TEST(an_open_device_forgets_what_it_was);
+    RUN_TEST(a_device_that_is_closed_leaves_no_transfer_behind);
+    RUN_TEST(closing_a_device_stops_no_transfer_of_another);
     RUN_TEST(a_claim_keeps_others_off_until_it_ends);
     RUN_TEST(a_holder_renews_its_claim);
     RUN_TEST(a_release_ends_no_claim_of_another_holder);
