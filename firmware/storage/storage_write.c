@@ -131,7 +131,8 @@ static uint32_t largest_set(const struct storage *st)
         struct parameter p = {.group = &parameter_groups[g]};
         for (unsigned f = 0; f < p.group->n_fields; f++) {
             p.field = &p.group->fields[f];
-            bytes += p.group->count * (RECORD_HEAD + (uint32_t)parameter_size(&p));
+            uint32_t head = RECORD_HEAD + (parameter_id(&p) > UINT16_MAX ? RECORD_WIDE : 0u);
+            bytes += p.group->count * (head + (uint32_t)parameter_size(&p));
         }
     }
     if (CONFIG_BLOCKS && st->newest.sequence && st->newest.length > bytes)
