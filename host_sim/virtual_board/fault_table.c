@@ -20,9 +20,9 @@ const struct fault_row fault_table[FAULT_KINDS] = {
                          "1: the main loop no longer gets on; interrupts do; 0 or a reset ends it"},
     [FAULT_HANG_TICK] = {"hang_tick", "", 0, 1, true,
                          "1: the tick no longer gets on, once it runs; 0 or a reset ends it"},
-    [FAULT_HANG_CLOCK] = {"hang_clock", "", 0, 1, true,
-                          "1: the board clock's interrupt no longer gets on, once it runs, and so "
-                          "nothing below it; 0 or a reset ends it"},
+    [FAULT_HANG_CLOCK] =
+        {"hang_clock", "", 0, 1, true,
+         "1: the board clock no longer gets on, once it runs; 0 or a reset ends it"},
     [FAULT_FLIP_RAM] = {"flip_ram", "bits", 1, 1000, true, "bits of the SRAM turn over"},
     [FAULT_FLIP_CCM] = {"flip_ccm", "bits", 1, 1000, true,
                         "bits of the core-coupled memory turn over"},
