@@ -6,7 +6,7 @@ from dev.reference.markdown import code, contents, page, table
 from dev.reference.tables import Rows, check_same, notes
 from reflux.io_check import ADVICE
 
-SECTIONS = ("Pins", "Devices", "Faults", "Outputs", "Wiring files")
+SECTIONS = ("Pins", "Devices", "Faults", "Outputs", "Proof of outputs", "Wiring files")
 
 
 def range_of(lo: str, hi: str, form: str) -> str:
@@ -36,6 +36,7 @@ def pins(rows: Rows) -> str:
         ["## Faults"], noted["about"]["faults"].strip().splitlines(), table(("reason", "look at"), [(text, ADVICE[text]) for (text,) in rows["fault"]]),
         ["## Outputs"], noted["about"]["outputs"].strip().splitlines(),
         table(("`kind`", "what it does", "pins", "numbers"), outputs),
+        ["## Proof of outputs"], noted["about"]["proof"].strip().splitlines(),
         ["## Wiring files"], noted["about"]["wiring"].strip().splitlines(),
         table(("chip", "property", "unit", "range", "at first"), properties),
         table(("chip", "input or fault", "unit", "range", "what it is"), inputs))

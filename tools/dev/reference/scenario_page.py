@@ -47,6 +47,22 @@ def default(key: Key) -> str:
 FAULTS = "Faults of a board's hardware"
 
 
+WIRING = "Faults of a wiring"
+OF_WIRING = (
+    ("a sensor", "`missing`", "no chip is there; one that is back has just got power"),
+    ("a sensor", "`dead`", "the chip does not answer, and keeps its registers"),
+    ("a sensor on `spi` or `i2c`", "`wrong`", "another chip is in its place"),
+    ("a sensor on `i2c`", "`frozen`", "its result stays as it is"),
+    ("a sensor behind a voltage", "`open`", "the wire is broken: 0 V, no current"),
+    ("a sensor", "any other input or fault of its chip", "[pins.md](pins.md#wiring-files)"),
+    ("a bus: `spi1`, `i2c1`, `wire1`", "`noise`", "probability that a bit is wrong"),
+    ("a bus", "`stuck`", "the data line is low"),
+    ("an `spi` bus", "`floats_low`", "a data line that nobody drives reads 0"),
+    ("a load, not a valve with two pins", "`shorted`", "on, whatever the pin does"),
+    ("a load", "`broken`", "off, whatever the pin does; a valve stays where it is"),
+)
+
+
 def fault_rows(rows: Rows) -> list[tuple[str, ...]]:
     """rows: of the program that prints the simulator's tables."""
     return [(code(f"board.{name}"), about, unit or "-", limits, kind) for name, unit, limits, kind, about in rows["fault"]]
@@ -62,7 +78,11 @@ def scenario_files(simulated: Rows) -> str:
         ["# Scenario files"],
         ["Look up here a key of a scenario: a TOML file that `tools/run` runs. [scenarios.md](../use/scenarios.md) says how to write one, and what its report",
          "measures. A key that is not here is refused with the keys that are known, and so are wrong types, NaN, and times outside the run."],
-        contents([(title, []) for title in (*(title for _, title, _ in SECTIONS), FAULTS)]), *parts, [f"## {FAULTS}"],
+        contents([(title, []) for title in (*(title for _, title, _ in SECTIONS), WIRING, FAULTS)]), *parts, [f"## {WIRING}"],
+        ["In a run with `wiring` an event may set a fault by the names of the wiring file: `set = { \"T1.open\" = 1 }`, or `--event 900:T1.open=1` of",
+         "`reflux-sim`. 1 sets it, 0 takes it back. The options of the instruments that go before the pins remain, `T1.bias` for example. `quality`, `nan`,",
+         "`dropout` and `readback` are refused, because only the plant link can carry them; `dead` is that of the chip."],
+        table(("of", "fault", "what it is"), OF_WIRING), [f"## {FAULTS}"],
         ["Keys of `set` in an `[[event]]`, and of `--event` of `reflux-sim`, with `--firmware board`",
          "([scenarios.md](../use/scenarios.md#faults-of-a-boards-hardware)). The last ones are settings of the faults that follow, with the value that holds",
          "without them in brackets."],
