@@ -20,7 +20,7 @@ const char *output_fault_text(uint8_t number)
     case OUTPUT_NO_CROSSING:
         return "no zero crossings of the mains";
     default:
-        return "";
+        return "?";
     }
 }
 

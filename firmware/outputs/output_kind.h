@@ -66,7 +66,7 @@ enum output_fault {
 /* Faults of these that are told as they come and go; those of a motor valve and its ends are not among them. */
 #define OUTPUT_TOLD (OUTPUT_NO_CHIP | OUTPUT_LOOP_OPEN | OUTPUT_HOT | OUTPUT_NO_CROSSING)
 
-/* Words for the fault with this number, from 1, for people: "no chip answers"; "" for others than these. */
+/* Words for the fault with this number, from 1, for people: "no chip answers"; "?" for others than these. */
 const char *output_fault_text(uint8_t number);
 
 /* Whole milliseconds of a setting in seconds that is in its range. Not in the clock. */
