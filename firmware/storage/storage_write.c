@@ -131,7 +131,8 @@ static uint32_t largest_set(const struct storage *st)
         struct parameter p = {.group = &parameter_groups[g]};
         for (unsigned f = 0; f < p.group->n_fields; f++) {
             p.field = &p.group->fields[f];
-            uint32_t head = RECORD_HEAD + (parameter_id(&p) > UINT16_MAX ? RECORD_WIDE : 0u);
+            bool wide = CONFIG_BLOCKS && parameter_id(&p) > UINT16_MAX;
+            uint32_t head = RECORD_HEAD + (wide ? RECORD_WIDE : 0u);
             bytes += p.group->count * (head + (uint32_t)parameter_size(&p));
         }
     }
