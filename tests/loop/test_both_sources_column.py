@@ -42,7 +42,8 @@ class ColumnTest(unittest.TestCase):
             lines[-1:-1] = [f"set meas{number}.name {name}", f"set meas{number}.unit degC", f"set meas{number}.lo 70", f"set meas{number}.hi 130"]
         return lines
 
-    def run_column(self, name: str, *options: str, source: str = "both", without: str = "", load: str = "", later: tuple[tuple[int, str], ...] = LATER) -> Path:
+    def run_column(self, name: str, *options: str, source: str = "both", without: str = "", load: str = "",
+                   later: tuple[tuple[int, str], ...] = LATER) -> Path:
         """The folder with log, telemetry and transcript. without: settings of an output of this row are left out, with the line of its load."""
         out = self.folder / name
         out.mkdir()

@@ -166,6 +166,7 @@ LOAD_WHY = "no pin reads what the load does; what it does to the column tells"
 SHORTED, BROKEN = "shorted", "broken"
 NOT_SHOWN = {
     "analog": "a wiring file has no voltage at a pin of the chip", "flow": "a wiring file has no flow meter: no flow without pump",
+    "pulses": "a wiring file has no pulses to count", "ad5422": "a wiring file has no output chip",
     "level": "a wiring file has no contact", "stepper": "a wiring file has no pump with a stepper motor",
     "enable": "a wiring file has no contactor in series with the heaters",
 }
