@@ -102,7 +102,7 @@ class Earlier(FolderTest):
 
         said = io.StringIO()
         with mock.patch.object(runner, "_run_in", made), contextlib.redirect_stdout(said), contextlib.suppress(KeyboardInterrupt):
-            runner.run(mock.Mock(), runner.Options(self.folder, quiet=quiet))
+            runner.run(mock.Mock(wiring=None), runner.Options(self.folder, quiet=quiet))
         return said.getvalue()
 
     def texts(self, folder: Path) -> dict[str, str]:
