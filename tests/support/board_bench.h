@@ -197,7 +197,7 @@ static inline bool ends_reply(const char *line)
     return strcmp(line, "ok") == 0 || strncmp(line, "err ", 4) == 0;
 }
 
-#define REPLY_MAX 2000
+#define REPLY_MAX 4000
 
 static char reply_text[SAID_MAX];
 static char *reply[REPLY_MAX]; /* lines of the last reply, the `ok` or `err` last */
