@@ -257,7 +257,7 @@ static enum output_proof_fault prove(struct board_io *b, uint8_t i, const float 
 /* Outputs as they really were; uncertain where the channel of an output contradicts it. */
 static void read_back(struct board_io *b, struct io_sample *sample)
 {
-    float part[CONFIG_OUTPUTS];
+    float part[CONFIG_OUTPUTS] = {0.0f};
     for (uint8_t i = 0; i < b->n_outputs; i++)
         part[i] = output_part(b, i);
     sample->n_readback = b->n_outputs;

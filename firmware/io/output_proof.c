@@ -18,8 +18,8 @@ const char *output_proof_text(uint8_t fault)
 {
     static const char *const texts[PROOF_FAULTS] = {
         [PROOF_FINE] = "?",
-        [PROOF_NO_HEAT] = "on, and nothing warms: fuse, element, wire or relay open, or its "
-                          "thermometer elsewhere",
+        [PROOF_NO_HEAT] =
+            "on, and nothing warms: fuse, element, wire or relay open, or sensor elsewhere",
         [PROOF_WARMS] =
             "off, and it warms: relay stuck or shorted; `enable` stays off until restart",
         [PROOF_NOT_COOLING] =

@@ -30,12 +30,20 @@ static uint32_t derived_bytes(const struct block_setup *setup)
     return (uint32_t)((bytes + 7u) & ~(size_t)7u);
 }
 
+static bool same_weights(const float *a, const float *b)
+{
+    for (unsigned i = 0; i < DERIVED_INPUTS; i++)
+        if (a[i] != b[i])
+            return false;
+    return true;
+}
+
 /* A channel keeps its past where its form stays, and a counter where its input and factor do. */
 static bool derived_goes_on(const struct derived_settings *before, const struct derived_settings *s,
                             unsigned k)
 {
     return before->form[k] == s->form[k] && before->wrap[k] == s->wrap[k] &&
-           !(s->wrap[k] > 0 && memcmp(before->weight[k], s->weight[k], sizeof s->weight[k]));
+           (!(s->wrap[k] > 0) || same_weights(before->weight[k], s->weight[k]));
 }
 
 static enum err derived_configure(void *state, const struct block_setup *setup, bool retune)
@@ -114,7 +122,7 @@ static const char *derived_describe(const void *state, size_t i, float *value)
             continue;
         const struct derived_point *p = &b->point[k];
         *value = i % 2 ? derived_point_missed_s(p) : derived_point_total(p);
-        return names[2 * k + i % 2];
+        return names[(size_t)2 * k + i % 2];
     }
     return NULL;
 }
