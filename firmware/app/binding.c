@@ -71,7 +71,6 @@ void binding_announce(struct app *app)
     binding_bind(app);
 }
 
-#if CONFIG_DEVICES
 void binding_lose_outputs(struct app *app, uint8_t first)
 {
     const struct config *c = &service_in_force(&app->service)->config;
@@ -82,7 +81,6 @@ void binding_lose_outputs(struct app *app, uint8_t first)
         tick_event(app, EVENT_CHANNEL_MISSING, c->mv[j].name, 0.0f);
     }
 }
-#endif
 
 bool binding_follow_plant(struct app *app)
 {

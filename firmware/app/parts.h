@@ -67,6 +67,8 @@ void binding_bind(struct app *app);
 /* Announces a plan that has come into force, and binds its channels before anything else acts. It announces several
  * plans that came between two ticks once. */
 void binding_announce(struct app *app);
+/* Unbinds the outputs that are bound to this one of the plant and to those after it. */
+void binding_lose_outputs(struct app *app, uint8_t first);
 #if CONFIG_DEVICES
 /* Has the plant where the plan in force says it is: at the link, at the board's pins, or at both. */
 void binding_take_source(struct app *app);
@@ -75,8 +77,6 @@ bool source_changed(const struct app *app);
 /* Binds anew what is at the link where its plant has come, gone or changed beside the board's own pins, which go on. Readings of a plant that
  * has gone are missing, as those of a sensor that fails. Nobody knows what its outputs do, so their loops go to manual. */
 void source_follow_link(struct app *app);
-/* Unbinds the outputs that are bound to this one of the plant and to those after it. */
-void binding_lose_outputs(struct app *app, uint8_t first);
 /* Board clock. */
 void source_clock(struct app *app, uint32_t now_ms);
 /* Main loop: has turned, which outputs of kind `enable` want to know. */

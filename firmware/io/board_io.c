@@ -94,17 +94,18 @@ void board_io_take(struct board_io *b, const struct config *config)
     b->n_devices = b->n_outputs = 0;
     memset(b->drive, 0, sizeof b->drive); /* no output gets the command of another one */
     memset(b->proof, 0, sizeof b->proof);
-    if (pins_are_source(&config->pins))
+    bool open = pins_are_source(&config->pins);
+    if (open) {
         open_devices(b);
-    if (pins_are_source(&config->pins))
         open_outputs(b);
-    else
+    } else {
         close_outputs();
+    }
     b->generation++;
     b->identity = identity;
     b->due_ms = 0;
     atomic_signal_fence(memory_order_seq_cst);
-    b->open = pins_are_source(&config->pins);
+    b->open = open;
 }
 
 /* ---- board clock ---- */
@@ -130,6 +131,16 @@ void board_io_stand_by(bool begins)
 
 /* ---- tick ---- */
 
+/* The number of the first of these faults, from 1; 0: there is none. */
+static uint8_t first_number(uint16_t faults)
+{
+    uint16_t first = (uint16_t)(faults & (uint16_t)-faults);
+    uint8_t number = 0;
+    while (first >> number != 0)
+        number++;
+    return number;
+}
+
 /* People are told the first of these faults: where nothing answers, nothing else is known. The detail of the event is its number, from 1. */
 static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
 {
@@ -137,11 +148,8 @@ static void tell_faults(struct board_io *b, unsigned i, uint16_t faults)
     if (first == b->reported[i])
         return;
     b->reported[i] = first;
-    uint8_t number = 0;
-    while (first >> number != 0)
-        number++;
     event_put(b->events, *b->plant_time, first != 0 ? EVENT_SENSOR_FAULT : EVENT_SENSOR_FINE,
-              b->settings->device[b->row[i]].name, (float)faults, number);
+              b->settings->device[b->row[i]].name, (float)faults, first_number(faults));
 }
 
 static struct io_reading newest_reading(struct board_io *b, unsigned i, uint64_t now_ms)
@@ -194,12 +202,9 @@ static float output_part(const struct board_io *b, uint8_t i)
 /* The detail of the event is the number of the first of these faults, from 1. */
 static void tell_output(struct board_io *b, uint8_t i, uint8_t faults)
 {
-    uint8_t first = (uint8_t)(faults & -faults), number = 0;
-    while (first >> number != 0)
-        number++;
     float value = faults != 0 ? (float)faults : outputs_mains(b->output_at[i]);
     event_put(b->events, *b->plant_time, faults != 0 ? EVENT_OUTPUT_FAULT : EVENT_OUTPUT_FINE,
-              b->settings->output[b->output_row[i]].name, value, number);
+              b->settings->output[b->output_row[i]].name, value, first_number(faults));
 }
 
 /* Tells faults of an output: those of a motor valve's end contacts when they come, the others when they change. */
