@@ -1,65 +1,30 @@
 #!/usr/bin/python3
 """The pilot column with some channels at the board's own pins and the others at the plant link, which is unplugged for a while."""
 
-import csv
-import re
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-import board  # noqa: E402
+from pilot_at_pins import BY_LINK, REST_ON_LINK, WIRING, read, settings, simulate  # noqa: E402
 
-from reflux import build  # noqa: E402
-
-SCENARIOS = board.ROOT / "host_sim" / "scenarios"
-BY_LINK = ("T3", "T5", "T8")
 DURATION_S, UNPLUGGED_S, FOR_S = 300, 150, 40
 LATER = ((3, "out Lr 4.5"), (3, "out Qrb 0.8"), (10, "mode top auto"), (10, "mode bottom auto"))
-
-
-def read(path: Path) -> list[dict[str, str]]:
-    """Rows by the names of their header, without units."""
-    with path.open(encoding="utf-8") as file:
-        lines = [line for line in file if not line.startswith("#")]
-    headers = [line for line in lines if line.startswith("H,")]
-    rows = [line for line in lines if line not in headers]
-    names = [re.sub(r"\[.*", "", name) for name in next(csv.reader([headers[-1] if headers else rows.pop(0)]))]
-    return [dict(zip(names, fields)) for fields in csv.reader(rows)]
 
 
 class ColumnTest(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
 
-    def settings(self, source: str, without: str) -> list[str]:
-        """Those of the column at the pins, with three more thermometers, and without an output that is at the link."""
-        lines = [line for line in (SCENARIOS / "pilot-pins.conf").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
-        lines = [line.replace("io.source board", f"io.source {source}") for line in lines if not without or not line.startswith(without)]
-        for number, name in enumerate(BY_LINK, 3):
-            lines[-1:-1] = [f"set meas{number}.name {name}", f"set meas{number}.unit degC", f"set meas{number}.lo 70", f"set meas{number}.hi 130"]
-        return lines
-
     def run_column(self, name: str, *options: str, source: str = "both", without: str = "", load: str = "",
                    later: tuple[tuple[int, str], ...] = LATER) -> Path:
         """The folder with log, telemetry and transcript. without: settings of an output of this row are left out, with the line of its load."""
         out = self.folder / name
-        out.mkdir()
-        wiring = out / "column.wiring"
-        wiring.write_text("".join(f"{line}\n" for line in (SCENARIOS / "pilot-pins.wiring").read_text(encoding="utf-8").splitlines()
-                                  if not load or not line.startswith(load)), encoding="utf-8")
-        lines = [*((0, line) for line in (*self.settings(source, without), "log on")), *later]
-        script = out / "script.txt"
-        script.write_text("".join(f"{at} {line}\n" for at, line in lines), encoding="utf-8")
-        measured = [word for name in BY_LINK for word in ("--measure", name)]
-        done = subprocess.run([str(build.find_program("host", "reflux-sim-memory")), "--plant", "pilot", "--port", "memory", "--console", "memory",
-                               "--wiring", str(wiring), "--rest-on-link", *measured, "--tick", "1", "--duration", str(DURATION_S),
-                               "--script", str(script), "--log", str(out / "simulator.csv"), "--telemetry", str(out / "telemetry.csv"),
-                               "--transcript", str(out / "transcript.txt"), "--timeout", str(board.PATIENCE_S), *options],
-                              capture_output=True, text=True, timeout=board.PATIENCE_S, check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        wiring = self.folder / f"{name}.wiring"
+        wiring.write_text("".join(f"{line}\n" for line in WIRING.read_text(encoding="utf-8").splitlines() if not load or not line.startswith(load)),
+                          encoding="utf-8")
+        simulate(out, DURATION_S, settings(source, without), later, *REST_ON_LINK, *options, wiring=wiring)
         return out
 
     def rows(self, out: Path) -> list[dict[str, str]]:
