@@ -17,6 +17,9 @@
 #define EXTENDED     26u
 #define XPSR_ALIGNED 0x200u
 #define CONTROL_FPCA 4u
+/* The library has it although an Armv7-M core lacks it (SFPA of Armv8-M): with it off, the next instruction for numbers makes FPSCR anew, and
+ * the result of a comparison is gone that had been made before the exception. */
+#define CONTROL_LIBRARY_FP 8u
 
 static const int frame_regs[BASIC_WORDS] = {UC_ARM_REG_R0, UC_ARM_REG_R1,  UC_ARM_REG_R2,
                                             UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
@@ -123,7 +126,7 @@ void exception_leave(struct processor *p)
     if (fp)
         core_set(p, UC_ARM_REG_FPSCR, f[24]);
     core_set(p, UC_ARM_REG_CONTROL,
-             (core_get(p, UC_ARM_REG_CONTROL) & 3u) | (fp ? CONTROL_FPCA : 0));
+             (core_get(p, UC_ARM_REG_CONTROL) & 3u) | (fp ? CONTROL_FPCA | CONTROL_LIBRARY_FP : 0));
     for (unsigned i = 0; i < 6; i++)
         core_set(p, frame_regs[i], f[i]);
     sp += 4u * (fp ? EXTENDED : BASIC_WORDS) + ((f[7] & XPSR_ALIGNED) != 0 ? 4u : 0);

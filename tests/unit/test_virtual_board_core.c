@@ -3,6 +3,8 @@
 
 #define STACK        0x20001004u /* no multiple of 8 */
 #define FRAME        (STACK - 4u - 32u)
+#define LONG_FRAME   (STACK - 4u - 104u) /* with the registers for numbers */
+#define FPSCR_EQUAL  (BIT(30) | BIT(29))
 #define MAIN         0x08000040u
 #define NMI_AT       0x08000060u
 #define HARD_AT      0x08000070u
@@ -29,19 +31,26 @@
 
 static const struct masks open;
 
-/* Code of the main program; of the handlers of NMI, hard fault and PendSV. */
-static void start(uint32_t code, uint32_t nmi, uint32_t hard, uint32_t pendsv)
+/* Code of the main program, n words; of the handlers of NMI, hard fault and PendSV. */
+static void start_long(const uint32_t *code, unsigned n, uint32_t nmi, uint32_t hard,
+                       uint32_t pendsv)
 {
     uint32_t image[0x28] = {[0] = STACK,           [1] = VECTOR(MAIN),    [2] = VECTOR(NMI_AT),
                             [3] = VECTOR(HARD_AT), [6] = VECTOR(HARD_AT), [14] = VECTOR(PENDSV_AT)};
     const struct surroundings around = usual(&chip_stm32f405, 8000000);
-    image[WORD(MAIN)] = code;
+    memcpy(&image[WORD(MAIN)], code, n * sizeof *code);
     image[WORD(NMI_AT)] = nmi;
     image[WORD(HARD_AT)] = hard;
     image[WORD(PENDSV_AT)] = pendsv;
-    image[WORD(MAIN) + 1] = image[WORD(NMI_AT) + 1] = image[WORD(HARD_AT) + 1] =
-        image[WORD(PENDSV_AT) + 1] = CODE(STAY, STAY);
+    image[WORD(NMI_AT) + 1] = image[WORD(HARD_AT) + 1] = image[WORD(PENDSV_AT) + 1] =
+        CODE(STAY, STAY);
     start_board(&chip_stm32f405, &around, (const uint8_t *)image, sizeof image);
+}
+
+static void start(uint32_t code, uint32_t nmi, uint32_t hard, uint32_t pendsv)
+{
+    const uint32_t codes[] = {code, CODE(STAY, STAY)};
+    start_long(codes, 2, nmi, hard, pendsv);
 }
 
 void setUp(void)
@@ -59,13 +68,18 @@ static void run(void)
     board_run(b, board_ns(b) + 100000);
 }
 
-static uint32_t in_frame(unsigned word)
+static uint32_t in_memory(uint32_t address)
 {
     uint32_t found;
-    const uint8_t *at = processor_memory(b, FRAME + 4u * word, 4);
+    const uint8_t *at = processor_memory(b, address, 4);
     TEST_ASSERT_NOT_NULL(at);
     (void)memcpy(&found, at, 4);
     return found;
+}
+
+static uint32_t in_frame(unsigned word)
+{
+    return in_memory(FRAME + 4u * word);
 }
 
 /* ---- 4.3, 2.3.5: interrupts ---- */
@@ -220,6 +234,26 @@ static void test_a_return_takes_the_frame_away_again(void)
     }
 }
 
+/* The result of a comparison lies in FPSCR when the interrupt comes, and is fetched after it. */
+static void test_a_comparison_of_numbers_outlives_an_interrupt(void)
+{
+    static const uint32_t code[] = {
+        CODE(R0_IS_0, NOP),     CODE(0xEE00u, 0x0A10u), /* vmov s0, r0 */
+        CODE(0xEEB5u, 0x0A40u),                         /* vcmp.f32 s0, #0 */
+        CODE(0xEEF1u, 0x1A10u),                         /* again: vmrs r1, fpscr */
+        CODE(0xE7FCu, STAY),                            /* b again */
+    };
+    start_long(code, sizeof code / sizeof *code, CODE(STAY, STAY), CODE(STAY, STAY),
+               CODE(RETURN, STAY));
+    put_ok(SCB_CPACR, SCB_CPACR_FPU);
+    run();
+    put_ok(SCB_ICSR, SCB_ICSR_PENDSVSET);
+    run();
+    interrupt_nmi(b, true);
+    run();
+    TEST_ASSERT_EQUAL_HEX32(FPSCR_EQUAL, in_memory(LONG_FRAME + 4u)); /* r1 */
+}
+
 /* ---- 2.4: faults ---- */
 
 static void test_a_fault_without_a_handler_of_its_own_is_a_hard_one(void)
@@ -325,6 +359,7 @@ int main(void)
     RUN_TEST(test_the_cycle_counter_counts_once_the_trace_unit_is_on);
     RUN_TEST(test_an_exception_leaves_its_frame_on_an_aligned_stack);
     RUN_TEST(test_a_return_takes_the_frame_away_again);
+    RUN_TEST(test_a_comparison_of_numbers_outlives_an_interrupt);
     RUN_TEST(test_a_fault_without_a_handler_of_its_own_is_a_hard_one);
     RUN_TEST(test_a_fault_in_a_hard_fault_locks_up_until_an_nmi);
     RUN_TEST(test_the_unit_for_numbers_is_off_until_it_is_let);
