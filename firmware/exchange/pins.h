@@ -13,7 +13,7 @@
 #include "outputs/output_settings.h"
 
 /* Devices that a board may have. 0: it takes its plant from the link only; such a board says so in its limits, because its port looks there
- * (hal/tick.h). Boards with devices have blocks, because ids of their parameters are wide. */
+ * (hal/tick.h). */
 #ifndef CONFIG_DEVICES
 #define CONFIG_DEVICES 12
 #endif
