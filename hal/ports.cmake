@@ -44,7 +44,7 @@ if(REFLUX_BOARD MATCHES "^stm32")
   target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections -Wl,--sort-section=alignment
     -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/${image}.map)
   if(REFLUX_PINS)
-    target_link_options(${image} PRIVATE -Wl,--defsym=stack_size=2168) # 184 bytes more: the board clock, and the interrupts of buses above it
+    target_link_options(${image} PRIVATE -Wl,--defsym=stack_size=2192) # 208 bytes more: the board clock, and the interrupts of buses above it
   endif()
   set_target_properties(${image} PROPERTIES SUFFIX ".elf"
     LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld;${PROJECT_SOURCE_DIR}/tools/cmake/image_crc.py" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
