@@ -29,8 +29,12 @@ if(REFLUX_BOARD MATCHES "^stm32")
     target_sources(${image} PRIVATE ${port}/options.c ${port}/ram_test.c)
   endif()
   if(REFLUX_HAS_CONFIG_DEVICES)
-    target_sources(${image} PRIVATE ${port}/pin_map.c ${port}/spi.c ${port}/i2c.c ${port}/onewire.c ${port}/analog.c ${port}/pulse.c
-      ${port}/output.c)
+    target_sources(${image} PRIVATE ${shared}/pin_map.c ${port}/pin_modes.c ${shared}/spi.c ${shared}/onewire.c ${port}/output.c)
+    if(REFLUX_BOARD STREQUAL "stm32f405")
+      target_sources(${image} PRIVATE ${port}/i2c.c ${port}/analog.c ${port}/pulse.c)
+    else()
+      target_sources(${image} PRIVATE ${port}/not_there.c)
+    endif()
   endif()
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
@@ -39,6 +43,9 @@ if(REFLUX_BOARD MATCHES "^stm32")
   target_link_libraries(${image} PRIVATE reflux_app reflux_hal reflux_firmware_options)
   target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections -Wl,--sort-section=alignment
     -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/${image}.map)
+  if(REFLUX_PINS)
+    target_link_options(${image} PRIVATE -Wl,--defsym=stack_size=2192) # 208 bytes more: the board clock, and the interrupts of buses above it
+  endif()
   set_target_properties(${image} PROPERTIES SUFFIX ".elf"
     LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld;${PROJECT_SOURCE_DIR}/tools/cmake/image_crc.py" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   add_custom_command(TARGET ${image} POST_BUILD

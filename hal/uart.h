@@ -19,9 +19,16 @@
 
 enum hal_uart {
     HAL_UART_CONSOLE = 0, /* text, 115200 8N1 */
-    HAL_UART_LINK = 1,    /* plant link frames, 115200 8N1 */
-    HAL_UART_COUNT
+    HAL_UART_LINK = 1     /* plant link frames, 115200 8N1 */
 };
+
+/* Ports that the board has: no link on boards whose plant is always at their own pins (exchange/config.h). */
+#if defined(CONFIG_LINK) && CONFIG_LINK == 0
+#define HAL_LINK 0
+#else
+#define HAL_LINK 1
+#endif
+#define HAL_UART_COUNT (1 + HAL_LINK)
 
 struct hal_uart_stats {
     uint32_t received;    /* bytes taken from the line */

@@ -61,7 +61,7 @@ static void watch_image(struct app *app)
 void app_init(struct app *app)
 {
     memset(app, 0, sizeof *app);
-    service_init(&app->service, &app->supervisor, &app->link);
+    service_init(&app->service, &app->supervisor, app->link);
     tick_context_init(app);
     app->service.activate = tick_context_activate;
     app->service.activate_context = app;
@@ -129,7 +129,7 @@ _Static_assert(APP_KEEP_ALIVE_BYTES == LINK_KEEP_ALIVE_BYTES, "one frame of the 
 
 size_t app_keep_alive(struct app *app, uint8_t *wire)
 {
-    return plant_link_keep_alive(&app->link, wire);
+    return CONFIG_LINK ? plant_link_keep_alive(app->link, wire) : 0;
 }
 
 void app_clock(struct app *app, uint32_t now_ms)

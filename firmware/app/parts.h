@@ -42,7 +42,7 @@ struct tick_context {
 
 struct app {
     struct supervisor supervisor;
-    struct plant_link link;
+    struct plant_link link[CONFIG_LINK];
     struct board_io board_io; /* its devices and outputs: the board clock steps them */
     struct both_io both_io;   /* the tick, while io.source is `both` */
     struct service service;

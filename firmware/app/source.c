@@ -9,9 +9,9 @@
 
 static struct io_port port_of(struct app *app, enum io_source source)
 {
-    return source == IO_SOURCE_LINK    ? plant_link_port(&app->link)
-           : source == IO_SOURCE_BOARD ? board_io_port(&app->board_io)
-                                       : both_io_port(&app->both_io);
+    if (!CONFIG_LINK || source == IO_SOURCE_BOARD)
+        return board_io_port(&app->board_io);
+    return source == IO_SOURCE_LINK ? plant_link_port(app->link) : both_io_port(&app->both_io);
 }
 
 void binding_take_source(struct app *app)
@@ -21,9 +21,10 @@ void binding_take_source(struct app *app)
     board_io_take(&app->board_io, config);
     if (port.context == app->service.io.context)
         return;
-    plant_link_judge_anew(&app->link); /* it may have been refused for what is at the pins */
-    if (pins_source(&config->pins) == IO_SOURCE_BOTH)
-        both_io_init(&app->both_io, &app->board_io, &app->link);
+    if (CONFIG_LINK)
+        plant_link_judge_anew(app->link); /* it may have been refused for what is at the pins */
+    if (CONFIG_LINK && pins_source(&config->pins) == IO_SOURCE_BOTH)
+        both_io_init(&app->both_io, &app->board_io, app->link);
     app->service.io = port;
     app->binding.io_state =
         IO_DOWN; /* whatever the tables of the two have in common, the plant is another one */
@@ -37,7 +38,8 @@ bool source_changed(const struct app *app)
 
 void source_follow_link(struct app *app)
 {
-    if (app->service.io.context != &app->both_io || !both_io_link_changed(&app->both_io))
+    if (!CONFIG_LINK || app->service.io.context != &app->both_io ||
+        !both_io_link_changed(&app->both_io))
         return;
     uint8_t first = both_io_first_of_link(&app->both_io, true);
     for (unsigned j = first; j < IO_CHANNELS_MAX; j++)

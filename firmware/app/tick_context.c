@@ -17,9 +17,10 @@ _Static_assert(sizeof(struct restart_record) <= HAL_RETAINED_RESTART_BYTES,
 void tick_context_init(struct app *app)
 {
     supervisor_init(&app->supervisor, &app->service.tick_events);
-    plant_link_init(&app->link, &app->service.tick_events, &app->supervisor.time_ms);
+    if (CONFIG_LINK)
+        plant_link_init(app->link, &app->service.tick_events, &app->supervisor.time_ms);
     board_io_init(&app->board_io, &app->service.tick_events, &app->supervisor.time_ms);
-    app->service.io = plant_link_port(&app->link);
+    app->service.io = CONFIG_LINK ? plant_link_port(app->link) : board_io_port(&app->board_io);
     supervisor_take_plan(&app->supervisor, service_in_force(&app->service));
     supervisor_tell_plan(&app->supervisor);
 }

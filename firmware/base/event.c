@@ -15,7 +15,7 @@ _Static_assert(EVENT_INFO == 0 && EVENT_WARNING == 1 && EVENT_ALARM == 2 && EVEN
 
 static const char *const table[] = {EVENT_LIST(EVENT_ROW, EVENT_OF_SEQUENCE, EVENT_OF_START_UP,
                                                EVENT_OF_GUARD, EVENT_OF_JOB, EVENT_OF_BLOCK,
-                                               EVENT_OF_CHECK)};
+                                               EVENT_OF_CHECK, EVENT_OF_PINS)};
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");
 
 const char *event_name(uint8_t code)

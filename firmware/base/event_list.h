@@ -1,6 +1,6 @@
 /* Every event: name, text, level, unit of its value. The order gives the codes. The history in retained memory keeps them for as long as
  * the firmware is the same. The macros say which boards have an event. Where a board's limits leave out the cause of an event, the event
- * keeps its code but has no name; events of blocks then have no code either.
+ * keeps its code but has no name; events of blocks, and of devices at the board's pins, then have no code either.
  *
  * The text says what the value of the event means. Its unit is that of the loop's PV (OF_LOOP), of the measurement (OF_MEASUREMENT), of
  * the manipulated variable or of what the loop drives (OF_OUTPUT), or of what the alarm or the interlock watches. PLAIN: the value has no
@@ -10,7 +10,7 @@
 #ifndef REFLUX_BASE_EVENT_LIST_H
 #define REFLUX_BASE_EVENT_LIST_H
 
-#define EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK)                           \
+#define EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK, PINS)                     \
     ALWAYS(STARTED, "firmware started in its safe state; cause", INFO, PLAIN)                      \
     ALWAYS(LINK_UP, "plant connected", INFO, PLAIN)                                                \
     ALWAYS(LINK_DOWN, "plant silent, s", ALARM, PLAIN)                                             \
@@ -166,16 +166,16 @@
           ALARM, PLAIN)                                                                            \
     BLOCK(MANUAL_BY_BOARD, "the board has put this loop into manual", ALARM, PLAIN)                \
     BLOCK(MANUAL_BY_BOARD_OVER, "somebody has set the mode of this loop", INFO, PLAIN)             \
-    BLOCK(SENSOR_FAULT, "sensor at the board's pins has a fault", ALARM, PLAIN)                    \
-    BLOCK(SENSOR_FINE, "sensor at the board's pins has no fault any more", INFO, PLAIN)            \
-    BLOCK(VALVE_FAULT, "end contact of a motor valve not closed in time (1), or both closed (2)",  \
-          ALARM, PLAIN)                                                                            \
-    BLOCK(OUTPUT_FAULT, "output at the board's pins has a fault", ALARM, PLAIN)                    \
-    BLOCK(OUTPUT_FINE, "output at the board's pins has no fault any more; mains, Hz", INFO, PLAIN) \
-    BLOCK(OUTPUT_CONTRADICTED,                                                                     \
-          "output at the board's pins does not act as told; its channel reads", ALARM, PLAIN)      \
-    BLOCK(OUTPUT_ACTS, "output at the board's pins acts as told again; its channel reads", INFO,   \
-          PLAIN)
+    PINS(SENSOR_FAULT, "sensor at the board's pins has a fault", ALARM, PLAIN)                     \
+    PINS(SENSOR_FINE, "sensor at the board's pins has no fault any more", INFO, PLAIN)             \
+    PINS(VALVE_FAULT, "end contact of a motor valve not closed in time (1), or both closed (2)",   \
+         ALARM, PLAIN)                                                                             \
+    PINS(OUTPUT_FAULT, "output at the board's pins has a fault", ALARM, PLAIN)                     \
+    PINS(OUTPUT_FINE, "output at the board's pins has no fault any more; mains, Hz", INFO, PLAIN)  \
+    PINS(OUTPUT_CONTRADICTED,                                                                      \
+         "output at the board's pins does not act as told; its channel reads", ALARM, PLAIN)       \
+    PINS(OUTPUT_ACTS, "output at the board's pins acts as told again; its channel reads", INFO,    \
+         PLAIN)
 
 /* A board without automatic start-up has no blocks either (CONFIG_BLOCKS), and no MANUAL_BY_BOARD. */
 #if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
@@ -205,6 +205,12 @@
 #define EVENT_OF_CHECK EVENT_NO_ROW
 #else
 #define EVENT_OF_CHECK EVENT_ROW
+#endif
+/* exchange/pins.h */
+#if defined(CONFIG_DEVICES) && CONFIG_DEVICES == 0
+#define EVENT_OF_PINS EVENT_NO_ROW
+#else
+#define EVENT_OF_PINS EVENT_ROW
 #endif
 
 #endif

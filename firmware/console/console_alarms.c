@@ -44,11 +44,11 @@ static void plant_line(const struct service *s, struct text *line)
     const struct pins_config *pins = &service_in_force(s)->config.pins;
     if (!pins_leave_link(pins))
         return;
-    if (s->link->refused) {
+    if (CONFIG_LINK && s->link->refused) {
         text_str(line, "PLANT_REFUSED ");
         text_str(line, s->link->name[0] ? s->link->name : "-");
         put_word(line, plant_fault_text((uint8_t)s->link->refused));
-    } else if (s->link->state != IO_READY) {
+    } else if (!CONFIG_LINK || s->link->state != IO_READY) {
         text_str(line, "LINK_DOWN ");
         text_str(line, pins_are_source(pins) ? "the board's own pins go on alone" : NO_PLANT);
     }
@@ -57,7 +57,8 @@ static void plant_line(const struct service *s, struct text *line)
 static void safe_state_line(const struct service *s, struct text *line)
 {
     const struct supervisor *sup = s->supervisor;
-    bool there = pins_are_source(&service_in_force(s)->config.pins) || s->link->state == IO_READY;
+    bool there = pins_are_source(&service_in_force(s)->config.pins) ||
+                 (CONFIG_LINK && s->link->state == IO_READY);
     if (!there || sup->state != SUPERVISOR_SAFE || !sup->safe_reason[0])
         return;
     text_str(line, "SAFE_STATE loops in manual, outputs at safe values because of: ");

@@ -181,6 +181,10 @@ static void source_words(const struct service *s, struct text *line)
         text_str(line, ", plant at the board's pins");
     if (!pins_leave_link(pins))
         return;
+    if (!CONFIG_LINK) {
+        text_str(line, ", no plant: this board has no plant link, `set io.source board`");
+        return;
+    }
     text_str(line, ", plant link ");
     text_str(line, link_names[s->link->state]);
     if (s->link->state == IO_READY)

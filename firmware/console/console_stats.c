@@ -31,11 +31,23 @@ static uint32_t mean(const struct tick_cost *cost)
     return result;
 }
 
+/* Lines of the plant link, by their place. */
+enum { LINK_COUNTS = 1, LINK_LOSSES = 2, LINK_UART = 4 };
+
+/* Place of the n-th line of a board that has no link. */
+static inline unsigned skip_link_lines(unsigned n)
+{
+    n += n >= LINK_COUNTS ? 2u : 0;
+    return n >= LINK_UART ? n + 1u : n;
+}
+
 static bool stats_line(struct client *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct tick_cost *cost = &s->cost;
     const struct plant_link *link = s->link;
+    if (!CONFIG_LINK)
+        n = skip_link_lines(n);
     switch (n) {
     case 0:
         text_str(line, "tick");
@@ -47,7 +59,9 @@ static bool stats_line(struct client *c, unsigned n, struct text *line)
         text_str(line, " unit ");
         text_str(line, hal_cycles_unit());
         return true;
-    case 1:
+    case LINK_COUNTS:
+        if (!CONFIG_LINK)
+            return false;
         text_str(line, "link");
         text_named_u32(line, "samples", link->stats.samples);
         text_named_u32(line, "commands", link->stats.commands);
@@ -56,7 +70,9 @@ static bool stats_line(struct client *c, unsigned n, struct text *line)
         text_named_u32(line, "malformed", link->decoder.count.malformed);
         text_named_u32(line, "overlong", link->decoder.count.overlong);
         return true;
-    case 2:
+    case LINK_LOSSES:
+        if (!CONFIG_LINK)
+            return false;
         text_str(line, "link");
         text_named_u32(line, "lost_frames", link->stats.lost_frames);
         text_named_u32(line, "refused", link->stats.refused);
@@ -66,7 +82,9 @@ static bool stats_line(struct client *c, unsigned n, struct text *line)
     case 3:
         uart_line(line, "console_uart", HAL_UART_CONSOLE);
         return true;
-    case 4:
+    case LINK_UART:
+        if (!CONFIG_LINK)
+            return false;
         uart_line(line, "link_uart", HAL_UART_LINK);
         return true;
     case 5:

@@ -57,7 +57,7 @@ enum unit { PLAIN, OF_LOOP, OF_MEASUREMENT, OF_OUTPUT, OF_ALARM, OF_INTERLOCK };
 #define EVENT_NO_ROW(name, text, level, unit)
 static const uint8_t units[] = {EVENT_LIST(EVENT_ROW, EVENT_OF_SEQUENCE, EVENT_OF_START_UP,
                                            EVENT_OF_GUARD, EVENT_OF_JOB, EVENT_OF_BLOCK,
-                                           EVENT_OF_CHECK)};
+                                           EVENT_OF_CHECK, EVENT_OF_PINS)};
 _Static_assert(sizeof units == EVENT_COUNT, "every event has a unit");
 
 static const char *pattern_of(const struct event *e)

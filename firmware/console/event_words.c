@@ -14,7 +14,7 @@ void event_reasons(const struct event *e, struct text *line)
     if (e->code == EVENT_MEASUREMENT_BAD) {
         put_reason(line, measurement_fault_text(e->detail));
     }
-    if (e->code == EVENT_PLANT_REFUSED) {
+    if (CONFIG_LINK && e->code == EVENT_PLANT_REFUSED) {
         put_reason(line, plant_fault_text(e->detail));
     }
     sensor_event_words(e, line);

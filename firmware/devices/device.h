@@ -42,8 +42,12 @@ enum device_fault {
 /* Faults after which the chip is set up anew. */
 #define DEVICE_LOST (DEVICE_NO_CHIP | DEVICE_WRONG_CHIP | DEVICE_POWER_ON | DEVICE_BUS)
 
+/* Numbers of a result, bytes of a transfer, and numbers that a kind keeps: the largest of all kinds. A board that has few kinds has its own. */
+#ifndef DEVICE_CODES
 #define DEVICE_CODES  3u
 #define DEVICE_BUFFER 32u
+#define DEVICE_KEPT   8u
+#endif
 
 /* What settings.bus counts. */
 enum device_line { DEVICE_NO_LINE, DEVICE_SPI, DEVICE_I2C, DEVICE_ONEWIRE };
@@ -91,9 +95,9 @@ struct device {
     struct spi_device spi;
     uint8_t bytes[DEVICE_BUFFER];
     uint8_t stage, tries;
-    bool ready;        /* the chip has its settings */
-    int32_t kept[8];   /* calibration of the chip, or the read before */
-    uint32_t began_ms; /* the conversion */
+    bool ready;                /* the chip has its settings */
+    int32_t kept[DEVICE_KEPT]; /* calibration of the chip, or the read before */
+    uint32_t began_ms;         /* the conversion */
     /* Of device.c: */
     bool running;
     uint8_t refusals; /* turns in a row in which the bus was somebody else's */

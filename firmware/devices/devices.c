@@ -14,10 +14,17 @@
 #include "devices/pins/level.h"
 #include "devices/xgzp6897/xgzp6897.h"
 
+/* clang-format off */
 static const struct device_kind *const kinds_by_name[DEVICE_KINDS] = {
-    &ads1115_kind,  &analog_input_kind, &bme280_kind,  &bme280_temperature_kind,
-    &ds18b20_kind,  &flow_kind,         &level_kind,   &max31856_kind,
-    &max31865_kind, &pulses_kind,       &xgzp6897_kind};
+    DEVICE_FURTHER(&ads1115_kind, &analog_input_kind, &bme280_kind, &bme280_temperature_kind,)
+    &ds18b20_kind,
+    DEVICE_FURTHER(&flow_kind,)
+    &level_kind,
+    DEVICE_FURTHER(&max31856_kind,)
+    &max31865_kind,
+    DEVICE_FURTHER(&pulses_kind, &xgzp6897_kind)
+};
+/* clang-format on */
 
 /* In the order of the bits of enum device_fault. */
 static const char *const fault_texts[] = {"no chip answers",

@@ -12,8 +12,10 @@
 #include <stdint.h>
 
 /* All seven buses of a board, and a chip for each of twelve channels. */
+#ifndef LINE_CLAIMS_MAX
 #define LINE_CLAIMS_MAX 20u
-#define LINE_WHOLE      0xFFu /* in place of an address: the bus itself */
+#endif
+#define LINE_WHOLE 0xFFu /* in place of an address: the bus itself */
 
 /* Claims a bus (unit LINE_WHOLE) or a chip on it (unit: its address) for this time from now; a claim that the holder has is renewed. line:
  * enum device_line. False: another holder has it, or LINE_CLAIMS_MAX claims are in force. The holder is only compared, never looked into. */

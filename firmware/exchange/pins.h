@@ -13,9 +13,14 @@
 #include "outputs/output_settings.h"
 
 /* Devices that a board may have. 0: it takes its plant from the link only; such a board says so in its limits, because its port looks there
- * (hal/tick.h). Boards with devices have blocks, because ids of their parameters are wide. */
+ * (hal/tick.h). */
 #ifndef CONFIG_DEVICES
 #define CONFIG_DEVICES 12
+#endif
+/* Whether the plant may be at the plant link. 0: at the board's own pins only. Such a board says so in its limits, because its port looks there
+ * (hal/uart.h). */
+#ifndef CONFIG_LINK
+#define CONFIG_LINK 1
 #endif
 
 /* Words of chan.device and chan.bus in settings/parameter_table.c, in their order. */

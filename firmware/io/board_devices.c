@@ -3,6 +3,7 @@
 
 #include "devices/ads1115/ads1115.h"
 #include "devices/bme280/bme280.h"
+#include "devices/devices.h"
 #include "devices/ds18b20/ds18b20.h"
 #include "devices/max31856/max31856.h"
 #include "devices/max31865/max31865.h"
@@ -38,13 +39,14 @@ enum sensor_word {
 const struct device_kind *board_device_kind(const struct device_config *row)
 {
     static const struct device_kind *const kinds[DEVICE_WORDS] = {
-        [DEVICE_MAX31865] = &max31865_kind, [DEVICE_MAX31856] = &max31856_kind,
-        [DEVICE_DS18B20] = &ds18b20_kind,   [DEVICE_ADS1115] = &ads1115_kind,
-        [DEVICE_BME280] = &bme280_kind,     [DEVICE_BME280_TEMPERATURE] = &bme280_temperature_kind,
-        [DEVICE_XGZP6897] = &xgzp6897_kind, [DEVICE_ANALOG] = &analog_input_kind,
-        [DEVICE_FLOW] = &flow_kind,         [DEVICE_LEVEL] = &level_kind,
-        [DEVICE_PULSES] = &pulses_kind,
-    };
+        [DEVICE_MAX31865] = &max31865_kind,
+        [DEVICE_DS18B20] = &ds18b20_kind,
+        [DEVICE_LEVEL] = &level_kind,
+        DEVICE_FURTHER([DEVICE_MAX31856] = &max31856_kind, [DEVICE_ADS1115] = &ads1115_kind,
+                       [DEVICE_BME280] = &bme280_kind,
+                       [DEVICE_BME280_TEMPERATURE] = &bme280_temperature_kind,
+                       [DEVICE_XGZP6897] = &xgzp6897_kind, [DEVICE_ANALOG] = &analog_input_kind,
+                       [DEVICE_FLOW] = &flow_kind, [DEVICE_PULSES] = &pulses_kind)};
     return row->device < DEVICE_WORDS ? kinds[row->device] : NULL;
 }
 
@@ -131,7 +133,7 @@ bool board_device_value(const struct device_config *row, const struct device *d,
         return false;
     reading->quality = QUALITY_GOOD;
     reading->value = value;
-    if (row->device != DEVICE_ADS1115 && row->device != DEVICE_ANALOG)
+    if (!DEVICE_ALL_KINDS || (row->device != DEVICE_ADS1115 && row->device != DEVICE_ANALOG))
         return true;
     if (row->type == SENSOR_4_20_MA) {
         float milliampere = loop_current(value, usual(row->reference, SHUNT));

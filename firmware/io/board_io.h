@@ -8,6 +8,8 @@
 #ifndef REFLUX_IO_BOARD_IO_H
 #define REFLUX_IO_BOARD_IO_H
 
+#include <stddef.h>
+
 #include "base/event.h"
 #include "exchange/config.h"
 #include "hal/io.h"
@@ -65,6 +67,11 @@ static inline void board_io_init(struct board_io *b, struct event_queue *events,
     (void)b;
     (void)events;
     (void)plant_time;
+}
+static inline struct io_port board_io_port(struct board_io *b)
+{
+    (void)b;
+    return (struct io_port){.context = NULL};
 }
 static inline void board_io_take(struct board_io *b, const struct config *config)
 {

@@ -20,7 +20,7 @@
 #include "io/board_io.h"
 #include "io/plant_link.h"
 
-#if CONFIG_DEVICES
+#if CONFIG_DEVICES && CONFIG_LINK
 struct both_io {
     struct board_io *board;
     struct plant_link *link;
@@ -41,22 +41,28 @@ struct both_io {
     uint8_t quality[2][LINK_CHANNELS_ROOM];
 };
 
+/* Returns whether the link's plant has channels in the table. */
+static inline bool both_io_has_link(const struct both_io *b)
+{
+    return b->joined;
+}
+#else
+struct both_io {
+};
+static inline bool both_io_has_link(const struct both_io *b)
+{
+    (void)b;
+    return false;
+}
+#endif
+
 /* Begins anew, with whatever plant the link has at the moment. */
 void both_io_init(struct both_io *b, struct board_io *board, struct plant_link *link);
 struct io_port both_io_port(struct both_io *b);
 
 /* Returns true once when the link's plant has come, gone or changed. */
 bool both_io_link_changed(struct both_io *b);
-/* Returns whether the link's plant has channels in the table. */
-static inline bool both_io_has_link(const struct both_io *b)
-{
-    return b->joined;
-}
 /* Returns the index of the first channel that is not the board's. */
 uint8_t both_io_first_of_link(const struct both_io *b, bool manipulated);
-#else
-struct both_io {
-};
-#endif
 
 #endif

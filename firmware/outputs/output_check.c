@@ -112,9 +112,13 @@ bool output_check(const struct output_settings *outputs, uint8_t n, uint8_t inde
     }
     if (s->type == OUTPUT_NONE)
         return true;
+    const struct output_kind *kind = output_kind(s->type);
+    if (!OUTPUT_ALL_KINDS && !kind) {
+        problem->words = OUTPUT_KINDS_HERE;
+        return false;
+    }
     if (number_wrong(s, problem) || pins_wrong(outputs, index, problem))
         return false;
-    const struct output_kind *kind = output_kind(s->type);
     problem->words = kind->check ? kind->check(s) : NULL;
     for (uint8_t m = 0; !problem->words && s->type == OUTPUT_ENABLE && m < index; m++)
         if (outputs[m].type == OUTPUT_ENABLE) {

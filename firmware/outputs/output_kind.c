@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 #include "outputs/output_kind.h"
 
+#include <stddef.h>
+
 #include "base/assertion.h"
 
-/* In the order of enum output_type. */
 static const struct output_kind *const output_kinds[OUTPUT_TYPES] = {
-    NULL,           &window_output,  &burst_output,       &relay_output,  &pwm_output,
-    &analog_output, &stepper_output, &motor_valve_output, &enable_output, &ad5422_output};
+    [OUTPUT_WINDOW] = &window_output,
+    [OUTPUT_RELAY] = &relay_output,
+    [OUTPUT_ENABLE] = &enable_output,
+    OUTPUT_FURTHER([OUTPUT_BURST] = &burst_output, [OUTPUT_PWM] = &pwm_output,
+                   [OUTPUT_ANALOG] = &analog_output, [OUTPUT_STEPPER] = &stepper_output,
+                   [OUTPUT_MOTOR_VALVE] = &motor_valve_output, [OUTPUT_AD5422] = &ad5422_output)};
 
 const char *output_fault_text(uint8_t number)
 {

@@ -43,7 +43,7 @@ struct output_kind {
     bool keeps_position;
 };
 
-/* The kind of a type, NULL for OUTPUT_NONE. type < OUTPUT_TYPES. */
+/* The kind of a type, NULL for OUTPUT_NONE and for one that the board lacks. type < OUTPUT_TYPES. */
 const struct output_kind *output_kind(uint8_t type);
 
 extern const struct output_kind window_output, burst_output, relay_output, pwm_output,
@@ -75,11 +75,19 @@ static inline uint32_t output_ms(float seconds)
     return (uint32_t)(seconds * 1000.0f + 0.5f);
 }
 
-/* Frequency of a pulse width. Not in the clock. */
+/* Frequency of a pulse width; 0 on boards without. Not in the clock. */
+#if OUTPUT_ALL_KINDS
 static inline uint32_t output_hz(const struct output_settings *s)
 {
     return (uint32_t)(s->frequency + 0.5f);
 }
+#else
+static inline uint32_t output_hz(const struct output_settings *s)
+{
+    (void)s;
+    return 0;
+}
+#endif
 
 /* Whole command of a fraction, which is cut at 0 and 1. Not in the clock. */
 static inline uint32_t output_whole_command(float fraction)

@@ -10,8 +10,7 @@
 #include <stdint.h>
 
 #include "hal/pin.h"
-
-#define OUTPUTS_MAX 8u
+#include "outputs/output_limits.h"
 
 /* The numbers are stored: a new type goes to the end. */
 enum output_type {
@@ -62,12 +61,10 @@ struct output_settings {
     /* Numbers: output_numbers[] says what they mean. */
     float dead_man, safe;
     float period, least_on, least_off;
-    float cycles;
+    OUTPUT_FURTHER(float cycles;)
     float hysteresis;
-    float frequency;
-    float gain, offset;
-    float flow, steps, ramp;
-    float travel, dead_band, pause;
+    OUTPUT_FURTHER(float frequency; float gain, offset; float flow, steps, ramp;
+                   float travel, dead_band, pause;)
 };
 
 /* A number among the settings. */

@@ -26,14 +26,11 @@
 
 union output_state {
     struct output_window window;
-    struct output_burst burst;
     struct output_relay relay;
-    struct output_pwm pwm;
-    struct output_analog analog;
-    struct output_stepper stepper;
-    struct output_motor_valve motor_valve;
     struct output_enable enable;
-    struct output_ad5422 ad5422;
+    OUTPUT_FURTHER(struct output_burst burst; struct output_pwm pwm; struct output_analog analog;
+                   struct output_stepper stepper; struct output_motor_valve motor_valve;
+                   struct output_ad5422 ad5422;)
 };
 
 struct output {

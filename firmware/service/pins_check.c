@@ -3,12 +3,14 @@
 
 #include <string.h>
 
+#include "devices/devices.h"
 #include "hal/analog.h"
 #include "hal/i2c.h"
 #include "hal/onewire.h"
 #include "hal/spi.h"
 #include "io/board_devices.h"
 #include "outputs/output_check.h"
+#include "outputs/output_kind.h"
 
 /* Select or address, three pins of a bus, of each device; and the pins of each output. */
 #define CLAIMS_MAX (4u * CONFIG_DEVICES + OUTPUT_PINS * CONFIG_OUTPUTS)
@@ -244,10 +246,28 @@ static enum err check_proof(const struct config *config, unsigned i, struct conf
     return ERR_OK;
 }
 
+/* Refuses what this board lacks, also in a row without a name yet: whoever sets it shall hear at once what there is. */
+static enum err check_lacking(const struct pins_config *pins, struct config_fault *fault)
+{
+    if (!CONFIG_LINK && pins->source == IO_SOURCE_BOTH)
+        return refuse_pins(fault, ERR_UNSUPPORTED, "io", 0, "source", "",
+                           "this board has no plant link: `board`, or `link` for no plant");
+    for (unsigned i = 0; !DEVICE_ALL_KINDS && i < CONFIG_DEVICES; i++)
+        if (pins->device[i].device != DEVICE_NONE && board_device_kind(&pins->device[i]) == NULL)
+            return refuse_pins(fault, ERR_UNSUPPORTED, "chan", i + 1, "device", "",
+                               DEVICE_KINDS_HERE);
+    for (unsigned i = 0; !OUTPUT_ALL_KINDS && i < CONFIG_OUTPUTS; i++) {
+        uint8_t type = pins->output[i].settings.type;
+        if (type != OUTPUT_NONE && output_kind(type) == NULL)
+            return refuse_pins(fault, ERR_UNSUPPORTED, "out", i + 1, "kind", "", OUTPUT_KINDS_HERE);
+    }
+    return ERR_OK;
+}
+
 enum err pins_check(const struct config *config, struct config_fault *fault)
 {
     struct claims claims = {.n = 0};
-    enum err err = ERR_OK;
+    enum err err = check_lacking(&config->pins, fault);
     for (unsigned i = 0; err == ERR_OK && i < CONFIG_DEVICES; i++)
         if (config->pins.device[i].name[0] != '\0')
             err = check_device(config, i, &claims, fault);

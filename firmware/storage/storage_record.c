@@ -35,7 +35,7 @@ bool record_at(uint32_t address, uint32_t left, struct stored_record *r)
     if (left - RECORD_HEAD < r->size)
         return false;
     uint8_t id[RECORD_WIDE];
-    if (CONFIG_BLOCKS && r->id == 0 && r->size >= sizeof id) {
+    if (RECORDS_ARE_WIDE && r->id == 0 && r->size >= sizeof id) {
         if (storage_read(address + RECORD_HEAD, id, sizeof id) != ERR_OK)
             return false;
         r->id = get32(id) >> 16 ? get32(id) : 0;
@@ -181,7 +181,7 @@ uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t 
     uint32_t u32;
     uint16_t u16;
     put16(record, id >> 16 ? 0 : (uint16_t)id);
-    if (CONFIG_BLOCKS && id >> 16) {
+    if (RECORDS_ARE_WIDE && id >> 16) {
         put32(data, id);
         data += RECORD_WIDE;
     }

@@ -5,11 +5,14 @@
 #include "settings/parameters.h"
 
 #define RECORD_HEAD 4u /* id, type, size */
+/* Parameters of blocks, and of devices and outputs at the board's pins, have ids of more than 16 bits. */
+#define RECORDS_ARE_WIDE (CONFIG_BLOCKS || CONFIG_DEVICES)
 /* Bytes of a long id, and of the longest record that this build writes. An id of more than 16 bits stands before the value, and
  * the short id in the head is then 0. */
 #define RECORD_WIDE 4u
 #define RECORD_MAX                                                                                 \
-    (RECORD_HEAD + (CONFIG_BLOCKS ? RECORD_WIDE + BLOCK_NAMES_SIZE : CHANNEL_NAME_SIZE))
+    (RECORD_HEAD + (RECORDS_ARE_WIDE ? RECORD_WIDE : 0u) +                                         \
+     (CONFIG_BLOCKS ? BLOCK_NAMES_SIZE : CHANNEL_NAME_SIZE))
 _Static_assert(BLOCK_NAMES_SIZE >= BLOCK_COLS_MAX * sizeof(float), "rows of tables fit as well");
 
 enum storage_type {

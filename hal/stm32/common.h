@@ -17,6 +17,7 @@
 #define USART_DR(base)   REG32((base) + 0x04u)
 #define USART_BRR(base)  REG32((base) + 0x08u)
 #define USART_CR1(base)  REG32((base) + 0x0Cu)
+#define USART_CR3(base)  REG32((base) + 0x14u)
 #define USART_SR_PE      BIT(0)
 #define USART_SR_FE      BIT(1)
 #define USART_SR_NE      BIT(2)
@@ -27,10 +28,26 @@
 #define USART_CR1_RE     BIT(2)
 #define USART_CR1_TE     BIT(3)
 #define USART_CR1_RXNEIE BIT(5)
+#define USART_CR1_TCIE   BIT(6)
 #define USART_CR1_TXEIE  BIT(7)
 #define USART_CR1_UE     BIT(13)
+#define USART_CR3_HDSEL  BIT(3)
 #define USART1_IRQ       37
 #define USART2_IRQ       38
+
+/* SPI (RM0041 22.5, RM0090 28.5). Where the bits stand is from memory (unverified). */
+#define SPI_CR1(base)  REG32((base) + 0x00u)
+#define SPI_CR2(base)  REG32((base) + 0x04u)
+#define SPI_SR(base)   REG32((base) + 0x08u)
+#define SPI_DR(base)   REG32((base) + 0x0Cu)
+#define SPI_CR1_MSTR   BIT(2)
+#define SPI_CR1_BR(n)  ((uint32_t)(n) << 3)
+#define SPI_CR1_SPE    BIT(6)
+#define SPI_CR1_SSI    BIT(8)
+#define SPI_CR1_SSM    BIT(9)
+#define SPI_CR2_RXNEIE BIT(6)
+#define SPI_SR_RXNE    BIT(0)
+#define SPI_SR_BSY     BIT(7)
 
 /* RM0041 18.4, RM0090 21.4: independent watchdog */
 #define IWDG_KR_ADDRESS 0x40003000u

@@ -27,20 +27,24 @@ void interrupt_usart2(void);
 #endif
 
 static uint8_t console_rx[UART_CONSOLE_RX], console_tx[UART_CONSOLE_TX];
+#if HAL_LINK
 static uint8_t link_rx[UART_LINK_RX], link_tx[UART_LINK_TX];
+#define LINK_PORT                                                                                  \
+    [HAL_UART_LINK] = {.base = USART2_BASE, .rx = RING_OVER(link_rx), .tx = RING_OVER(link_tx)},
+#else
+#define LINK_PORT
+#endif
 
 static struct uart {
     uint32_t base;
     struct ring rx, tx;
     struct flow flow;
     struct hal_uart_stats stats;
-} uarts[HAL_UART_COUNT] = {
-    [HAL_UART_CONSOLE] = {.base = USART1_BASE,
-                          .rx = RING_OVER(console_rx),
-                          .tx = RING_OVER(console_tx),
-                          .flow = {.on = true}},
-    [HAL_UART_LINK] = {.base = USART2_BASE, .rx = RING_OVER(link_rx), .tx = RING_OVER(link_tx)},
-};
+} uarts[HAL_UART_COUNT] = {[HAL_UART_CONSOLE] = {.base = USART1_BASE,
+                                                 .rx = RING_OVER(console_rx),
+                                                 .tx = RING_OVER(console_tx),
+                                                 .flow = {.on = true}},
+                           LINK_PORT};
 
 /* True while the terminal has been asked to wait: a reset would leave it waiting for ever. At power-on, with any
  * bits here, an XON too many does no harm. */
@@ -134,12 +138,14 @@ void interrupt_usart1(void)
 
 /* A frame ends with a zero byte (link/frame.h); nothing can be done before that. The half-full rule is for a
  * line full of noise without one. */
+#if HAL_LINK
 void interrupt_usart2(void)
 {
     if (serve(&uarts[HAL_UART_LINK])) {
         hal_tick_request();
     }
 }
+#endif
 
 void uart_start(void)
 {
@@ -149,13 +155,17 @@ void uart_start(void)
     terminal_waits = 0;
     pins_start();
     USART_BRR(USART1_BASE) = (clock_apb2_hz() + BAUD / 2u) / BAUD;
-    USART_BRR(USART2_BASE) = (clock_apb1_hz() + BAUD / 2u) / BAUD;
+    if (HAL_LINK) {
+        USART_BRR(USART2_BASE) = (clock_apb1_hz() + BAUD / 2u) / BAUD;
+    }
     for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
         USART_CR1(uarts[i].base) = USART_CR1_UE | USART_CR1_TE | USART_CR1_RE | USART_CR1_RXNEIE;
     }
     NVIC_IPR(USART1_IRQ) = PRIORITY_UART;
-    NVIC_IPR(USART2_IRQ) = PRIORITY_UART;
-    NVIC_ISER(USART1_IRQ / 32u) = BIT(USART1_IRQ % 32u) | BIT(USART2_IRQ % 32u);
+    if (HAL_LINK) {
+        NVIC_IPR(USART2_IRQ) = PRIORITY_UART;
+    }
+    NVIC_ISER(USART1_IRQ / 32u) = BIT(USART1_IRQ % 32u) | (HAL_LINK ? BIT(USART2_IRQ % 32u) : 0);
 }
 
 size_t hal_uart_read(enum hal_uart port, uint8_t *buffer, size_t size)
@@ -216,6 +226,7 @@ void uart_hold_interrupts(bool hold)
     }
 }
 
+#if HAL_LINK
 RAM_CODE("link") bool uart_serve_link(const uint8_t *more)
 {
     struct uart *u = &uarts[HAL_UART_LINK];
@@ -243,3 +254,4 @@ RAM_CODE("link") bool uart_serve_link(const uint8_t *more)
     USART_DR(base) = *more;
     return true;
 }
+#endif

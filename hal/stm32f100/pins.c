@@ -1,6 +1,7 @@
 /* Pins of the STM32F100 (RM0041 chapters 6, 7 and 25), and its name. */
 #include "board.h"
 #include "hal/identity.h"
+#include "hal/uart.h"
 #include "registers.h"
 
 #define PIN_OUT_ALTERNATE 0xAu /* push-pull, 2 MHz */
@@ -9,11 +10,15 @@
 void pins_start(void)
 {
     RCC_APB2ENR |= RCC_APB2ENR_IOPA | RCC_APB2ENR_USART1;
-    RCC_APB1ENR |= RCC_APB1ENR_USART2;
+    if (HAL_LINK) {
+        RCC_APB1ENR |= RCC_APB1ENR_USART2;
+    }
     (void)RCC_APB1ENR;
     /* PA9 and PA2 send, PA10 and PA3 receive, pulled up where a line may be left open. */
-    GPIOA_BSRR = BIT(3) | BIT(10);
-    GPIOA_CRL = (GPIOA_CRL & ~0x0000FF00u) | (PIN_OUT_ALTERNATE << 8) | (PIN_IN_PULLED << 12);
+    GPIOA_BSRR = (HAL_LINK ? BIT(3) : 0) | BIT(10);
+    if (HAL_LINK) {
+        GPIOA_CRL = (GPIOA_CRL & ~0x0000FF00u) | (PIN_OUT_ALTERNATE << 8) | (PIN_IN_PULLED << 12);
+    }
     GPIOA_CRH = (GPIOA_CRH & ~0x00000FF0u) | (PIN_OUT_ALTERNATE << 4) | (PIN_IN_PULLED << 8);
 }
 

@@ -25,8 +25,11 @@
 #define RCC_CFGR_SWS_PLL   (2u << 2)
 #define RCC_CFGR_PLLSRC    BIT(16) /* the crystal; else half the internal oscillator */
 #define RCC_CFGR_PLLMUL(n) (((n)-2u) << 18)
+#define RCC_APB2RSTR       REG32(0x4002100Cu)
+#define RCC_APB1RSTR       REG32(0x40021010u)
 #define RCC_APB2ENR        REG32(0x40021018u)
 #define RCC_APB2ENR_IOPA   BIT(2)
+#define RCC_APB2ENR_IO(n)  BIT(2u + (n)) /* n: 0 for GPIOA */
 #define RCC_APB2ENR_USART1 BIT(14)
 #define RCC_APB1ENR        REG32(0x4002101Cu)
 #define RCC_APB1ENR_USART2 BIT(17)
@@ -66,9 +69,16 @@
 #define GPIOA_CRH  REG32(0x40010804u)
 #define GPIOA_BSRR REG32(0x40010810u)
 
+/* Each port; n: 0 for GPIOA; high: 0 for pins 0 to 7, 1 for the others */
+#define GPIO_BASE(n)     (0x40010800u + 0x400u * (n))
+#define GPIO_CR(n, high) REG32(GPIO_BASE(n) + 4u * (high))
+#define GPIO_IDR(n)      REG32(GPIO_BASE(n) + 0x08u)
+#define GPIO_BSRR(n)     REG32(GPIO_BASE(n) + 0x10u)
+
 /* RM0041 2.3: serial ports */
 #define USART1_BASE 0x40013800u
 #define USART2_BASE 0x40004400u
+#define USART3_BASE 0x40004800u
 
 /* RM0041 25.15: a halted core also halts the watchdog */
 #define DBGMCU_CR           REG32(0xE0042004u)

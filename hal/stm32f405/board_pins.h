@@ -8,11 +8,14 @@
 #include "hal/output.h"
 #include "hal/pin.h"
 
-/* pin_map.c says what needs the others. */
+#define PIN_PORTS 4u
+/* pin_modes.c says what needs the others. */
 #define FREE_A 0x01F3u /* PA0 PA1, PA4 to PA8 */
 #define FREE_B 0xD3C3u /* PB0 PB1, PB6 to PB9, PB12, PB14 PB15 */
 #define FREE_C 0x13FFu /* PC0 to PC9, PC12 */
 #define FREE_D 0x0004u /* PD2 */
+
+#define FREE_PINS FREE_A, FREE_B, FREE_C, FREE_D
 
 /* Clock, in, out. */
 #define SPI1_PINS HAL_PIN('A', 5), HAL_PIN('A', 6), HAL_PIN('A', 7)

@@ -6,8 +6,7 @@
 #ifndef REFLUX_STM32F405_IO_INTERRUPTS_H
 #define REFLUX_STM32F405_IO_INTERRUPTS_H
 
-#include "board.h"
-#include "registers.h"
+#include "bus.h"
 
 #define EXTI0_IRQ     6u /* and the next four */
 #define ADC_IRQ       18u
@@ -59,22 +58,5 @@ void interrupt_usart6(void);
           [16 + SPI3_IRQ] = {.handler = interrupt_spi3},                                           \
           [16 + UART4_IRQ] = {.handler = interrupt_uart4},                                         \
           [16 + USART6_IRQ] = {.handler = interrupt_usart6}
-
-static inline void io_interrupt_on(uint32_t irq)
-{
-    NVIC_IPR(irq) = PRIORITY_BUS;
-    NVIC_ISER(irq / 32u) = BIT(irq % 32u);
-}
-
-/* Holds the interrupts of buses off; io_release() with what this has returned. */
-static inline uint32_t io_hold(void)
-{
-    return mask_raise(PRIORITY_BUS);
-}
-
-static inline void io_release(uint32_t before)
-{
-    mask_restore(before);
-}
 
 #endif

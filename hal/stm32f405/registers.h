@@ -96,24 +96,6 @@
 #define GPIO_IDR(n)       REG32(GPIO_BASE(n) + 0x10u)
 #define GPIO_BSRR(n)      REG32(GPIO_BASE(n) + 0x18u)
 #define GPIO_AFR(n, high) REG32(GPIO_BASE(n) + 0x20u + 4u * (high))
-#define GPIO_INPUT        0u
-#define GPIO_OUTPUT       1u
-#define GPIO_FUNCTION     2u
-#define GPIO_ANALOG       3u
-
-/* SPI (RM0090 28.5). Where the bits stand is from memory (unverified). */
-#define SPI_CR1(base)  REG32((base) + 0x00u)
-#define SPI_CR2(base)  REG32((base) + 0x04u)
-#define SPI_SR(base)   REG32((base) + 0x08u)
-#define SPI_DR(base)   REG32((base) + 0x0Cu)
-#define SPI_CR1_MSTR   BIT(2)
-#define SPI_CR1_BR(n)  ((uint32_t)(n) << 3)
-#define SPI_CR1_SPE    BIT(6)
-#define SPI_CR1_SSI    BIT(8)
-#define SPI_CR1_SSM    BIT(9)
-#define SPI_CR2_RXNEIE BIT(6)
-#define SPI_SR_RXNE    BIT(0)
-#define SPI_SR_BSY     BIT(7)
 
 /* I2C (RM0090 27.6). Where the bits stand is from memory (unverified). */
 #define I2C_CR1(base)   REG32((base) + 0x00u)
@@ -143,13 +125,10 @@
 #define I2C_SR2_BUSY    BIT(1)
 
 /* RM0090 30.6: serial ports */
-#define USART1_BASE     0x40011000u
-#define USART2_BASE     0x40004400u
-#define USART6_BASE     0x40011400u
-#define UART4_BASE      0x40004C00u
-#define USART_CR3(base) REG32((base) + 0x14u)
-#define USART_CR1_TCIE  BIT(6)
-#define USART_CR3_HDSEL BIT(3)
+#define USART1_BASE 0x40011000u
+#define USART2_BASE 0x40004400u
+#define USART6_BASE 0x40011400u
+#define UART4_BASE  0x40004C00u
 /* RM0090 18.4, 19.5: TIM2 counts for hal_cycles() on the emulator, TIM11 measures the crystal */
 #define TIM2_CR1 REG32(0x40000000u)
 #define TIM2_EGR REG32(0x40000014u)

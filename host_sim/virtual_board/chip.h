@@ -62,6 +62,15 @@ struct clocks {
     void (*crystal_changed)(struct board *b); /* around.crystal_hz is another */
 };
 
+/* The pins of a chip, asked by others; pin: of this port, 0 to 15. */
+struct pins_model {
+    enum pin_drive (*drive)(const struct part *p, unsigned pin);
+    bool (*pulled_up)(const struct part *p, unsigned pin); /* where nothing is wired to it */
+    bool (*is_analog)(const struct part *p, unsigned pin);
+    bool (*is_open_drain)(const struct part *p, unsigned pin);
+    unsigned (*speed)(const struct part *p, unsigned pin); /* pins.h */
+};
+
 struct chip {
     const char *name;
     int cpu_model; /* of the processor library */
@@ -83,6 +92,7 @@ struct chip {
     void (*store)(struct board *b, uint32_t at, unsigned bytes, uint32_t word); /* into it */
     const struct clocks *clocks;
     uint8_t (*pin_function)(struct board *b, char port, unsigned pin); /* models/models.h */
+    const struct pins_model *pins;
     uint8_t usart_function; /* what that says of a pin that is given to a serial port */
     const struct chip_part *parts;
     size_t n_parts;

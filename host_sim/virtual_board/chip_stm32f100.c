@@ -30,6 +30,9 @@ static const struct chip_part parts[] = {
     {"GPIOA", &gpio_f1_class, 0x40010800u, 0x400, "apb2", APB2ENR, 2, NO_IRQ, 0},
     {"GPIOB", &gpio_f1_class, 0x40010C00u, 0x400, "apb2", APB2ENR, 3, NO_IRQ, 1},
     {"GPIOC", &gpio_f1_class, 0x40011000u, 0x400, "apb2", APB2ENR, 4, NO_IRQ, 2},
+    {"SPI1", &spi_f1_class, 0x40013000u, 0x400, "apb2", APB2ENR, 12, 35, 1},
+    {"SPI2", &spi_f1_class, 0x40003800u, 0x400, "apb1", APB1ENR, 14, 36, 2},
+    {"USART3", &wire_f1_class, 0x40004800u, 0x400, "apb1", APB1ENR, 18, 39, 1},
     {"DBGMCU", &debug_f1_class, 0xE0042000u, 0x400, "core", 0, 0, NO_IRQ, 0},
 };
 
@@ -56,6 +59,7 @@ const struct chip chip_stm32f100 = {
     .store = flash_f1_store,
     .clocks = &clocks_f1,
     .pin_function = pin_function_f1,
+    .pins = &pins_f1,
     .usart_function = 0,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),

@@ -77,6 +77,7 @@ const struct chip chip_stm32f405 = {
     .store = flash_f4_store,
     .clocks = &clocks_f4,
     .pin_function = pin_function_f4,
+    .pins = &pins_f4,
     .usart_function = 7,
     .parts = parts,
     .n_parts = sizeof(parts) / sizeof(parts[0]),

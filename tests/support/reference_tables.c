@@ -120,7 +120,8 @@ static void print_events(void)
 #define JOB(name, text, level, unit)      print_event("boards with jobs", #name);
 #define BLOCK(name, text, level, unit)    print_event("boards with blocks", #name);
 #define CHECK(name, text, level, unit)    print_event("boards that check their RAM", #name);
-    EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK)
+#define PINS(name, text, level, unit)     print_event("boards with devices at their pins", #name);
+    EVENT_LIST(ALWAYS, SEQUENCE, START_UP, GUARD, JOB, BLOCK, CHECK, PINS)
 }
 
 /* The board of the examples: a loop `top` that holds the temperature T1 by the reflux Lr. */

@@ -1,6 +1,6 @@
 # Models of the virtual board, asked register by register.
 if(TARGET reflux_virtual_board)
-  foreach(port_and_tests "stm32f100 f1" "stm32f405 f4 f4_flash shared core guard barriers order pins spi wire i2c inputs")
+  foreach(port_and_tests "stm32f100 f1 f1_pins" "stm32f405 f4 f4_flash shared core guard barriers order pins spi wire i2c inputs")
     separate_arguments(names UNIX_COMMAND "${port_and_tests}")
     list(POP_FRONT names port)
     foreach(name IN LISTS names)

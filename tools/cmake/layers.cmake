@@ -25,10 +25,10 @@ endfunction()
 
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
-set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_DEVICES CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_PEOPLE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
-  REFLUX_ASSERTIONS WORKSPACE_BYTES)
+set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_DEVICES CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_LINK CONFIG_PEOPLE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS EVENT_LOG_JOINS JOBS_MAX
+  DEVICE_ALL_KINDS OUTPUT_ALL_KINDS REFLUX_ASSERTIONS WORKSPACE_BYTES)
 set(probe "#include \"exchange/config.h\"\n")
-foreach(header base/job.h base/workspace.h service/event_log.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
+foreach(header base/job.h base/workspace.h devices/devices.h service/event_log.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
   if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
     string(APPEND probe "#include \"${header}\"\n")
   endif()

@@ -37,6 +37,11 @@ if(REFLUX_BASE)
     -fno-shrink-wrap -fno-tree-sra -fno-code-hoisting -fno-tree-dominator-opts -fno-tree-pre -fno-if-conversion
     -fno-caller-saves -fno-tree-loop-im)
 endif()
+# The image of a small board whose plant is at its own pins, without the plant link.
+option(REFLUX_PINS "Leave the plant link out for devices at the board's own pins; the limits are those of limits_pins.h" OFF)
+if(REFLUX_PINS)
+  set(limits limits_pins.h)
+endif()
 # A board smaller than the headers assume. On the host, -DREFLUX_LIMITS=stm32f100 tries such limits under sanitizers.
 set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the limits, where it has a limits.h")
 if(NOT IS_DIRECTORY "${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}")
@@ -52,6 +57,8 @@ if(EXISTS "${limits}")
   target_compile_options(reflux_options INTERFACE "SHELL:-include ${limits}")
 elseif(REFLUX_BASE)
   message(FATAL_ERROR "REFLUX_BASE: there is no ${limits}")
+elseif(REFLUX_PINS)
+  message(FATAL_ERROR "REFLUX_PINS: there is no ${limits}")
 endif()
 if(REFLUX_SANITIZE)
   target_compile_options(reflux_options INTERFACE

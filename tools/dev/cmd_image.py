@@ -89,7 +89,8 @@ def ram_by_owner(report: Report) -> str:
     """Lists the RAM without arena, stack and workspace: the parts of struct app, then what the port keeps."""
     size = report.image.struct_bytes()
     startup = "commission" in report.layers
-    owners = ["supervisor", "service", "plant_link", "console", "storage", *(["commission"] if startup else [])]
+    link = ["plant_link"] if "link" in report.layers else []  # else the struct is declared, and nobody has one
+    owners = ["supervisor", "service", *link, "console", "storage", *(["commission"] if startup else [])]
     parts = [(n.replace("_", " "), size[n] - (report.arena if n == "supervisor" else 0)) for n in owners]
     parts.append(("rest of app", size["app"] - sum(size[n] for n in owners)))
     parts.append(("port and libraries", report.ram() - report.arena - sum(n for _, n in parts)))

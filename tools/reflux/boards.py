@@ -35,7 +35,7 @@ BOARDS = {
     "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed", ("methanol-ahead",)),
                                          Image("stm32f405-assert", "host", "assert")),
                        ("stm32f405-base",)),
-    "stm32f100": Board("stm32vldiscovery", (Image("stm32f100", "host-fixed", "small"),)),
+    "stm32f100": Board("stm32vldiscovery", (Image("stm32f100", "host-fixed", "small"),), ("stm32f100-pins",)),
 }
 
 RUNS = tuple(image for board in BOARDS.values() for image in board.runs)

@@ -65,3 +65,22 @@ uint64_t timer_of_bus_hz(struct board *b, const char *bus)
     uint64_t hz = bus_clock_hz(b, bus);
     return hz == b->core_hz ? hz : 2u * hz;
 }
+
+void reset_parts(const struct part *rcc, uint32_t offset, uint32_t enable)
+{
+    struct board *b = rcc->board;
+    uint32_t bits = part_get(rcc, offset);
+    for (size_t i = 0; i < b->n_parts; i++) {
+        struct part *p = b->parts[i];
+        if (p->row->enable_offset != enable)
+            continue;
+        bool held = (bits >> p->row->enable_bit & 1u) != 0;
+        if (held && !p->held_in_reset) {
+            if (p->row->class->restart == NULL)
+                board_verdict(b, "a reset of %s alone is not modelled", p->row->name);
+            else
+                p->row->class->restart(p);
+        }
+        p->held_in_reset = held;
+    }
+}

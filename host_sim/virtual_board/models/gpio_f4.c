@@ -1,5 +1,4 @@
-/* Pins of the STM32F405, read in RM0090 Rev 21: 8.4. What is wired to them is the world's (world.h). A pin of a bus or timer reads as its wire is,
- * an analogue pin reads 0 (unverified).
+/* Pins of the STM32F405, read in RM0090 Rev 21: 8.4. What is wired to them is the world's (world.h).
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -30,10 +29,6 @@ static const struct reg regs[] = {
     {"AFRL", AFRL, 0, ALL, ALL},       {"AFRH", AFRH, 0, ALL, ALL},
 };
 
-struct gpio {
-    enum pin_drive drives[16]; /* as the world has been told */
-};
-
 static enum pin_drive drive_of(const struct part *p, unsigned pin)
 {
     uint32_t mode = part_get(p, MODER) >> 2 * pin & 3u, pull = part_get(p, PUPDR) >> 2 * pin & 3u;
@@ -46,24 +41,6 @@ static enum pin_drive drive_of(const struct part *p, unsigned pin)
     return mode == MODE_ANALOG || pull == 0 ? PIN_FLOATS
            : pull == 1u                     ? PIN_PULLED_UP
                                             : PIN_PULLED_DOWN;
-}
-
-/* Tells the world which pins are driven differently. */
-static void look(struct part *p)
-{
-    struct gpio *g = p->state;
-    struct board *b = p->board;
-    for (unsigned k = 0; k < 16; k++) {
-        enum pin_drive drive = drive_of(p, k);
-        unsigned pin = 16u * p->row->number + k;
-        if (drive == g->drives[k])
-            continue;
-        g->drives[k] = drive;
-        if (b->world.pin_driven != NULL)
-            b->world.pin_driven(b->world.context, board_ns(b), pin, drive);
-        i2c_pin_moved(b, pin, drive);
-        exti_look(b, pin);
-    }
 }
 
 static void reset(struct part *p, enum board_reset kind)
@@ -80,63 +57,30 @@ static void reset(struct part *p, enum board_reset kind)
         part_set(p, OSPEEDR, 0x000000C0u);
         part_set(p, PUPDR, 0x00000100u);
     }
-    look(p);
+    pins_look(p);
 }
 
-static const struct part *pins_of(struct board *b, unsigned pin)
+static bool is_analog(const struct part *p, unsigned pin)
 {
-    return pins_part(b, (char)('A' + (int)(pin / 16u)));
+    return (part_get(p, MODER) >> 2 * pin & 3u) == MODE_ANALOG;
 }
 
-bool pin_has_function(struct board *b, unsigned pin, uint8_t function)
+static bool pulled_up(const struct part *p, unsigned pin)
 {
-    return pin_function_f4(b, (char)('A' + (int)(pin / 16u)), pin % 16u) == function;
+    return (part_get(p, PUPDR) >> 2 * pin & 3u) == 1u;
 }
 
-bool pin_is_open_drain(struct board *b, unsigned pin)
+static bool is_open_drain(const struct part *p, unsigned pin)
 {
-    return (part_get(pins_of(b, pin), OTYPER) >> pin % 16u & 1u) != 0;
+    return (part_get(p, OTYPER) >> pin & 1u) != 0;
 }
 
-unsigned pin_speed(struct board *b, unsigned pin)
+static unsigned speed(const struct part *p, unsigned pin)
 {
-    return part_get(pins_of(b, pin), OSPEEDR) >> 2 * (pin % 16u) & 3u;
+    return part_get(p, OSPEEDR) >> 2 * pin & 3u;
 }
 
-bool pin_is_analog(struct board *b, unsigned pin)
-{
-    return (part_get(pins_of(b, pin), MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG;
-}
-
-bool pin_level(struct board *b, unsigned pin)
-{
-    const struct part *p = pins_of(b, pin);
-    enum pin_drive drive = drive_of(p, pin % 16u);
-    if (drive == PIN_LOW || drive == PIN_HIGH)
-        return drive == PIN_HIGH;
-    if ((part_get(p, MODER) >> 2 * (pin % 16u) & 3u) == MODE_ANALOG || i2c_holds_pin(b, pin))
-        return false;
-    enum pin_level level = PIN_LEVEL_OPEN;
-    if (b->world.pin_input != NULL)
-        level = b->world.pin_input(b->world.context, board_ns(b), pin);
-    if (level == PIN_LEVEL_OPEN)
-        level = b->wired[pin];
-    if (level != PIN_LEVEL_OPEN)
-        return level == PIN_LEVEL_HIGH;
-    return (part_get(p, PUPDR) >> 2 * (pin % 16u) & 3u) == 1u;
-}
-
-void board_set_world(struct board *b, const struct world *world)
-{
-    b->world = *world;
-    b->has_world = true;
-}
-
-void board_set_pin(struct board *b, unsigned pin, enum pin_level level)
-{
-    b->wired[pin] = level;
-    exti_look(b, pin);
-}
+const struct pins_model pins_f4 = {drive_of, pulled_up, is_analog, is_open_drain, speed};
 
 uint8_t pin_function_f4(struct board *b, char port, unsigned pin)
 {
@@ -152,10 +96,7 @@ static uint32_t read(struct part *p, uint32_t offset, uint32_t stored)
         return 0;
     if (offset != IDR)
         return stored;
-    uint32_t seen = 0;
-    for (unsigned k = 0; k < 16; k++)
-        seen |= pin_level(p->board, 16u * p->row->number + k) ? UINT32_C(1) << k : 0;
-    return seen;
+    return pins_seen(p);
 }
 
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
@@ -165,7 +106,7 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         part_set(p, ODR, (part_get(p, ODR) & ~(written >> 16)) | (written & 0xFFFFu));
     else if (offset == LCKR)
         board_verdict(p->board, "locking of pins is not modelled");
-    look(p);
+    pins_look(p);
     if (offset == MODER || offset == AFRL || offset == AFRH)
         pwm_look(p->board);
 }
@@ -179,7 +120,7 @@ static bool only_words(uint32_t offset)
 const struct part_class gpio_f4_class = {.name = "pins of the STM32F4",
                                          .regs = regs,
                                          .n_regs = sizeof(regs) / sizeof(regs[0]),
-                                         .state_bytes = sizeof(struct gpio),
+                                         .state_bytes = PINS_STATE_BYTES,
                                          .widths = WIDTH_BYTE | WIDTH_HALF | WIDTH_WORD,
                                          .only_words = only_words,
                                          .reset = reset,

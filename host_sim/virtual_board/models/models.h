@@ -14,8 +14,8 @@ extern const struct part_class power_f4_class, power_f1_class;
 extern const struct part_class watchdog_class;
 extern const struct part_class usart_class;
 extern const struct part_class gpio_f4_class, gpio_f1_class;
-extern const struct part_class spi_class;
-extern const struct part_class wire_class;
+extern const struct part_class spi_class, spi_f1_class;
+extern const struct part_class wire_class, wire_f1_class;
 extern const struct part_class i2c_class;
 extern const struct part_class exti_class, syscfg_class;
 extern const struct part_class adc_class, adc_common_class, factory_class;
@@ -54,6 +54,7 @@ uint32_t voltage_detector(struct part *p, uint32_t cr, uint32_t falling_mv, uint
 uint8_t pin_function(struct board *b, char port, unsigned pin);
 uint8_t pin_function_f4(struct board *b, char port, unsigned pin);
 uint8_t pin_function_f1(struct board *b, char port, unsigned pin);
+extern const struct pins_model pins_f4, pins_f1;
 
 /* A glitch has set BUSY of this I2C bus, though both lines are high. */
 void i2c_lock_busy(struct board *b, unsigned bus);

@@ -9,6 +9,16 @@
 
 #define PIN_NUMBER(port, number) ((unsigned)((port) - 'A') * 16u + (number))
 
+/* State of a part of pins: what the world has been told that they drive. */
+struct pins_state {
+    enum pin_drive drives[16];
+};
+#define PINS_STATE_BYTES sizeof(struct pins_state)
+/* After anything that may have changed what the part's pins drive: tells the world. */
+void pins_look(struct part *p);
+/* Levels of the part's pins, a bit each. */
+uint32_t pins_seen(struct part *p);
+
 /* The pin is given to this alternate function. */
 bool pin_has_function(struct board *b, unsigned pin, uint8_t function);
 /* It drives low only. */

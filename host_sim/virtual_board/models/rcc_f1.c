@@ -386,8 +386,7 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         break;
     case APB1RSTR:
     case APB2RSTR:
-        if (written != 0)
-            board_verdict(p->board, "resets of single parts are not modelled");
+        reset_parts(p, offset, offset + (APB1ENR - APB1RSTR));
         break;
     default:
         break;

@@ -308,26 +308,6 @@ static void write_cr(struct part *p, uint32_t before, uint32_t written)
     part_set(p, CR, word);
 }
 
-/* 7.3.8, 7.3.9: a part is reset while its bit is set, which has the place of its enable. Converters share one bit (unverified). */
-static void reset_parts(const struct part *rcc, uint32_t offset)
-{
-    struct board *b = rcc->board;
-    uint32_t enable = offset + (APB1ENR - APB1RSTR), bits = part_get(rcc, offset);
-    for (size_t i = 0; i < b->n_parts; i++) {
-        struct part *p = b->parts[i];
-        if (p->row->enable_offset != enable)
-            continue;
-        bool held = (bits >> p->row->enable_bit & 1u) != 0;
-        if (held && !p->held_in_reset) {
-            if (p->row->class->restart == NULL)
-                board_verdict(b, "a reset of %s alone is not modelled", p->row->name);
-            else
-                p->row->class->restart(p);
-        }
-        p->held_in_reset = held;
-    }
-}
-
 static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t written)
 {
     uint32_t word = part_get(p, offset);
@@ -349,7 +329,8 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
         if ((part_get(p, CIR) & CIR_IRQS) != 0)
             board_verdict(p->board, "interrupts of the RCC are not modelled");
     } else if (offset == APB1RSTR || offset == APB2RSTR) {
-        reset_parts(p, offset);
+        /* 7.3.8, 7.3.9. Converters share one bit (unverified). */
+        reset_parts(p, offset, offset + (APB1ENR - APB1RSTR));
     } else if (offset == CSR) {
         struct rcc *r = p->state;
         if ((written & CSR_RMVF) != 0)

@@ -45,7 +45,7 @@ struct spi {
 /* Clock, in, out, and the alternate functions, of those packages with 64 pins. Pins and functions are from memory (unverified). */
 static const struct spi_pins {
     uint8_t function, pins[2][3];
-} pins_of[] = {
+} pins_f4_of[] = {
     {5,
      {{PIN_NUMBER('A', 5), PIN_NUMBER('A', 6), PIN_NUMBER('A', 7)},
       {PIN_NUMBER('B', 3), PIN_NUMBER('B', 4), PIN_NUMBER('B', 5)}}},
@@ -57,9 +57,29 @@ static const struct spi_pins {
       {PIN_NUMBER('B', 3), PIN_NUMBER('B', 4), PIN_NUMBER('B', 5)}}},
 };
 
+/* Not remapped. SPI1 of the STM32F100 is on PA5 to PA7, and SPI2 on PB13 to PB15 (unverified). */
+static const uint8_t pins_f1_of[2][3] = {
+    {PIN_NUMBER('A', 5), PIN_NUMBER('A', 6), PIN_NUMBER('A', 7)},
+    {PIN_NUMBER('B', 13), PIN_NUMBER('B', 14), PIN_NUMBER('B', 15)}};
+
+static bool is_f1(const struct part *p)
+{
+    return p->row->class == &spi_f1_class;
+}
+
+/* On the STM32F100 clock and out are alternate functions, and what comes in is an input (unverified). */
+static bool is_wired_f1(const struct part *p)
+{
+    const uint8_t *of = pins_f1_of[p->row->number - 1u];
+    return pin_has_function(p->board, of[0], 0) && pin_has_function(p->board, of[1], PIN_INPUT) &&
+           pin_has_function(p->board, of[2], 0);
+}
+
 static bool is_wired(const struct part *p)
 {
-    const struct spi_pins *of = &pins_of[p->row->number - 1u];
+    if (is_f1(p))
+        return is_wired_f1(p);
+    const struct spi_pins *of = &pins_f4_of[p->row->number - 1u];
     for (unsigned line = 0; line < 3; line++)
         if (!pin_has_function(p->board, of->pins[0][line], of->function) &&
             !pin_has_function(p->board, of->pins[1][line], of->function))
@@ -67,23 +87,29 @@ static bool is_wired(const struct part *p)
     return true;
 }
 
-/* A clock of more than 4 MHz wants faster edges than a pin has after a reset, DS8626 (unverified). */
+static uint64_t clock_hz(const struct part *p)
+{
+    return bus_clock_hz(p->board, p->row->bus) / (UINT64_C(2) << (part_get(p, CR1) >> 3 & 7u));
+}
+
+/* A clock of more than 4 MHz wants faster edges than a pin has after a reset, DS8626 (unverified). An output of the STM32F100 is for the frequency
+ * in its name (RM0041 Rev 6, 7.2.1). */
 static bool has_edges(const struct part *p)
 {
-    const struct spi_pins *of = &pins_of[p->row->number - 1u];
-    uint64_t hz =
-        bus_clock_hz(p->board, p->row->bus) / (UINT64_C(2) << (part_get(p, CR1) >> 3 & 7u));
+    static const uint32_t f1_hz[] = {2000000u, 10000000u, 50000000u};
+    if (is_f1(p))
+        return clock_hz(p) <= f1_hz[pin_speed(p->board, pins_f1_of[p->row->number - 1u][0])];
+    const struct spi_pins *of = &pins_f4_of[p->row->number - 1u];
     for (unsigned place = 0; place < 2; place++)
-        if (pin_has_function(p->board, of->pins[place][0], of->function) && hz > SLOW_EDGES_HZ &&
-            pin_speed(p->board, of->pins[place][0]) == 0)
+        if (pin_has_function(p->board, of->pins[place][0], of->function) &&
+            clock_hz(p) > SLOW_EDGES_HZ && pin_speed(p->board, of->pins[place][0]) == 0)
             return false;
     return true;
 }
 
 static uint64_t halves_ns(const struct part *p, unsigned halves)
 {
-    uint64_t hz =
-        bus_clock_hz(p->board, p->row->bus) / (UINT64_C(2) << (part_get(p, CR1) >> 3 & 7u));
+    uint64_t hz = clock_hz(p);
     return (halves * NS_PER_S + hz) / (2u * hz);
 }
 
@@ -231,13 +257,10 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
     update_irq(p);
 }
 
-const struct part_class spi_class = {.name = "SPI",
-                                     .regs = regs,
-                                     .n_regs = sizeof(regs) / sizeof(regs[0]),
-                                     .state_bytes = sizeof(struct spi),
-                                     .widths = WIDTH_HALF | WIDTH_WORD,
-                                     .start = start,
-                                     .reset = reset,
-                                     .restart = restart,
-                                     .read = read,
-                                     .write = write};
+#define SPI_CLASS                                                                                  \
+    .regs = regs, .n_regs = sizeof(regs) / sizeof(regs[0]), .state_bytes = sizeof(struct spi),     \
+    .widths = WIDTH_HALF | WIDTH_WORD, .start = start, .reset = reset, .restart = restart,         \
+    .read = read, .write = write
+
+const struct part_class spi_class = {.name = "SPI", SPI_CLASS};
+const struct part_class spi_f1_class = {.name = "SPI of the STM32F1", SPI_CLASS};

@@ -24,7 +24,8 @@ enum { SR = 0x00, DR = 0x04, BRR = 0x08, CR1 = 0x0C, CR2 = 0x10, CR3 = 0x14, GTP
 #define CR1_UE      (UINT32_C(1) << 13)
 #define CR1_KNOWN   0x20ECu /* UE, TXEIE, TCIE, RXNEIE, TE, RE */
 #define CR3_HDSEL   (UINT32_C(1) << 3)
-#define FUNCTION    8u /* Both ports have this alternate function on their pins (unverified). */
+#define FUNCTION_F4 8u /* Both ports have this alternate function on their pins (unverified). */
+#define FUNCTION_F1 0u /* a pin has one at most */
 #define BITS        10u
 #define NS_PER_S    UINT64_C(1000000000)
 #define US          UINT64_C(1000)
@@ -50,9 +51,16 @@ struct wire {
     uint32_t seen; /* flags that a read of SR has shown */
 };
 
-/* USART6 on PC6, UART4 on PA0 (unverified). */
+static bool is_f1(const struct part *p)
+{
+    return p->row->class == &wire_f1_class;
+}
+
+/* USART6 on PC6, UART4 on PA0 (unverified). USART3 of the STM32F100 is on PB10 (unverified). */
 static unsigned pin_of(const struct part *p)
 {
+    if (is_f1(p))
+        return PIN_NUMBER('B', 10);
     return p->row->number == 1 ? PIN_NUMBER('C', 6) : PIN_NUMBER('A', 0);
 }
 
@@ -212,7 +220,8 @@ static void write_data(struct part *p, uint8_t byte)
     if ((part_get(p, CR1) & (CR1_UE | CR1_TE)) != (CR1_UE | CR1_TE) ||
         part_get(p, CR3) != CR3_HDSEL || part_get(p, BRR) == 0) {
         board_verdict(b, "a byte written to %s, which is not on in half duplex", name);
-    } else if (!pin_has_function(b, pin_of(p), FUNCTION) || !pin_is_open_drain(b, pin_of(p))) {
+    } else if (!pin_has_function(b, pin_of(p), is_f1(p) ? FUNCTION_F1 : FUNCTION_F4) ||
+               !pin_is_open_drain(b, pin_of(p))) {
         board_verdict(b, "%s sends while its pin is no open drain of its own", name);
     } else if (w->full) {
         board_verdict(b, "a byte written to %s_DR over one that was not sent", name);
@@ -246,13 +255,11 @@ static void write(struct part *p, uint32_t offset, uint32_t before, uint32_t wri
     update_irq(p);
 }
 
-const struct part_class wire_class = {.name = "serial port of a 1-wire bus",
-                                      .regs = regs,
-                                      .n_regs = sizeof(regs) / sizeof(regs[0]),
-                                      .state_bytes = sizeof(struct wire),
-                                      .widths = WIDTH_HALF | WIDTH_WORD,
-                                      .start = start,
-                                      .reset = reset,
-                                      .restart = restart,
-                                      .read = read,
-                                      .write = write};
+#define WIRE_CLASS                                                                                 \
+    .regs = regs, .n_regs = sizeof(regs) / sizeof(regs[0]), .state_bytes = sizeof(struct wire),    \
+    .widths = WIDTH_HALF | WIDTH_WORD, .start = start, .reset = reset, .restart = restart,         \
+    .read = read, .write = write
+
+const struct part_class wire_class = {.name = "serial port of a 1-wire bus", WIRE_CLASS};
+const struct part_class wire_f1_class = {.name = "serial port of a 1-wire bus, STM32F1",
+                                         WIRE_CLASS};

@@ -124,6 +124,8 @@ def script_tests(label: str) -> list[Test]:
             wanted |= needs("host", "reference_tables", "plant_tables", "pin_tables")
         if path.stem in ("test_virtual_board", "test_watchdog", *ON_THE_FLASHED_BOARD):
             wanted |= needs("host", "reflux-board")
+        if path.stem == "test_small_board_pins":
+            wanted |= needs("host", "reflux-board") | needs("host-fixed", "reflux-sim", "reflux-sim-memory") | needs("stm32f100-pins")
         if path.stem == "test_board_campaign":
             wanted |= needs("host", "board-campaign")
         if path.stem == "test_board_io":

@@ -1,5 +1,5 @@
-/* 1-wire over serial ports in half duplex with an open drain: wire 1 is USART6 on PC6, wire 2 UART4 on PA0. A byte of the port is a pulse of the
- * wire, and what the port hears meanwhile is the answer:
+/* 1-wire over serial ports in half duplex with an open drain (bus_hardware.h says which). A byte of the port is a pulse of the wire, and what the
+ * port hears meanwhile is the answer:
  *     9,600 baud, F0h    low for 520 us, then 520 us in which a chip pulls: other than F0h
  *     115,200 baud, 00h  low for 78 us: a 0
  *     115,200 baud, FFh  low for 9 us: a 1, or a bit asked for. Its first bit is looked at 13 us after the slot began, before a chip may let go.
@@ -10,17 +10,16 @@
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/onewire.h"
-#include "board_pins.h"
 
 #include <stddef.h>
 
 #include "board.h"
+#include "bus_hardware.h"
 #include "io_interrupts.h"
 #include "pin_map.h"
 #include "registers.h"
 
-#define WIRES       2u
-#define FUNCTION    8u
+#define FUNCTION    WIRE_FUNCTION
 #define RESET_BAUD  9600u
 #define BIT_BAUD    115200u
 #define RESET_BYTE  0xF0u
@@ -32,10 +31,7 @@ static const struct wire_hardware {
     uint32_t base, clock;
     uint8_t irq, fast; /* fast: on APB2 */
     hal_pin pin;
-} hardware[WIRES] = {
-    {USART6_BASE, BIT(5), USART6_IRQ, 1, WIRE1_PIN},
-    {UART4_BASE, BIT(19), UART4_IRQ, 0, WIRE2_PIN},
-};
+} hardware[WIRES] = {WIRE_HARDWARE};
 
 enum wire_stage {
     WIRE_PRESENCE, /* the reset pulse is under way */
@@ -293,15 +289,17 @@ static void serve_wire(unsigned bus)
     }
 }
 
-void interrupt_usart6(void)
+void WIRE1_INTERRUPT(void)
 {
     serve_wire(0);
 }
 
-void interrupt_uart4(void)
+#if WIRES > 1
+void WIRE2_INTERRUPT(void)
 {
     serve_wire(1);
 }
+#endif
 
 /* A reset of the port ends a pulse on its way. */
 void hal_onewire_stop(uint8_t bus)

@@ -1,19 +1,19 @@
-/* SPI1 to SPI3 as masters (RM0090 chapter 28), an interrupt for each byte. Only one byte is under way: the next one goes out when the one before
- * has come in, so that nothing can overrun, whatever holds the interrupt off.
+/* The SPI buses as masters (RM0090 chapter 28, RM0041 chapter 22), an interrupt for each byte. Only one byte is under way: the next one goes out
+ * when the one before has come in, so that nothing can overrun, whatever holds the interrupt off.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
 #include "hal/spi.h"
-#include "board_pins.h"
 
 #include <stddef.h>
 
 #include "board.h"
+#include "bus_hardware.h"
 #include "io_interrupts.h"
 #include "pin_map.h"
 #include "registers.h"
 
-#define BUSES      3u
+#define BUSES      SPI_BUSES
 #define DIVISORS   8u   /* 2, 4, ... 256 */
 #define IDLE_TURNS 200u /* of a wait of half a period of the slowest clock, 1.5 us */
 
@@ -21,11 +21,7 @@ static const struct spi_hardware {
     uint32_t base, clock;
     uint8_t irq, function, fast; /* fast: on APB2 */
     hal_pin pins[3];             /* clock, in, out */
-} hardware[BUSES] = {
-    {0x40013000u, BIT(12), SPI1_IRQ, 5, 1, {SPI1_PINS}},
-    {0x40003800u, BIT(14), SPI2_IRQ, 5, 0, {SPI2_PINS}},
-    {0x40003C00u, BIT(15), SPI3_IRQ, 6, 0, {SPI3_PINS}},
-};
+} hardware[BUSES] = {SPI_HARDWARE};
 
 static struct spi_run {
     struct transfer *volatile transfer; /* NULL: the bus is free */
@@ -81,7 +77,7 @@ enum err hal_spi_open(const struct spi_device *device)
     (void)*enable;
     io_release(before);
     for (unsigned i = 0; i < 3; i++) {
-        pin_give(h->pins[i], h->function, PIN_PUSH_PULL, i == 1);
+        pin_give(h->pins[i], h->function, i == 1 ? PIN_LISTENS : PIN_PUSH_PULL, i == 1);
     }
     SPI_CR2(h->base) = SPI_CR2_RXNEIE;
     io_interrupt_on(h->irq);
@@ -168,10 +164,12 @@ void interrupt_spi2(void)
     serve_spi(1);
 }
 
+#if SPI_BUSES > 2
 void interrupt_spi3(void)
 {
     serve_spi(2);
 }
+#endif
 
 /* A reset of the part ends a byte on its way, which the part itself would not. */
 void hal_spi_stop(uint8_t bus)
