@@ -216,9 +216,10 @@ def load_words(seen: Seen) -> str:
 
 
 def hides_chip(fault: Fault) -> bool:
-    """The firmware cannot know what state the chip is in: whether it has just got power, or has heard what was written."""
+    """The firmware cannot know what state the chip is in: whether it has just got power, or has heard what was written. The chip of an output that
+    has been asked and then hears no more drives its answer into what others on the bus say."""
     what = [event.split("=")[0].split(".") for event in fault.events]
-    return any(re.fullmatch(r"(spi|i2c|wire)\d", who) or name in ("missing", "wrong") for who, name in what)
+    return any(re.fullmatch(r"(spi|i2c|wire)\d", who) or name in ("missing", "wrong") or (name == "dead" and who != "T1") for who, name in what)
 
 
 def judge(job: Job, run: Run) -> Cell:
