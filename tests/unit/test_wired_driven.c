@@ -159,7 +159,7 @@ static void a_stepper_brings_its_volume_step_by_step(void)
 {
     open_text("D stepper PB3 PB4 steps=1000 hi=3.6\n"); /* 1 ml/s: 1000 steps are 1 s */
     drive(0, 'B', 4, PIN_LOW);
-    for (unsigned k = 0; k < 250; k++) {
+    for (uint64_t k = 0; k < 250; k++) {
         drive(k * 2 * MS, 'B', 3, PIN_HIGH);
         drive(k * 2 * MS + 1 * MS, 'B', 3, PIN_LOW);
     }
