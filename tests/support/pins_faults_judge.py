@@ -1,8 +1,9 @@
 """What must hold in a cell of the faults at the board's pins (pins_faults.py), and what came of it in words.
 
 What a chip reports is told within two samples. While the fault lasts no reading that is good is wrong, but where no chip can know. The loop of the
-lost measurement falls back as declared, in its time, and no other loop does. The plant gets no output outside its limits but the safe one. What is
-taken back is told, the reading is right again, and the outputs go on. No rule of a chip's data sheet is broken where the firmware can know its state.
+lost measurement falls back as declared, in its time, and no other loop does. The plant gets no output outside its limits but the safe one, or less
+where the board lets fall an output whose chip has the fault. What is taken back is told, the reading is right again, and the outputs go on. No rule
+of a chip's data sheet is broken where the firmware can know its state.
 """
 
 from __future__ import annotations

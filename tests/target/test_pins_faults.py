@@ -122,7 +122,8 @@ def page(cells: dict[Job, Cell], where: str) -> str:
            "with `out.proof` on the cold pilot column: `tests/support/pins_proofs.py`.", "",
            f"Commit {commit}, {where}: {len(cells)} cells, {wrong} of them against that.", "",
            "A cell says how soon the fault was told and with which words, and what then had the plant. A fault that no chip reports has the reason",
-           "in the last column. In all cells the outputs were within their limits or safe, unless the cell says otherwise."]
+           "in the last column. In all cells the outputs were within their limits or safe, or let fall where their chip had the fault, unless the cell says",
+           "otherwise."]
     for name, states in [(device.name, list(STATES)) for device in DEVICES] + [(load.name, list(STATES_OF_LOADS)) for load in LOADS]:
         if any(job.device == name for job in cells):
             out += ["", f"## {name}", "", "| fault | " + " | ".join(states) + " | why |", "|---|" + "---|" * (len(states) + 1)]
