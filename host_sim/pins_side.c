@@ -142,6 +142,14 @@ uint64_t pins_side_left(const struct pins_side *p)
     return (left_ns + (p->port->ops->limit != NULL ? MS_NS - 1u : 0)) / MS_NS;
 }
 
+/* Ms that a load was on, so that a board that takes microseconds to switch and one that takes none give the same numbers: whole ones of a load that
+ * switches. The others differ by errors of rounding only, and no code of a chip makes a fraction of 0.3. */
+static double rounded(const struct wiring_output *o, double ms)
+{
+    bool finely = o->kind == WIRING_CHIP || o->kind == WIRING_STEPPER;
+    return finely ? floor(ms * 1e3 + 0.7) * 1e-3 : round(ms);
+}
+
 bool pins_side_end(struct pins_side *p, struct link_command *command)
 {
     double ns[LINK_CHANNELS_MAX];
@@ -157,9 +165,8 @@ bool pins_side_end(struct pins_side *p, struct link_command *command)
         if (line == PINS_NONE)
             continue;
         const struct wiring_output *o = wiring_output(p->wiring, line);
-        /* Whole milliseconds, so that a board that takes microseconds to switch and one that takes none give the same numbers. */
-        double on_ms = round((ns[line] - p->loads_ns[line]) / NS_PER_MS);
-        double part = ms > 0.0 ? fmin(on_ms / ms, 1.0) : 0.0;
+        double on_ms = (ns[line] - p->loads_ns[line]) / NS_PER_MS;
+        double part = ms > 0.0 ? fmin(rounded(o, on_ms) / ms, 1.0) : 0.0;
         command->output[i].value = (float)(o->lo + (o->hi - o->lo) * part);
     }
     return true;

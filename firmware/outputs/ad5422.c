@@ -10,7 +10,8 @@
  * told as not answering, and cleared. It is tried again in rounds further apart, and cleared at the first failure of such a round.
  *
  * Frames are an address and 16 bits of data, taken over when the select rises (SBAS528D 8.5.1). The clock rests low, and bits are read when it
- * rises: mode 0. A chip that is read answers in the frame behind the one that asks (AD5422 rev. I, p. 29).
+ * rises: mode 0. A chip that is read answers in the frame behind the one that asks (AD5422 rev. I, p. 29). From one to the other it drives its data
+ * output with each clock of the bus, whoever is selected, so that nobody else may have the bus between the two.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -39,6 +40,7 @@
 #define CODE_MOST      0xFFFFu
 #define SPI_HZ         1000000u
 #define FRAME_MS       1u
+#define ASK_MS         2u   /* a frame that asks, and the turn of the one that gets the answer */
 #define REST_MS        50u  /* between two rounds: others have the bus for 9 of 10 milliseconds */
 #define RETRY_MS       250u /* between two rounds of a chip that does not answer */
 #define FAILURES_MAX   3u
@@ -176,7 +178,8 @@ static void ad5422_begin(struct output_ad5422 *x, uint32_t now_ms)
                                     .n_out = sends ? AD5422_FRAME : 0,
                                     .n_in = sends ? 0 : AD5422_FRAME,
                                     .state = TRANSFER_IDLE};
-    bool free = line_claim(DEVICE_SPI, x->spi.bus, LINE_WHOLE, x, now_ms, FRAME_MS);
+    bool asks = sends && x->out[0] == SEND_READ;
+    bool free = line_claim(DEVICE_SPI, x->spi.bus, LINE_WHOLE, x, now_ms, asks ? ASK_MS : FRAME_MS);
     if (free && x->stage == AD5422_WRITE && !x->released) {
         x->released = true;
         hal_output_set(x->clear, true);

@@ -48,9 +48,6 @@ static void print_pins_faults(void)
         " any chip: missing, dead, wrong (not on wire1, wire2); and\n",
         stdout);
     for (size_t i = 0; i < n; i++) {
-        if (kinds[i]->volts != NULL) {
-            continue;
-        }
         (void)printf(HELP_INDENT "  %s:", kinds[i]->name);
         for (size_t k = 0; (name = wiring_fault_of_kind(kinds[i], k)) != NULL; k++) {
             (void)printf(" %s", name);
@@ -60,7 +57,7 @@ static void print_pins_faults(void)
     (void)fputs(HELP_INDENT
                 " spi1, i2c1, wire1, ...: noise (a bit is wrong with this probability), "
                 "stuck;\n" HELP_INDENT "  of spi1, ...: floats_low\n" HELP_INDENT
-                " loads: shorted (not of a valve with two pins), broken\n",
+                " loads: shorted (not of a valve with two pins or a stepper), broken\n",
                 stdout);
 }
 

@@ -166,10 +166,10 @@ uint8_t chips_exchange(struct chips *b, uint64_t now_ns, unsigned mode, uint8_t 
     bool driven = false;
     for (size_t i = 0; i < b->n; i++) {
         struct connection *at = &b->place[i];
-        if (at->low && chip_answers(at->chip)) {
+        if ((at->low || at->chip->kind->shifts_always) && chip_answers(at->chip)) {
             /* Two that are selected at once: the lower level wins. */
             in &= at->chip->kind->exchange(at->chip, now_ns, mode, noisy(b, out, 8));
-            driven = true;
+            driven = driven || at->low;
         }
     }
     if (!driven && b->floats_low) {

@@ -16,7 +16,7 @@
 
 static const struct chip_kind *const kinds[] = {
     &chip_max31865, &chip_max31856, &chip_ds18b20,  &chip_ads1115,
-    &chip_bme280,   &chip_bmp280,   &chip_xgzp6897, &chip_mcp4725,
+    &chip_bme280,   &chip_bmp280,   &chip_xgzp6897, &chip_ad5422,
 };
 
 const struct chip_kind *const *chip_kinds(size_t *n)
@@ -242,9 +242,9 @@ void chip_power(struct chip *c, uint64_t now_ns, bool on)
     }
 }
 
-double chip_volts(const struct chip *c)
+double chip_drives(struct chip *c, uint64_t now_ns)
 {
-    return c->powered && c->kind->volts != NULL ? c->kind->volts(c) : 0.0;
+    return c->powered && c->kind->drives != NULL ? c->kind->drives(c, now_ns) : 0.0;
 }
 
 bool chip_answers(const struct chip *c)

@@ -48,6 +48,7 @@ struct chip_kind {
      * exchange() is called when the last bit has been clocked. */
     void (*select)(struct chip *c, uint64_t now_ns, bool low);
     uint8_t (*exchange)(struct chip *c, uint64_t now_ns, unsigned mode, uint8_t out);
+    bool shifts_always; /* it hears each byte of its bus; select is the line that latches */
 
     /* I2C: after start or start again the address is on the bus; true: it is acknowledged. */
     bool (*address)(struct chip *c, uint64_t now_ns, uint8_t address, bool read);
@@ -62,8 +63,9 @@ struct chip_kind {
     void (*bit_out)(struct chip *c, uint64_t now_ns, bool bit);
     bool (*bit_in)(struct chip *c, uint64_t now_ns);
 
-    /* Of a chip that gives a voltage: V at its output. NULL: it gives none. */
-    double (*volts)(const struct chip *c);
+    /* Of a chip that has a load: mA or V there, and the level of its pin CLEAR, which works without a bus. NULL: it has none. */
+    double (*drives)(struct chip *c, uint64_t now_ns);
+    void (*clear)(struct chip *c, uint64_t now_ns, bool high);
 };
 
 #define CHIP_INPUTS_MAX 16u
@@ -104,8 +106,8 @@ void chip_at(struct chip *c, uint64_t now_ns);
 /* Turns the supply on, with everything as at power-on, or off. */
 void chip_power(struct chip *c, uint64_t now_ns, bool on);
 
-/* V at the output of a chip that gives a voltage; 0 without power. */
-double chip_volts(const struct chip *c);
+/* mA or V that a chip drives into its load; 0 without power. Not earlier than the call before. */
+double chip_drives(struct chip *c, uint64_t now_ns);
 
 /* The chip has power and is not dead. */
 bool chip_answers(const struct chip *c);

@@ -7,18 +7,23 @@
 #include <string.h>
 
 #include "bench/text.h"
+#include "chips/chip.h"
 
-#define NS_PER_S  1e9
-#define PREFIX    "pins."
-#define LINE_SIZE 96u
+#define NS_PER_S    1e9
+#define ML_S_TO_L_H 3.6
+#define PREFIX      "pins."
+#define LINE_SIZE   96u
+#define NS_PER_MS   UINT64_C(1000000)
 
 /* What the pins of an output say. */
 struct load {
     enum pin_drive drive[2]; /* of pin and close_pin */
     double pulses;     /* part of the time that the pin is high; negative: it has no pulse width */
     double position;   /* of a valve with two pins, 0..1 */
+    double level;      /* what a chip makes of its load, at the last whole millisecond */
     double sum_ns;     /* integral of what the load was */
     uint64_t since_ns; /* up to here the sum is */
+    uint64_t read_ns;  /* when it was read last: milliseconds count from there */
 };
 
 struct wired {
@@ -59,13 +64,42 @@ static double turn_valve(const struct wiring_output *o, struct load *l, double n
     return moving_ns * (before + l->position) / 2.0 + (ns - moving_ns) * l->position;
 }
 
+/* How far open the load behind a chip is. */
+static double part_driven(const struct wiring_output *o, uint64_t at_ns)
+{
+    if (o->shorted || o->broken)
+        return o->shorted ? 1.0 : 0.0;
+    double part = (chip_drives(o->chip, at_ns) - o->lo_in) / (o->hi_in - o->lo_in);
+    return fmin(fmax(part, 0.0), 1.0);
+}
+
+/* Integral of the load behind a chip, ns. It follows its input in whole milliseconds from where it was read last. A board whose transfer takes some
+ * microseconds and one whose transfer takes none then come to the same sum. */
+static double follow(const struct wiring_output *o, struct load *l, uint64_t now_ns)
+{
+    double sum = 0.0;
+    for (uint64_t at = l->since_ns, next; at < now_ns; at = next) {
+        uint64_t past = (at - l->read_ns) % NS_PER_MS;
+        if (past == 0)
+            l->level = part_driven(o, at);
+        next = at - past + NS_PER_MS;
+        next = next < now_ns ? next : now_ns;
+        sum += (double)(next - at) * l->level;
+    }
+    return sum;
+}
+
 /* Brings the sum of an output up to now. */
 static void pass(struct wired *w, size_t i, uint64_t now_ns)
 {
     const struct wiring_output *o = wiring_output(w->wiring, i);
     struct load *l = &w->load[i];
     double ns = now_ns > l->since_ns ? (double)(now_ns - l->since_ns) : 0.0;
-    if (o->close_pin == HAL_PIN_NONE) {
+    if (o->chip != NULL) {
+        l->sum_ns += follow(o, l, now_ns);
+    } else if (o->kind == WIRING_STEPPER) {
+        /* its steps are counted as they come */
+    } else if (o->close_pin == HAL_PIN_NONE) {
         l->sum_ns += ns * part_on(o, l);
     } else {
         l->sum_ns += turn_valve(o, l, ns);
@@ -92,9 +126,20 @@ static enum pin_level pin_input(void *context, uint64_t now_ns, unsigned pin)
     return PIN_LEVEL_OPEN;
 }
 
+/* A step is where the pin goes on. A pump that turns backwards brings nothing. */
+static void step(const struct wiring_output *o, struct load *l, enum pin_drive before)
+{
+    bool stands = o->broken || is_on(o, l->drive[1]);
+    if (!stands && is_on(o, l->drive[0]) && !is_on(o, before))
+        l->sum_ns += NS_PER_S * ML_S_TO_L_H / o->steps / o->hi;
+}
+
 static void pin_driven(void *context, uint64_t now_ns, unsigned pin, enum pin_drive drive)
 {
     struct wired *w = context;
+    for (size_t i = 0; i < w->n_outputs; i++)
+        if (wiring_output(w->wiring, i)->pin == pin)
+            pass(w, i, now_ns); /* before a chip takes what is new */
     for (unsigned bus = 1; bus <= 3; bus++) {
         struct chips *b = wiring_bus(w->wiring, CHIP_SPI, bus);
         if (b != NULL)
@@ -102,11 +147,18 @@ static void pin_driven(void *context, uint64_t now_ns, unsigned pin, enum pin_dr
     }
     for (size_t i = 0; i < w->n_outputs; i++) {
         const struct wiring_output *o = wiring_output(w->wiring, i);
-        if (o->pin != pin && o->close_pin != pin)
+        if (o->pin != pin && o->close_pin != pin && o->clear_pin != pin)
             continue;
         pass(w, i, now_ns);
+        if (o->clear_pin == pin) { /* pulled up */
+            o->chip->kind->clear(o->chip, now_ns, drive != PIN_LOW);
+            continue;
+        }
+        enum pin_drive before = w->load[i].drive[0];
         w->load[i].drive[o->pin == pin ? 0 : 1] = drive;
         w->load[i].pulses = -1.0;
+        if (o->kind == WIRING_STEPPER)
+            step(o, &w->load[i], before);
     }
 }
 
@@ -197,8 +249,12 @@ struct wired *wired_open(const char *path, uint64_t seed, char *err, size_t err_
         return NULL;
     }
     w->n_outputs = wiring_n_outputs(w->wiring);
-    for (size_t i = 0; i < w->n_outputs; i++)
+    for (size_t i = 0; i < w->n_outputs; i++) {
+        const struct wiring_output *o = wiring_output(w->wiring, i);
         w->load[i] = (struct load){.drive = {PIN_FLOATS, PIN_FLOATS}, .pulses = -1.0};
+        if (o->chip != NULL)
+            o->chip->kind->clear(o->chip, 0, true);
+    }
     w->world = (struct world){.context = w,
                               .pin_driven = pin_driven,
                               .pin_pulses = pin_pulses,
@@ -254,6 +310,7 @@ size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns)
 {
     for (size_t i = 0; i < w->n_outputs; i++) {
         pass(w, i, now_ns);
+        w->load[i].read_ns = now_ns;
         ns[i] = w->load[i].sum_ns;
     }
     return w->n_outputs;

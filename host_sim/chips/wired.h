@@ -27,7 +27,8 @@ void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double 
 bool wired_fault(struct wired *w, uint64_t now_ns, const char *name, const char *what, double value,
                  char *err, size_t err_size);
 
-/* How long each load has been on since the beginning, ns; of a valve with two pins the integral of its position, 0 to 1. ns: one number for each
+/* How long each load has been on since the beginning, ns; of a valve with two pins and of a load behind a chip the integral of its
+ * position, 0 to 1; of a stepper that of its flow as a part of hi. ns: one number for each
  * output of the wiring, whose number is returned. */
 size_t wired_loads(struct wired *w, uint64_t now_ns, double *ns);
 

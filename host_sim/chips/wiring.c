@@ -115,6 +115,8 @@ static bool set_output(struct wiring_output *o, const char *what, double value, 
         o->shorted = value != 0.0;
     } else if (strcmp(what, "broken") == 0) {
         o->broken = value != 0.0;
+    } else if (o->chip != NULL) {
+        return chip_set(o->chip, what, value, err, err_size);
     } else {
         return sim_fail(err, err_size, "output %s has no fault %s; it has shorted, broken", o->name,
                         what);

@@ -7,6 +7,8 @@
  *     P        bme280    i2c1 0x76 pressure  lo_in=0 hi_in=100 # mbar to Pa
  *     Q        ssr       PB0              hi=3
  *     Lr       valve     PB1 PB2          hi=20 travel=60 active=low
+ *     F        ad5422    spi2 PC0         clear=PC1 hi=8
+ *     D        stepper   PB3 PB4          steps=120 hi=6
  *
  * A sensor stands on spiN and the pin of its select, on i2cN and its address, or on wireN; behind that the input of the chip: a name, or the number
  * of one of several alike. Several lines may name one chip, each with another input; the chip's properties stand on the first.
@@ -15,6 +17,10 @@
  * (a straight line; without them they are the same), of an output with the load off and fully on (without them 0 and 1).
  * Of an output: active=low where a low pin turns it on. A valve has one pin, or two that open and close it, and `travel`, s from end to end. Behind
  * the two there may be two more, of contacts that close to ground at its open and its closed end.
+ *
+ * An ad5422 has the pin of its LATCH and clear=, the pin of its CLEAR, which a resistor pulls up. Its load is a valve or drive with an input: lo and
+ * hi are at lo_in and hi_in, which are 4 and 20 mA, and 0 and 10 V with signal=voltage. A stepper has the pin of its steps and where wanted that of
+ * its direction. It is a pump with steps= a ml and gives l/h: lo is 0, and hi the flow that the plant's input can have at most.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -30,7 +36,14 @@
 
 #define WIRING_NAME_SIZE 16u
 
-enum wiring_kind { WIRING_SSR, WIRING_RELAY, WIRING_PWM, WIRING_VALVE };
+enum wiring_kind {
+    WIRING_SSR,
+    WIRING_RELAY,
+    WIRING_PWM,
+    WIRING_VALVE,
+    WIRING_STEPPER,
+    WIRING_CHIP
+};
 
 struct wiring_sensor {
     char name[WIRING_NAME_SIZE];
@@ -52,14 +65,19 @@ struct wiring_output {
     char quantity[WIRING_NAME_SIZE]; /* of the plant */
     enum wiring_kind kind;
     hal_pin pin;
-    hal_pin close_pin; /* of a valve with two, else HAL_PIN_NONE */
+    hal_pin
+        close_pin; /* of a valve with two, else HAL_PIN_NONE; of a stepper that of its direction */
     hal_pin
         end_pin[2]; /* contacts at the open and the closed end of such a valve, or HAL_PIN_NONE */
     bool low_active;
-    double lo, hi;   /* of the quantity, off and on */
-    double travel_s; /* of a valve with two pins */
-    bool shorted;    /* fault: the load is on whatever the pin does */
-    bool broken;     /* fault: it is off whatever the pin does */
+    double lo, hi;       /* of the quantity, off and on */
+    double travel_s;     /* of a valve with two pins */
+    double steps;        /* of a stepper, a ml */
+    struct chip *chip;   /* of WIRING_CHIP: pin is its latch */
+    hal_pin clear_pin;   /* of that, else HAL_PIN_NONE */
+    double lo_in, hi_in; /* mA or V, likewise */
+    bool shorted;        /* fault: the load is on whatever the pin does */
+    bool broken;         /* fault: it is off whatever the pin does */
     unsigned line;
 };
 

@@ -104,6 +104,23 @@ static void offer_sensor(struct pick *p, const struct wiring *w, const struct wi
     }
 }
 
+static void offer_output(struct pick *p, const struct wiring_output *o)
+{
+    if (o->close_pin == HAL_PIN_NONE && o->kind != WIRING_STEPPER) {
+        offer(p, shorted);
+    }
+    offer(p, broken);
+    if (o->chip == NULL) {
+        return;
+    }
+    offer(p, missing);
+    offer(p, dead);
+    for (size_t i = 0; i < o->chip->kind->n_inputs; i++) {
+        const struct chip_input *in = &o->chip->kind->inputs[i];
+        offer(p, (struct wiring_fault){in->name, in->unit, in->lo, in->hi, in->what});
+    }
+}
+
 bool wiring_fault_at(const struct wiring *w, const char *name, size_t n, struct wiring_fault *fault)
 {
     struct pick p = {.n = n, .fault = fault};
@@ -120,10 +137,7 @@ bool wiring_fault_at(const struct wiring *w, const char *name, size_t n, struct 
     } else if (s != NULL) {
         offer_sensor(&p, w, s);
     } else if (o != NULL) {
-        if (o->close_pin == HAL_PIN_NONE) {
-            offer(&p, shorted);
-        }
-        offer(&p, broken);
+        offer_output(&p, o);
     }
     return p.found;
 }
@@ -184,7 +198,8 @@ const char *wiring_fault_of_kind(const struct chip_kind *kind, size_t n)
     if (numbered && n-- == 0) {
         return open_wire.name;
     }
-    for (size_t i = 1; i < kind->n_inputs; i++) { /* the first is what it measures */
+    /* The first input of a chip that measures is what it measures. */
+    for (size_t i = kind->drives == NULL ? 1u : 0u; i < kind->n_inputs; i++) {
         bool of_plant = numbered && strncmp(kind->inputs[i].name, "in", 2) == 0;
         if (!of_plant && n-- == 0) {
             return name_of_input(kind->inputs[i].name);
@@ -244,7 +259,14 @@ bool wiring_fault(struct wiring *w, uint64_t now_ns, const char *name, const cha
 {
     bool on = value != 0.0;
     const struct wiring_sensor *s = sensor_named(w, name);
+    const struct wiring_output *o = output_named(w, name);
     struct wiring_fault f;
+    if (o != NULL && o->chip != NULL && strcmp(what, missing.name) == 0) {
+        if (o->chip->powered == on) {
+            chip_power(o->chip, now_ns, !on);
+        }
+        return true;
+    }
     if (s == NULL || !find(w, name, what, &f)) {
         return wiring_set(w, name, what, value, err, err_size);
     }

@@ -24,6 +24,24 @@ struct wiring {
     uint64_t seed;
 };
 
+#define WIRING_WORDS_MAX 24u
+#define WIRING_TEXT_SIZE 512u
+
+/* A line, in words. */
+struct words {
+    char *word[WIRING_WORDS_MAX];
+    size_t n;
+    size_t places; /* words in front of the properties */
+    unsigned line;
+};
+
+/* Properties that are the line's own, not the chip's. */
+struct own {
+    double lo, hi, lo_in, hi_in, travel_s;
+    bool low_active, has_active, has_travel, has_input_range;
+    const char *quantity;
+};
+
 /* "spi", "i2c", "wire" */
 extern const char *const wiring_bus_names[WIRING_BUS_KINDS];
 
@@ -32,5 +50,25 @@ bool wiring_bus_named(const char *name, enum chip_bus *kind, unsigned *number);
 
 /* Takes a line, which it cuts into words, into the table. False, with a sentence in err, without file and line. */
 bool wiring_line(struct wiring *w, char *text, unsigned line, char *err, size_t err_size);
+
+/* Sorts the properties of a line: its own, and the rest as text for the chip, of WIRING_TEXT_SIZE. False, with a sentence in err. */
+bool wiring_properties(const struct words *s, struct own *own, char *rest, char *err,
+                       size_t err_size);
+
+/* Reads a pin that nothing has yet. False, with a sentence in err. */
+bool wiring_take_pin(const struct wiring *w, const char *text, hal_pin *pin, char *err,
+                     size_t err_size);
+
+/* A bus, which is made when it is first wanted. */
+struct chips *wiring_make_bus(struct wiring *w, enum chip_bus kind, unsigned number);
+
+/* Makes a chip of the table, without power. NULL, with a sentence in err. */
+struct chip *wiring_make_chip(struct wiring *w, const char *kind, const char *properties, char *err,
+                              size_t err_size);
+
+/* Takes a line of an output that is a chip or a stepper. False, with a sentence in err. */
+bool wiring_chip_output(struct wiring *w, const struct words *s, const struct chip_kind *kind,
+                        char *err, size_t err_size);
+bool wiring_stepper(struct wiring *w, const struct words *s, char *err, size_t err_size);
 
 #endif

@@ -9,26 +9,8 @@
 #include "chips/chip_inside.h"
 #include "chips/wiring_inside.h"
 
-#define WORDS_MAX 24u
-#define TEXT_SIZE 512u
-
 const char *const wiring_bus_names[WIRING_BUS_KINDS] = {"spi", "i2c", "wire"};
-static const char *const output_kinds[] = {"ssr", "relay", "pwm", "valve"};
-
-/* A line, in words. */
-struct words {
-    char *word[WORDS_MAX];
-    size_t n;
-    size_t places; /* words in front of the properties */
-    unsigned line;
-};
-
-/* Properties that are the line's own, not the chip's. */
-struct own {
-    double lo, hi, lo_in, hi_in, travel_s;
-    bool low_active, has_active, has_travel, has_input_range;
-    const char *quantity;
-};
+static const char *const output_kinds[] = {"ssr", "relay", "pwm", "valve", "stepper"};
 
 bool wiring_bus_named(const char *name, enum chip_bus *kind, unsigned *number)
 {
@@ -61,8 +43,7 @@ static bool no_pin(const char *text, char *err, size_t err_size)
     return sim_fail(err, err_size, "%s is no pin; pins are PA0 to PI15", text);
 }
 
-/* A pin that nobody has. */
-static bool take_pin(const struct wiring *w, const char *text, hal_pin *pin, char *err,
+bool wiring_take_pin(const struct wiring *w, const char *text, hal_pin *pin, char *err,
                      size_t err_size)
 {
     if (!read_pin(text, pin)) {
@@ -78,7 +59,7 @@ static bool take_pin(const struct wiring *w, const char *text, hal_pin *pin, cha
     for (size_t i = 0; i < w->n_outputs; i++) {
         const struct wiring_output *o = &w->output[i];
         if (o->pin == *pin || o->close_pin == *pin || o->end_pin[0] == *pin ||
-            o->end_pin[1] == *pin) {
+            o->end_pin[1] == *pin || o->clear_pin == *pin) {
             return sim_fail(err, err_size, "%s is a pin of %s in line %u; each has its own pin",
                             text, w->output[i].name, w->output[i].line);
         }
@@ -156,9 +137,8 @@ static bool own_property(struct own *own, const char *word, bool *taken, char *e
     return true;
 }
 
-/* Sorts the properties of a line: its own, and the rest as text for the chip. */
-static bool read_properties(const struct words *s, struct own *own, char *rest, char *err,
-                            size_t err_size)
+bool wiring_properties(const struct words *s, struct own *own, char *rest, char *err,
+                       size_t err_size)
 {
     *own = (struct own){.hi = 1.0, .hi_in = 1.0, .quantity = s->word[0]};
     rest[0] = '\0';
@@ -172,7 +152,7 @@ static bool read_properties(const struct words *s, struct own *own, char *rest, 
             return false;
         }
         if (!taken) {
-            sim_append(rest, TEXT_SIZE, "%s%s", rest[0] == '\0' ? "" : " ", s->word[i]);
+            sim_append(rest, WIRING_TEXT_SIZE, "%s%s", rest[0] == '\0' ? "" : " ", s->word[i]);
         }
     }
     if (own->lo == own->hi || own->lo_in == own->hi_in) {
@@ -185,10 +165,11 @@ static bool read_output(struct wiring *w, const struct words *s, enum wiring_kin
                         size_t err_size)
 {
     struct own own;
-    char rest[TEXT_SIZE];
+    char rest[WIRING_TEXT_SIZE];
     struct wiring_output o = {.kind = kind,
                               .close_pin = HAL_PIN_NONE,
                               .end_pin = {HAL_PIN_NONE, HAL_PIN_NONE},
+                              .clear_pin = HAL_PIN_NONE,
                               .line = s->line};
     size_t pins = s->places - 2;
     bool turns = kind == WIRING_VALVE && (pins == 2 || pins == 4);
@@ -199,12 +180,12 @@ static bool read_output(struct wiring *w, const struct words *s, enum wiring_kin
                                                "two or none of contacts at its ends"
                                              : "one pin");
     }
-    if (!read_properties(s, &own, rest, err, err_size)) {
+    if (!wiring_properties(s, &own, rest, err, err_size)) {
         return false;
     }
     hal_pin *const taken[] = {&o.pin, &o.close_pin, &o.end_pin[0], &o.end_pin[1]};
     for (size_t i = 0; i < pins; i++) {
-        if (!take_pin(w, s->word[2 + i], taken[i], err, err_size)) {
+        if (!wiring_take_pin(w, s->word[2 + i], taken[i], err, err_size)) {
             return false;
         }
         for (size_t k = 0; k < i; k++) {
@@ -240,11 +221,6 @@ static bool read_input(const struct chip_kind *kind, const char *word, struct wi
                        char *err, size_t err_size)
 {
     bool several = strcmp(kind->inputs[0].name, "in0") == 0;
-    if (kind->volts != NULL) {
-        return sim_fail(err, err_size,
-                        "%s measures nothing; it gives a voltage, and no line has one yet",
-                        kind->name);
-    }
     char name[WIRING_NAME_SIZE + 2] = "";
     if (word == NULL && several) {
         return sim_fail(err, err_size,
@@ -297,14 +273,24 @@ static bool read_place(const struct words *s, const struct chip_kind *kind,
     return read_input(kind, s->places > needed ? s->word[needed] : NULL, sensor, err, err_size);
 }
 
-static struct chips *bus_of(struct wiring *w, const struct wiring_sensor *sensor)
+struct chips *wiring_make_bus(struct wiring *w, enum chip_bus kind, unsigned number)
 {
-    struct chips **b = &w->bus[sensor->bus][sensor->bus_number - 1];
+    struct chips **b = &w->bus[kind][number - 1];
     if (*b == NULL) {
-        *b = chips_new(sensor->bus,
-                       w->seed * 31u + (uint64_t)sensor->bus * 10u + sensor->bus_number);
+        *b = chips_new(kind, w->seed * 31u + (uint64_t)kind * 10u + number);
     }
     return *b;
+}
+
+struct chip *wiring_make_chip(struct wiring *w, const char *kind, const char *properties, char *err,
+                              size_t err_size)
+{
+    struct chip *c =
+        chip_new(kind, properties, w->seed + 1000003u * (w->n_chips + 1u), err, err_size);
+    if (c != NULL) {
+        w->chip[w->n_chips++] = c;
+    }
+    return c;
 }
 
 /* The chip that is at this place already. True in `there`; false is returned where this line does not go with it. */
@@ -344,18 +330,16 @@ static bool share_chip(const struct wiring *w, const struct chip_kind *kind, con
 static bool make_chip(struct wiring *w, const struct chip_kind *kind, const char *rest,
                       struct wiring_sensor *sensor, char *err, size_t err_size)
 {
-    char properties[TEXT_SIZE + 32u];
+    char properties[WIRING_TEXT_SIZE + 32u];
     if (kind->bus == CHIP_I2C && strstr(rest, "address=") != NULL) {
         return sim_fail(err, err_size, "the address stands behind the bus, not as a property");
     }
     (void)snprintf(properties, sizeof(properties),
                    kind->bus == CHIP_I2C ? "%s address=0x%02x" : "%s", rest, sensor->address);
-    sensor->chip =
-        chip_new(kind->name, properties, w->seed + 1000003u * (w->n_chips + 1u), err, err_size);
+    sensor->chip = wiring_make_chip(w, kind->name, properties, err, err_size);
     if (sensor->chip == NULL) {
         return false;
     }
-    w->chip[w->n_chips++] = sensor->chip;
     for (size_t i = 0; kind->bus == CHIP_ONEWIRE && i < w->n_sensors; i++) {
         const struct wiring_sensor *o = &w->sensor[i];
         /* Addresses that the seed makes are not there yet: NAN is never the same. */
@@ -365,18 +349,19 @@ static bool make_chip(struct wiring *w, const struct chip_kind *kind, const char
                             o->line);
         }
     }
-    return chips_add(bus_of(w, sensor), sensor->chip, sensor->select, err, err_size);
+    return chips_add(wiring_make_bus(w, sensor->bus, sensor->bus_number), sensor->chip,
+                     sensor->select, err, err_size);
 }
 
 static bool read_sensor(struct wiring *w, const struct words *s, const struct chip_kind *kind,
                         char *err, size_t err_size)
 {
     struct own own;
-    char rest[TEXT_SIZE];
+    char rest[WIRING_TEXT_SIZE];
     struct wiring_sensor sensor = {
         .bus = kind->bus, .select = HAL_PIN_NONE, .input = kind->inputs[0].name, .line = s->line};
     bool there = false;
-    if (!read_properties(s, &own, rest, err, err_size) ||
+    if (!wiring_properties(s, &own, rest, err, err_size) ||
         !read_place(s, kind, &sensor, err, err_size)) {
         return false;
     }
@@ -388,7 +373,7 @@ static bool read_sensor(struct wiring *w, const struct words *s, const struct ch
         return false;
     }
     if (!there && kind->bus == CHIP_SPI &&
-        !take_pin(w, s->word[3], &sensor.select, err, err_size)) {
+        !wiring_take_pin(w, s->word[3], &sensor.select, err, err_size)) {
         return false;
     }
     if (!there && !make_chip(w, kind, rest, &sensor, err, err_size)) {
@@ -410,11 +395,9 @@ static bool no_kind(const char *word, char *err, size_t err_size)
     const struct chip_kind *const *kinds = chip_kinds(&n);
     (void)sim_fail(err, err_size, "%s is no chip and no output; there are", word);
     for (size_t i = 0; i < n; i++) {
-        if (kinds[i]->volts == NULL) {
-            sim_append(err, err_size, " %s,", kinds[i]->name);
-        }
+        sim_append(err, err_size, " %s,", kinds[i]->name);
     }
-    sim_append(err, err_size, " ssr, relay, pwm, valve");
+    sim_append(err, err_size, " ssr, relay, pwm, valve, stepper");
     return false;
 }
 
@@ -423,8 +406,8 @@ bool wiring_line(struct wiring *w, char *text, unsigned line, char *err, size_t 
     struct words s = {.line = line};
     text[strcspn(text, "#")] = '\0';
     for (char *word = strtok(text, " \t\r\n"); word != NULL; word = strtok(NULL, " \t\r\n")) {
-        if (s.n == WORDS_MAX) {
-            return sim_fail(err, err_size, "more than %u words", WORDS_MAX);
+        if (s.n == WIRING_WORDS_MAX) {
+            return sim_fail(err, err_size, "more than %u words", WIRING_WORDS_MAX);
         }
         s.word[s.n++] = word;
     }
@@ -446,14 +429,16 @@ bool wiring_line(struct wiring *w, char *text, unsigned line, char *err, size_t 
     }
     for (size_t i = 0; i < CHIP_COUNT(output_kinds); i++) {
         if (strcmp(s.word[1], output_kinds[i]) == 0) {
-            return read_output(w, &s, (enum wiring_kind)i, err, err_size);
+            return i == WIRING_STEPPER ? wiring_stepper(w, &s, err, err_size)
+                                       : read_output(w, &s, (enum wiring_kind)i, err, err_size);
         }
     }
     size_t n;
     const struct chip_kind *const *kinds = chip_kinds(&n);
     for (size_t i = 0; i < n; i++) {
         if (strcmp(s.word[1], kinds[i]->name) == 0) {
-            return read_sensor(w, &s, kinds[i], err, err_size);
+            return kinds[i]->drives != NULL ? wiring_chip_output(w, &s, kinds[i], err, err_size)
+                                            : read_sensor(w, &s, kinds[i], err, err_size);
         }
     }
     return no_kind(s.word[1], err, err_size);

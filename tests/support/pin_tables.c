@@ -80,8 +80,6 @@ static void print_chips(void)
     size_t n;
     const struct chip_kind *const *kinds = chip_kinds(&n);
     for (size_t i = 0; i < n; i++) {
-        if (kinds[i]->volts != NULL)
-            continue; /* no line of a wiring file has one yet */
         for (size_t k = 0; k < kinds[i]->n_properties; k++) {
             const struct chip_property *p = &kinds[i]->properties[k];
             printf("property\t%s\t%s\t%s\t%g\t%g\t%g\t%s\n", kinds[i]->name, p->name, p->unit,

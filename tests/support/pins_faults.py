@@ -143,31 +143,63 @@ CHIP_OF = {"ads1115, 4-20 mA": "ads1115", "ads1115, 0-10 V": "ads1115", "bme280_
 
 @dataclass(frozen=True)
 class Load:
-    """A heater, or with a valve the reflux, by a kind of output."""
+    """A heater, or the reflux, by a kind of output. faults: those of its chip, beside a load that is shorted or broken. off: the
+    plant's value while the board lets that chip fall."""
 
     name: str
     wiring: tuple[str, ...]
     rows: tuple[str, ...]
     moved: str = "Qrb"
+    faults: tuple[Fault, ...] = ()
+    shorts: bool = True
+    off: float | None = None
 
 
 PULSES = ("Lr pwm PB0 lo=0 hi=12", "Qrb pwm PB1 lo=0 hi=1.5")
 OUTPUT_ROWS = ("out1.name Lr", "out1.unit l/h", "out1.kind pwm", "out1.pin PB0", "out1.hi 12", "out2.name Qrb", "out2.unit kW", "out2.kind pwm",
                "out2.pin PB1", "out2.hi 1.5")
+OUTPUT_GONE, NO_CURRENT, HOT = ("no chip answers",), ("no current flows",), ("chip too hot",)
+
+
+def of_output_chip(name: str, current: bool) -> tuple[Fault, ...]:
+    """Faults of the chip behind an output, which shares its bus with both thermometers."""
+    def told(fault: str, event: str, says: tuple[str, ...], **more) -> Fault:
+        return Fault(fault, (event,), says, told_as="OUTPUT_FAULT", **more)
+
+    silent = "the chip knows of a current that does not flow, not of a voltage"
+    return (told("open loop", f"{name}.open=1", NO_CURRENT) if current else told("open", f"{name}.open=1", (), why=silent),
+            told("chip too hot", f"{name}.hot=1", HOT), told("missing chip", f"{name}.missing=1", OUTPUT_GONE),
+            told("dead chip", f"{name}.dead=1", OUTPUT_GONE),
+            told("brown-out", f"{name}.brownout=1", (), why="it gets its range and code again within a round"),
+            told("bus stuck low", "spi1.stuck=1", OUTPUT_GONE, both=True),
+            told("bus noise 1e-3", "spi1.noise=1e-3", OUTPUT_GONE, both=True, sometimes=True),
+            told("bus noise 1e-2", "spi1.noise=1e-2", OUTPUT_GONE, both=True, sometimes=True))
+
+
+def with_chip(row: int, more: str) -> tuple[str, ...]:
+    return tuple(f"out{row}.{word}" for word in ("kind ad5422", "pin PC5", "pin2 PC4", "bus spi1", more))
+
+
 LOADS = (
     Load("window", (PULSES[0], "Qrb ssr PB1 lo=0 hi=1.5"), ("out2.kind window",)),
     Load("burst", (PULSES[0], "Qrb ssr PB1 lo=0 hi=1.5"), ("out2.kind burst",)),
     Load("relay", (PULSES[0], "Qrb relay PB1 lo=0 hi=1.5"), ("out2.kind relay",)),
     Load("pwm", PULSES, ()),
     Load("analog", PULSES, ("out2.kind analog",)),
-    Load("motor_valve", ("Lr valve PB0 PC2 lo=0 hi=12 travel=60", PULSES[1]), ("out1.kind motor_valve", "out1.pin2 PC2", "out1.travel 60"), "Lr"),
+    Load("motor_valve", ("Lr valve PB0 PC2 lo=0 hi=12 travel=60", PULSES[1]), ("out1.kind motor_valve", "out1.pin2 PC2", "out1.travel 60"), "Lr", shorts=False),
+    Load("stepper", ("Lr stepper PB0 PC2 steps=120 hi=12", PULSES[1]),
+         ("out1.kind stepper", "out1.pin2 PC2", "out1.flow 12", "out1.steps 120", "out1.ramp 2000"), "Lr", shorts=False),
+    Load("ad5422, 4-20 mA", ("Lr ad5422 spi1 PC4 clear=PC5 lo=0 hi=12", PULSES[1]), (*with_chip(1, "range 4-20mA"), "out1.safe 0.375"), "Lr",
+         of_output_chip("Lr", True), off=0.0),
+    Load("ad5422, 0-10 V", (PULSES[0], "Qrb ad5422 spi1 PC4 clear=PC5 signal=voltage lo=0 hi=1.5"), with_chip(2, "range 0-10V"),
+         faults=of_output_chip("Qrb", False), off=0.0),
 )
-LOAD_WHY = "no pin reads what the load does; what it does to the column tells"
+LOAD_WHY = "no pin reads what the load does; below, out.proof tells by what it does"
 SHORTED, BROKEN = "shorted", "broken"
 NOT_SHOWN = {
     "analog": "a wiring file has no voltage at a pin of the chip", "flow": "a wiring file has no flow meter: no flow without pump",
-    "pulses": "a wiring file has no pulses to count", "ad5422": "a wiring file has no output chip",
-    "level": "a wiring file has no contact", "stepper": "a wiring file has no pump with a stepper motor",
+    "pulses": "a wiring file has no pulses to count",
+    "level": "a wiring file has no contact",
     "enable": "a wiring file has no contactor in series with the heaters",
 }
 
@@ -253,8 +285,9 @@ class Cell:
     wrong: list[str] = field(default_factory=list)
 
 
-def load_fault(load: Load, name: str) -> Fault:
-    return Fault(name, (f"{load.moved}.{name}=1",), why=LOAD_WHY, lasts_s=LOAD_LASTS_S)
+def load_faults(load: Load) -> tuple[Fault, ...]:
+    names = (SHORTED, BROKEN) if load.shorts else (BROKEN,)
+    return (*(Fault(name, (f"{load.moved}.{name}=1",), why=LOAD_WHY, lasts_s=LOAD_LASTS_S) for name in names), *load.faults)
 
 
 def find(job: Job) -> tuple[Device, Load, Fault]:
@@ -263,16 +296,13 @@ def find(job: Job) -> tuple[Device, Load, Fault]:
             if (device.name, fault.name) == (job.device, job.fault):
                 return device, LOADS[3], fault
     load = next(load for load in LOADS if load.name == job.device)
-    return DEVICES[0], load, load_fault(load, job.fault)
+    return DEVICES[0], load, next(fault for fault in load_faults(load) if fault.name == job.fault)
 
 
 def jobs() -> list[Job]:
     """Every cell."""
     out = [Job(device.name, fault.name, state) for device in DEVICES for fault in device.faults for state in STATES]
-    for load in LOADS:
-        names = (SHORTED, BROKEN) if load.moved == "Qrb" else (BROKEN,)
-        out += [Job(load.name, name, state) for name in names for state in STATES_OF_LOADS]
-    return out
+    return out + [Job(load.name, fault.name, state) for load in LOADS for fault in load_faults(load) for state in STATES_OF_LOADS]
 
 
 def by_name(line: str) -> list[str]:
@@ -311,7 +341,7 @@ def simulate(job: Job, place: Path | None = None, wire: Callable[[Path], str] | 
 
 
 def run(wiring: list[str], lines: list[str], timed: list[str], end_s: float, place: Path | None = None,
-        wire: Callable[[Path], str] | None = None) -> Run:
+        wire: Callable[[Path], str] | None = None, plant: str = "pilot") -> Run:
     """A run of the pilot column, wired so, with console lines and events."""
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         out = place or Path(folder)
@@ -319,7 +349,7 @@ def run(wiring: list[str], lines: list[str], timed: list[str], end_s: float, pla
         (out / "script").write_text("\n".join([*lines, f"{end_s:g} ?status"]) + "\n")
         port = wire(out / "wiring") if wire else "memory"
         done = subprocess.run(
-            [str(build.find_program("host", "reflux-sim" if wire else "reflux-sim-memory")), "--plant", "pilot", "--port", port, "--console", port,
+            [str(build.find_program("host", "reflux-sim" if wire else "reflux-sim-memory")), "--plant", plant, "--port", port, "--console", port,
              "--wiring", str(out / "wiring"), "--tick", "1", "--duration", f"{end_s:g}", "--script", str(out / "script"), "--log", str(out / "log"),
              "--telemetry", str(out / "telemetry"), "--transcript", str(out / "transcript"), "--timeout", str(PATIENCE_S),
              *(word for event in timed for word in ("--event", event))],

@@ -1,15 +1,17 @@
 """What must hold in a cell of the faults at the board's pins (pins_faults.py), and what came of it in words.
 
 What a chip reports is told within two samples. While the fault lasts no reading that is good is wrong, but where no chip can know. The loop of the
-lost measurement falls back as declared, in its time, and no other loop does. The plant gets no output outside its limits but the safe one. What is
-taken back is told, the reading is right again, and the outputs go on. No rule of a chip's data sheet is broken where the firmware can know its state.
+lost measurement falls back as declared, in its time, and no other loop does. The plant gets no output outside its limits but the safe one, or less
+where the board lets fall an output whose chip has the fault. What is taken back is told, the reading is right again, and the outputs go on. No rule
+of a chip's data sheet is broken where the firmware can know its state.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
-from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, STATES, STEP, Cell, Device, Fault, Job, Run, State, find)
+from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, STATES, STEP, Cell, Device, Fault, Job, Load, Run, State, find)
 
 LATE_S = 1.0          # of what follows from a lost reading: the next sample
 SLOW_S = 3            # a reading is of one of the last so many samples
@@ -57,9 +59,9 @@ def cause(rest: str) -> str:
     return rest.rsplit(": ", 1)[-1]
 
 
-def told(seen: Seen, wrong: list[str]) -> str:
+def told(seen: Seen, wrong: list[str], subject: str = "T1") -> str:
     """What was told of the fault, in words, empty: nothing."""
-    fault, event = seen.fault, seen.during(seen.fault.told_as, "T1")
+    fault, event = seen.fault, seen.during(seen.fault.told_as, subject)
     if event is None:
         if fault.says and not seen.sometimes:
             wrong.append("it is not told")
@@ -169,11 +171,15 @@ def outputs(seen: Seen, wrong: list[str]) -> None:
         values = [(at, value) for at, value in values if at >= from_s]
         if load is not None and load.name == "relay" and name == load.moved:
             continue  # it has no part of its span
+        falls = load is not None and name == load.moved and seen.fault in load.faults
+        if falls and load and load.off is not None:  # its chip may be let fall, in any part of a sample, and be given less
+            lo = load.off
+            values += [(number, float(row[f"{name}.cmd"])) for number, row in enumerate(seen.run.log) if number >= from_s]
         beyond = [(at, value) for at, value in values if not lo - near <= value <= hi + near and abs(value - safe) > near]
         if beyond:
             wrong.append(f"{name} is {beyond[0][1]:g} at {beyond[0][0] - seen.begin_s:g} s, {len(beyond)} times")
         interlocked = any(code.startswith("INTERLOCK") for _, code, _, _ in seen.run.said)
-        moved = [(at, value) for at, value in values if at > ENTER_S and abs(value - MANUAL[name]) > near]
+        moved = [(at, value) for at, value in values if at > ENTER_S and abs(value - MANUAL[name]) > near and not (falls and value < MANUAL[name])]
         if seen.state.name == "manual" and moved and not interlocked:
             wrong.append(f"{name} moves in manual, {moved[0][1]:g} at {moved[0][0] - seen.begin_s:g} s")
         if seen.state.falls_back == "safe" and (since := lost_since(seen)) is not None:
@@ -192,6 +198,17 @@ def back(seen: Seen, wrong: list[str]) -> None:
         wrong.append("its end is not told" if event is None else f"its end is told after {event[0] - seen.end_s:g} s")
 
 
+def told_of_chip(seen: Seen, load: Load, wrong: list[str]) -> str:
+    """What the chip behind an output reported, and that it was told to be over."""
+    words = told(seen, wrong, load.moved)
+    faults = [code for at, code, who, _ in seen.run.said if who == load.moved and code in ("OUTPUT_FAULT", "OUTPUT_FINE") and at <= seen.end_s]
+    if faults and faults[-1] == "OUTPUT_FAULT":
+        fine = seen.after("OUTPUT_FINE", load.moved)
+        if fine is None or fine[0] - seen.end_s > BACK_S:
+            wrong.append("its end is not told" if fine is None else f"its end is told after {fine[0] - seen.end_s:g} s")
+    return words or load_words(seen)
+
+
 def load_words(seen: Seen) -> str:
     """What was told while a load was faulty."""
     said = [(at, code, who) for at, code, who, _ in seen.run.said
@@ -200,8 +217,10 @@ def load_words(seen: Seen) -> str:
 
 
 def hides_chip(fault: Fault) -> bool:
-    """The firmware cannot know what state the chip is in: whether it has just got power, or has heard what was written."""
-    return any(event.split(".")[0] != "T1" or event.split("=")[0] in ("T1.missing", "T1.wrong") for event in fault.events)
+    """The firmware cannot know what state the chip is in: whether it has just got power, or has heard what was written. The chip of an output that
+    has been asked and then hears no more drives its answer into what others on the bus say."""
+    what = [event.split("=")[0].split(".") for event in fault.events]
+    return any(re.fullmatch(r"(spi|i2c|wire)\d", who) or name in ("missing", "wrong") or (name == "dead" and who != "T1") for who, name in what)
 
 
 def judge(job: Job, run: Run) -> Cell:
@@ -214,7 +233,8 @@ def judge(job: Job, run: Run) -> Cell:
     if run.warned and not hides_chip(fault):
         wrong.append(run.warned)
     if job.device in {load.name for load in LOADS}:
-        return Cell(load_words(seen), wrong)
+        load = next(load for load in LOADS if load.name == job.device)
+        return Cell(told_of_chip(seen, load, wrong) if fault in load.faults else load_words(seen), wrong)
     words = told(seen, wrong)
     if words and not seen.sometimes and lost_since(seen) is None:
         wrong.append("told, but the measurement is not lost")

@@ -23,12 +23,15 @@ DURATION_S = 600 if EVERY else 60
 @dataclass(frozen=True)
 class Case:
     """later: plant time, s, and console line, beside those of the scenario. near: measurements and what the plant has of them about then, in the
-    unit of the board, with the largest difference. last: columns at the end, and their values."""
+    unit of the board, with the largest difference. last: columns at the end, and their values. outputs: lines of the wiring in place of those with
+    their names."""
 
     name: str
     later: tuple[tuple[float, str], ...]
     near: dict[str, tuple[float, float]]
     last: dict[str, float]
+    scenario: str = ""
+    outputs: tuple[str, ...] = ()
 
 
 # Outputs by hand, loops to automatic, setpoints, and settings that come into force meanwhile.
@@ -46,6 +49,13 @@ CASES = (
          ((5, "mode burner1 auto"), (5, "mode burner2 auto"), (15, "sp burner1 60"), *STEPS, (50, "mode burner2 manual"), (55, "out u4 60")),
          {"y1": (52.0, 10.0), "y2": (50.0, 10.0), "y3": (50.0, 10.0), "y4": (50.0, 10.0)},
          {"burner1.mode": 1, "burner1.sp": 60, "burner2.mode": 0, "u4.cmd": 60}),
+    # The reflux by a pump, the heater by a chip on the bus of the first thermometer.
+    Case("chip and stepper",
+         (*((0, line) for line in ("begin", *(f"set out1.{row}" for row in ("kind stepper", "pin2 PC2", "flow 12", "steps 120", "ramp 2000")),
+                                   *(f"set out2.{row}" for row in ("kind ad5422", "pin PC5", "pin2 PC4", "bus spi1", "range 4-20mA")), "apply")),
+          (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"), (45, "mode bottom manual"), (46, "out Qrb 0.7")),
+         {"T1": (87.0, 5.0), "T10": (107.0, 5.0)}, {"top.mode": 1, "bottom.mode": 0, "top.sp": 87.5, "Qrb.cmd": 0.7},
+         "pilot-pins", ("Lr stepper PB0 PC2 steps=120 hi=12", "Qrb ad5422 spi1 PC4 clear=PC5 lo=0 hi=1.5")),
 )
 
 
@@ -55,12 +65,18 @@ class SameLogTest(unittest.TestCase):
 
     def run_on(self, firmware: str, case: Case, name: str) -> runner.Result:
         """A minute with the lines of the case; in a longer run those of the scenario come after it."""
-        whole = scenario.load(scenario.SCENARIOS / f"{case.name}.toml")
+        whole = scenario.load(scenario.SCENARIOS / f"{case.scenario or case.name}.toml")
         scripted = [scenario.Line(float(at), text) for at, text in case.later]
         own = [line for line in whole.lines if line.at_s < DURATION_S and (line.at_s == 0 or line.at_s >= 60)]
         wanted = replace(whole, firmware=firmware, duration_s=float(DURATION_S), lines=tuple(sorted([*own, *scripted], key=lambda line: line.at_s)),
                          events=tuple(event for event in whole.events if event.at_s < DURATION_S), limits=(), loops=())
         self.assertIsNotNone(wanted.wiring)
+        if case.outputs:
+            mine = {line.split()[0] for line in case.outputs}
+            lines = [line for line in wanted.wiring.read_text(encoding="utf-8").splitlines() if not mine.intersection(line.split()[:1])]
+            wired = self.folder / "wiring"
+            wired.write_text("\n".join([*lines, *case.outputs]) + "\n", encoding="utf-8")
+            wanted = replace(wanted, wiring=wired)
         result = runner.run(wanted, runner.Options(self.folder / name, quiet=True))
         print(f"{case.name} on {firmware}: {result.facts['samples']} samples in {result.facts['wall_s']} s", flush=True)
         return result

@@ -27,6 +27,7 @@ import board  # noqa: E402
 from pins_faults import (  # noqa: E402
     DEVICES, LOADS, NOT_SHOWN, PULSES, STATES, STATES_OF_LOADS, Cell, Job, Run, find, jobs, run, settings, simulate)
 from pins_faults_judge import judge  # noqa: E402
+from pins_proofs import BROKEN, PROOFS, PROVED, SHORTED, judge_proof, proof_jobs, simulate_proof, states_of  # noqa: E402
 from sample import EVERY  # noqa: E402
 
 from reflux import build  # noqa: E402
@@ -34,7 +35,8 @@ from reflux import build  # noqa: E402
 IMAGE = "stm32f405"
 BOARD = board.ROOT / "build" / "host" / "reflux-board"
 SHARE = 23  # of the cells, the default test runs one in so many; the states and the faults of a device have no such factor
-ON_BOARD = (Job("max31865", "open", "auto"), Job("max31856", "missing chip", "sequence"), Job("ads1115, 4-20 mA", "bus stuck low", "auto, safe"))
+ON_BOARD = (Job("max31865", "open", "auto"), Job("max31856", "missing chip", "sequence"), Job("ads1115, 4-20 mA", "bus stuck low", "auto, safe"),
+            Job("ad5422, 4-20 mA", "missing chip", "auto"))
 
 
 # A chip of each bus with faults that overlap, plant time in s.
@@ -57,8 +59,17 @@ def mixed(place: Path | None = None, wire: Callable[[Path], str] | None = None) 
     return run(MIXED_WIRING, lines, MIXED_EVENTS, MIXED_END_S, place, wire)
 
 
+def all_jobs() -> list[Job]:
+    return jobs() + proof_jobs()
+
+
+def cell_of(job: Job, *board: object) -> Cell:
+    """On the host, or in a folder on a board that a function starts with a wiring file."""
+    return judge_proof(job, simulate_proof(job, *board)) if job.device in PROVED else judge(job, simulate(job, *board))
+
+
 def on_host(job: Job) -> Cell:
-    return judge(job, simulate(job))
+    return cell_of(job)
 
 
 @contextlib.contextmanager
@@ -85,7 +96,7 @@ def virtual_board():
 def on_board(job: Job) -> Cell:
     """On the flashed image: both ends have the same wiring file."""
     with virtual_board() as (folder, wire, said):
-        cell = judge(job, simulate(job, folder, wire))
+        cell = cell_of(job, folder, wire)
     cell.wrong += [f"the board: {words[-200:]}" for words in said if words]
     return cell
 
@@ -96,7 +107,8 @@ def of_device(device: str, states: list[str], cells: dict[Job, Cell]) -> list[st
     for fault in dict.fromkeys(job.fault for job in cells if job.device == device):
         row = [cells.get(Job(device, fault, state)) for state in states]
         words = [("" if not cell.wrong else "**no**: " + "; ".join(cell.wrong) + " - ") + cell.words if cell else "-" for cell in row]
-        out.append(f"| {fault} | " + " | ".join(words) + f" | {find(Job(device, fault, states[0]))[2].why or '-'} |")
+        why = "" if device in PROVED else f" | {find(Job(device, fault, states[0]))[2].why or '-'}"
+        out.append(f"| {fault} | " + " | ".join(words) + f"{why} |")
     return out
 
 
@@ -106,14 +118,21 @@ def page(cells: dict[Job, Cell], where: str) -> str:
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
     out = ["# Faults at the board's own pins", "",
            "`tests/target/test_pins_faults.py --matrix FILE` prints this page: the pilot column at the pins, T1 behind each kind of device in turn,",
-           "one fault in each state, and the outputs with each kind of load. `tests/support/pins_faults_judge.py` says what must hold.", "",
+           "one fault in each state, and the outputs with each kind of load. `tests/support/pins_faults_judge.py` says what must hold. Then outputs",
+           "with `out.proof` on the cold pilot column: `tests/support/pins_proofs.py`.", "",
            f"Commit {commit}, {where}: {len(cells)} cells, {wrong} of them against that.", "",
            "A cell says how soon the fault was told and with which words, and what then had the plant. A fault that no chip reports has the reason",
-           "in the last column. In all cells the outputs were within their limits or safe, unless the cell says otherwise."]
+           "in the last column. In all cells the outputs were within their limits or safe, or let fall where their chip had the fault, unless the cell says",
+           "otherwise."]
     for name, states in [(device.name, list(STATES)) for device in DEVICES] + [(load.name, list(STATES_OF_LOADS)) for load in LOADS]:
         if any(job.device == name for job in cells):
             out += ["", f"## {name}", "", "| fault | " + " | ".join(states) + " | why |", "|---|" + "---|" * (len(states) + 1)]
             out += of_device(name, states, cells)
+    for proof in PROOFS:
+        if any(job.device == proof.name for job in cells):
+            states = states_of(proof.name)
+            out += ["", f"## {proof.name}", "", "| fault | " + " | ".join(states) + " |", "|---|" + "---|" * len(states)]
+            out += of_device(proof.name, states, cells)
     return "\n".join([*out, "", "## Not shown", "", *(f"- `{kind}`: {why}." for kind, why in NOT_SHOWN.items()), ""])
 
 
@@ -124,7 +143,7 @@ def main() -> int:
     p.add_argument("--board", action="store_true")
     p.add_argument("--jobs", type=int, default=1)
     given = p.parse_args()
-    wanted = [job for job in jobs() if re.search(given.only, str(job))]
+    wanted = [job for job in all_jobs() if re.search(given.only, str(job))]
     with ThreadPoolExecutor(given.jobs) as pool:
         cells = {}
         for job, cell in zip(wanted, pool.map(on_board if given.board else on_host, wanted)):
@@ -132,13 +151,13 @@ def main() -> int:
             if cell.wrong:
                 print(f"against the oracle: {job}: {'; '.join(cell.wrong)}", flush=True)
     given.matrix.write_text(page(cells, "flashed image on the virtual board" if given.board else "host"), encoding="utf-8")
-    print(f"{len(cells)} of {len(jobs())} cells")
+    print(f"{len(cells)} of {len(all_jobs())} cells")
     return 1 if any(cell.wrong for cell in cells.values()) else 0
 
 
 class PinsFaultsTest(unittest.TestCase):
     def test_cells_on_the_host(self) -> None:
-        wanted = jobs() if EVERY else jobs()[::SHARE]
+        wanted = all_jobs() if EVERY else all_jobs()[::SHARE]
         with ThreadPoolExecutor(2) as pool:
             for job, cell in zip(wanted, pool.map(on_host, wanted)):
                 with self.subTest(str(job)):
@@ -173,12 +192,21 @@ class PinsFaultsTest(unittest.TestCase):
         self.assertEqual({job.state for job in sample}, set(STATES))
         self.assertEqual({job.device for job in sample} & {device.name for device in DEVICES}, {device.name for device in DEVICES})
 
+    def test_each_shorted_and_each_broken_load_that_is_proved_is_told(self) -> None:
+        """A kind of heater and a kind of flow; the others are in the full tier."""
+        for job in proof_jobs():
+            if job.device in ("ad5422, 0-10 V, heater proved", "stepper, flow proved") or (job.device.startswith("pwm, flow") and job.fault == SHORTED):
+                with self.subTest(str(job)):
+                    cell = on_host(job)
+                    self.assertEqual(cell.wrong, [], cell.words)
+                    self.assertEqual(cell.words == "not told", job.fault not in (SHORTED, BROKEN))
+
     def test_every_kind_of_device_and_output_has_cells_or_a_reason(self) -> None:
         """By the page of what there is at the pins."""
         pins = (board.ROOT / "docs" / "reference" / "pins.md").read_text(encoding="utf-8")
         tables = [pins.split(f"## {part}\n")[1].split("\n## ")[0].split("\n|---")[1] for part in ("Devices", "Outputs")]
         known = [name for rows in tables for name in re.findall(r"^\| `(\w+)`", rows, re.MULTILINE)]
-        shown = {job.device.split(",")[0] for job in jobs()}
+        shown = {job.device.split(",")[0] for job in all_jobs()}
         self.assertGreater(len(known), 15)
         self.assertEqual([name for name in known if name not in shown and name not in NOT_SHOWN], [])
 

@@ -7,3 +7,5 @@ foreach(part outputs output_check)
   reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/outputs/test_${part}.c"
               "${CMAKE_CURRENT_LIST_DIR}/outputs/outputs_bench.c" LIBS reflux_outputs)
 endforeach()
+reflux_test(outputs_ad5422_chip LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/outputs/test_ad5422_chip.c"
+            "${CMAKE_CURRENT_LIST_DIR}/outputs/outputs_bench.c" LIBS reflux_outputs reflux_chips)

@@ -46,7 +46,7 @@ static void what_cannot_be_a_property_is_refused_in_words(void)
 {
     expect_refused("max31866", "",
                    "no chip is called max31866; there are max31865, max31856, ds18b20, ads1115, "
-                   "bme280, bmp280, xgzp6897, mcp4725");
+                   "bme280, bmp280, xgzp6897, ad5422");
     expect_refused(
         "max31865", "refrence=400",
         "max31865 has no property refrence; it has reference, nominal, wires, capacitor, noise");

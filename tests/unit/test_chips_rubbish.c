@@ -222,6 +222,19 @@ static void rubbish_for_an_xgzp6897(void)
     bench_free();
 }
 
+static void rubbish_for_an_ad5422(void)
+{
+    send_rubbish("ad5422", 0);
+    static const uint8_t reset[2] = {0, 1}, range[2] = {0x10, 0x05}, half[2] = {0x80, 0};
+    bench_spi_write(0x56, reset, 2);
+    bench_spi_write(0x55, range, 2);
+    bench_wait_us(5);
+    bench_spi_write(0x01, half, 2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 12.0, chip_drives(bench_chip, bench_ns));
+    bench_expect_right();
+    bench_free();
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -231,5 +244,6 @@ int main(void)
     RUN_TEST(rubbish_for_an_ads1115);
     RUN_TEST(rubbish_for_barometers);
     RUN_TEST(rubbish_for_an_xgzp6897);
+    RUN_TEST(rubbish_for_an_ad5422);
     return UNITY_END();
 }

@@ -188,10 +188,8 @@ static void lines_that_are_not_whole_are_refused(void)
                    "a line is a name, a chip or output, its place and properties");
     expect_refused("\n\nT1 max31866 spi1 PA4\n", 3,
                    "max31866 is no chip and no output; there are max31865, max31856, ds18b20, "
-                   "ads1115, bme280, bmp280, xgzp6897, "
-                   "ssr, relay, pwm, valve");
-    expect_refused("T1 mcp4725 i2c1 0x60\n", 1,
-                   "mcp4725 measures nothing; it gives a voltage, and no line has one yet");
+                   "ads1115, bme280, bmp280, xgzp6897, ad5422, "
+                   "ssr, relay, pwm, valve, stepper");
     expect_refused("T1 max31865\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 PA4\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 spi1\n", 1, "max31865 has its place as in spi1 PA4");
@@ -294,6 +292,77 @@ static void properties_that_do_not_fit_are_refused(void)
                    "ssr has no property lo_in or hi_in; it has quantity, active, lo, hi");
 }
 
+static void a_chip_with_a_load_is_an_output_with_latch_and_clear(void)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        read_text("Lr ad5422 spi1 PC4 loop=500 clear=PC5 supply=30 hi=12\n"
+                  "Q  ad5422 spi2 PC0 clear=PC1 signal=voltage quantity=heat\n"
+                  "D  ad5422 spi2 PC2 clear=PC3 lo_in=0 hi_in=24\n"),
+        err);
+    TEST_ASSERT_EQUAL_size_t(0, wiring_n_sensors(w));
+    TEST_ASSERT_EQUAL_size_t(3, wiring_n_outputs(w));
+    const struct wiring_output *o = wiring_output(w, 0);
+    TEST_ASSERT_EQUAL_INT(WIRING_CHIP, o->kind);
+    TEST_ASSERT_EQUAL_UINT(HAL_PIN('C', 4), o->pin);
+    TEST_ASSERT_EQUAL_UINT(HAL_PIN('C', 5), o->clear_pin);
+    TEST_ASSERT_EQUAL_DOUBLE(12, o->hi);
+    TEST_ASSERT_EQUAL_DOUBLE(4, o->lo_in);
+    TEST_ASSERT_EQUAL_DOUBLE(20, o->hi_in);
+    TEST_ASSERT_EQUAL_DOUBLE(500, o->chip->property[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(30, o->chip->property[2]);
+    o = wiring_output(w, 1);
+    TEST_ASSERT_EQUAL_STRING("heat", o->quantity);
+    TEST_ASSERT_EQUAL_DOUBLE(0, o->lo_in);
+    TEST_ASSERT_EQUAL_DOUBLE(10, o->hi_in);
+    TEST_ASSERT_EQUAL_DOUBLE(24, wiring_output(w, 2)->hi_in);
+    TEST_ASSERT_NOT_NULL(wiring_bus(w, CHIP_SPI, 2));
+}
+
+static void a_line_of_a_chip_with_a_load_that_is_not_whole_is_refused(void)
+{
+    expect_refused("Lr ad5422 spi1 PC4\n", 1, "ad5422 needs clear=, the pin of its CLEAR");
+    expect_refused("Lr ad5422 PC4 clear=PC5\n", 1, "ad5422 has its place as in spi1 PA4");
+    expect_refused("Lr ad5422 i2c1 0x48 clear=PC5\n", 1, "ad5422 has its place as in spi1 PA4");
+    expect_refused("Lr ad5422 spi1 PC4 clear=C5\n", 1, "C5 is no pin; pins are PA0 to PI15");
+    expect_refused("Lr ad5422 spi1 PC4 clear=PC4\n", 1,
+                   "PC4 stands twice; LATCH and CLEAR are two pins");
+    expect_refused("Lr ad5422 spi1 PC4 clear=PC5\nQ ssr PC5\n", 2,
+                   "PC5 is a pin of Lr in line 1; each has its own pin");
+    expect_refused("T1 max31865 spi1 PC4\nLr ad5422 spi1 PC4 clear=PC5\n", 2,
+                   "PC4 is the select of T1 in line 1; each has its own pin");
+    expect_refused("Lr ad5422 spi1 PC4 clear=PC5 active=low\n", 1,
+                   "ad5422 has no property active or travel");
+    expect_refused("Lr ad5422 spi1 PC4 clear=PC5 signal=mA\n", 1,
+                   "ad5422: signal is current or voltage, not mA");
+}
+
+static void a_stepper_is_an_output_with_steps(void)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        read_text("Lr stepper PB3 PB4 steps=120 hi=12\nD stepper PB5 hi=2 steps=500 active=low\n"),
+        err);
+    const struct wiring_output *o = wiring_output(w, 0);
+    TEST_ASSERT_EQUAL_INT(WIRING_STEPPER, o->kind);
+    TEST_ASSERT_EQUAL_UINT(HAL_PIN('B', 4), o->close_pin);
+    TEST_ASSERT_EQUAL_DOUBLE(120, o->steps);
+    o = wiring_output(w, 1);
+    TEST_ASSERT_EQUAL_UINT(HAL_PIN_NONE, o->close_pin);
+    TEST_ASSERT_TRUE(o->low_active);
+    expect_refused("Lr stepper PB3 hi=12\n", 1, "stepper needs steps=, a number for each ml");
+    expect_refused("Lr stepper PB3 hi=12 steps=0\n", 1,
+                   "stepper needs steps=, a number for each ml");
+    expect_refused("Lr stepper steps=5\n", 1,
+                   "stepper has the pin of its steps, and one of its direction or none");
+    expect_refused("Lr stepper PB3 PB4 PB5 steps=5\n", 1,
+                   "stepper has the pin of its steps, and one of its direction or none");
+    expect_refused("Lr stepper PB3 PB3 steps=5\n", 1,
+                   "PB3 stands twice; steps and direction are two pins");
+    expect_refused("Lr stepper PB3 steps=5 lo=1 hi=2\n", 1,
+                   "a stepper gives from 0 to hi l/h, and has no lo");
+    expect_refused("Lr stepper PB3 steps=5 speed=1\n", 1,
+                   "stepper has no property speed=1; it has quantity, active, hi, steps");
+}
+
 static void a_file_that_is_not_there_is_told(void)
 {
     TEST_ASSERT_NULL(wiring_read("no/such/file", 1, err, sizeof(err)));
@@ -326,6 +395,9 @@ int main(void)
     RUN_TEST(two_quantities_of_one_chip_are_two_lines);
     RUN_TEST(the_same_address_on_two_buses_is_two_chips);
     RUN_TEST(properties_that_do_not_fit_are_refused);
+    RUN_TEST(a_chip_with_a_load_is_an_output_with_latch_and_clear);
+    RUN_TEST(a_line_of_a_chip_with_a_load_that_is_not_whole_is_refused);
+    RUN_TEST(a_stepper_is_an_output_with_steps);
     RUN_TEST(a_file_that_is_not_there_is_told);
     RUN_TEST(lines_beyond_bounds_are_refused);
     return UNITY_END();

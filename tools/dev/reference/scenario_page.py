@@ -58,8 +58,9 @@ OF_WIRING = (
     ("a bus: `spi1`, `i2c1`, `wire1`", "`noise`", "probability that a bit is wrong"),
     ("a bus", "`stuck`", "the data line is low"),
     ("an `spi` bus", "`floats_low`", "a data line that nobody drives reads 0"),
-    ("a load, not a valve with two pins", "`shorted`", "on, whatever the pin does"),
+    ("a load, not a stepper or a valve with two pins", "`shorted`", "on, whatever the pin does"),
     ("a load", "`broken`", "off, whatever the pin does; a valve stays where it is"),
+    ("a load behind `ad5422`", "`missing`, `dead`, or another fault of its chip", "as those of a sensor's chip; [pins.md](pins.md#wiring-files)"),
 )
 
 
