@@ -111,11 +111,23 @@ static void an_output_is_let_go_a_tick_and_a_dead_man_after_its_last_command(voi
     TEST_ASSERT_EQUAL_INT(OUTPUT_DEAD_MAN, outputs_rule(0));
 }
 
+/* Its value is that of a tick which only looks on. */
+static void an_output_that_nobody_drives_gets_no_command(void)
+{
+    const struct io_command idle = {.n_outputs = 1, .output = {{.value = 100.0f, .drive = false}}};
+    begin();
+    let_pass(TICK_MS, true);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, port.command(port.context, &idle, now_ms));
+    let_pass(500u, true);
+    TEST_ASSERT_EQUAL_INT(OUTPUT_NO_DRIVER, outputs_rule(0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_reading_is_missing_when_it_is_older_than_three_intervals_and_a_tick);
     RUN_TEST(the_reading_of_a_bus_that_fails_is_missing);
     RUN_TEST(an_output_is_let_go_a_tick_and_a_dead_man_after_its_last_command);
+    RUN_TEST(an_output_that_nobody_drives_gets_no_command);
     return UNITY_END();
 }
