@@ -60,6 +60,15 @@ static void a_heater_that_is_on_and_warms_nothing_is_dead(void)
     told_within(PROOF_NO_HEAT, heater.on_s);
 }
 
+static void the_longest_window_ends_with_the_slowest_tick(void)
+{
+    heater.on_s = UINT16_MAX;
+    look.part = 1.0f;
+    look.since_ms = HOUR_S * 1000u;
+    pass(&heater, 40, 0.0f); /* ticks */
+    told_within(PROOF_NO_HEAT, 1u + UINT16_MAX / HOUR_S);
+}
+
 static void a_dead_heater_that_warms_again_is_fine(void)
 {
     look.part = 1.0f;
@@ -335,6 +344,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_heater_that_is_on_and_warms_nothing_is_dead);
+    RUN_TEST(the_longest_window_ends_with_the_slowest_tick);
     RUN_TEST(a_dead_heater_that_warms_again_is_fine);
     RUN_TEST(a_heater_is_not_dead_because_its_liquid_boils);
     RUN_TEST(a_heater_that_dies_at_the_boil_is_told_once_its_liquid_is_cooler);
