@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "buses.h"
+#include "io/board_devices.h"
 #include "io/board_io.h"
 #include "outputs/outputs.h"
 #include "settings/parameters.h"
@@ -98,6 +99,24 @@ static void the_reading_of_a_bus_that_fails_is_missing(void)
     TEST_ASSERT_EQUAL_INT(QUALITY_MISSING, sample.measurement[0].quality);
 }
 
+/* 1.2 V at 100 ohm are 12 mA, the middle. A code is 4.096 V / 2^15. */
+static void a_current_is_spread_over_the_span_of_its_row(void)
+{
+    set("chan1.device", "ads1115");
+    set("chan1.type", "4-20mA");
+    set("chan1.lo", "-100");
+    set("chan1.hi", "200");
+    const struct device_config *row = &config.pins.device[0];
+    const struct device d = {.kind = board_device_kind(row),
+                             .settings = board_device_settings(&config.pins, row)};
+    const struct device_result result = {.code = {9600}};
+    struct current_loop loop = {.failing_s = 0.0f};
+    struct io_reading reading;
+    TEST_ASSERT_TRUE(board_device_value(row, &d, &result, 1.0f, &loop, &reading));
+    TEST_ASSERT_EQUAL_INT(QUALITY_GOOD, reading.quality);
+    TEST_ASSERT_FLOAT_WITHIN(0.01f, 50.0f, reading.value);
+}
+
 /* Polls repeat a command for as long as the next one may take, a tick and half a second. Then the dead man counts. */
 static void an_output_is_let_go_a_tick_and_a_dead_man_after_its_last_command(void)
 {
@@ -127,6 +146,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_reading_is_missing_when_it_is_older_than_three_intervals_and_a_tick);
     RUN_TEST(the_reading_of_a_bus_that_fails_is_missing);
+    RUN_TEST(a_current_is_spread_over_the_span_of_its_row);
     RUN_TEST(an_output_is_let_go_a_tick_and_a_dead_man_after_its_last_command);
     RUN_TEST(an_output_that_nobody_drives_gets_no_command);
     return UNITY_END();
