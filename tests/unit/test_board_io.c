@@ -141,6 +141,37 @@ static void an_output_that_nobody_drives_gets_no_command(void)
     TEST_ASSERT_EQUAL_INT(OUTPUT_NO_DRIVER, outputs_rule(0));
 }
 
+/* Nobody reports for the main loop here, so the contactor stays open. */
+static void a_heater_without_its_contactor_reads_back_as_off(void)
+{
+    const struct io_command full = {.n_outputs = 1, .output = {{.value = 100.0f, .drive = true}}};
+    set("out1.heater", "on");
+    set("out2.name", "K");
+    set("out2.kind", "enable");
+    set("out2.pin", "PB1");
+    set("out2.least_off", "1");
+    begin();
+    let_pass(TICK_MS, true);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, port.command(port.context, &full, now_ms));
+    let_pass(TICK_MS, true);
+    TEST_ASSERT_EQUAL_INT(OUTPUT_NO_ENABLE, outputs_rule(0));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, sample.readback[0].value);
+}
+
+/* A window knows no position. */
+static void only_an_output_that_keeps_a_position_announces_one_as_safe(void)
+{
+    set("out1.safe", "0.5");
+    set("out2.name", "V");
+    set("out2.kind", "analog");
+    set("out2.pin", "PB1");
+    set("out2.safe", "0.5");
+    begin();
+    TEST_ASSERT_EQUAL_UINT8(2, port.count(port.context, true));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, port.channel(port.context, true, 0).safe);
+    TEST_ASSERT_EQUAL_FLOAT(50.0f, port.channel(port.context, true, 1).safe);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -149,5 +180,7 @@ int main(void)
     RUN_TEST(a_current_is_spread_over_the_span_of_its_row);
     RUN_TEST(an_output_is_let_go_a_tick_and_a_dead_man_after_its_last_command);
     RUN_TEST(an_output_that_nobody_drives_gets_no_command);
+    RUN_TEST(a_heater_without_its_contactor_reads_back_as_off);
+    RUN_TEST(only_an_output_that_keeps_a_position_announces_one_as_safe);
     return UNITY_END();
 }
