@@ -38,6 +38,12 @@ static void open_window(struct output_proof *p, enum proof_phase phase, float fi
     p->passed_ms = 0;
 }
 
+static void let_pass(struct output_proof *p, uint32_t ms)
+{
+    uint32_t room = PASSED_MAX_MS - p->passed_ms;
+    p->passed_ms = (p->passed_ms + (ms < room ? ms : room)) & PASSED_MASK;
+}
+
 static void know(struct output_proof *p, enum output_proof_fault fault)
 {
     p->known_fault = (uint8_t)fault & 7u;
@@ -184,8 +190,8 @@ enum output_proof_fault output_proof_step(struct output_proof *p, const struct p
         tell_stuck(p, PROOF_WARMS);
     if ((unsigned)phase != p->phase)
         open_window(p, phase, c->kind == PROOF_KIND_WARMS ? look->reading : 0.0f);
-    else if (p->passed_ms < PASSED_MAX_MS - look->since_ms)
-        p->passed_ms = (p->passed_ms + look->since_ms) & PASSED_MASK;
+    else
+        let_pass(p, look->since_ms);
     if (phase != PHASE_NONE && c->kind == PROOF_KIND_WARMS)
         step_heater(p, c, look->reading);
     else if (phase != PHASE_NONE && p->passed_ms != 0)

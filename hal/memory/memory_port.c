@@ -78,6 +78,11 @@ void memory_port_set_clock(uint64_t ms)
         app_clock(app_instance(), (uint32_t)++clock_ms);
 }
 
+void memory_port_jump(uint64_t ms)
+{
+    clock_ms = ms;
+}
+
 size_t memory_port_give(enum hal_uart port, const void *data, size_t n)
 {
     struct line *l = &lines[port];

@@ -18,6 +18,8 @@ void memory_port_start(void);
 
 /* Sets the board's clock, ms, not backwards. Nothing happens until memory_port_run(). */
 void memory_port_set_clock(uint64_t ms);
+/* The clock is at this time at once: nothing turns in the time between. Towards the end of its 32 bits, 49.7 days. */
+void memory_port_jump(uint64_t ms);
 
 /* Bytes arriving on a line; returns how many found room (the rest are counted as dropped). */
 size_t memory_port_give(enum hal_uart port, const void *data, size_t n);

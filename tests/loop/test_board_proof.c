@@ -217,6 +217,27 @@ static void a_heater_without_power_stays_so_until_its_pins_are_set_anew(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, k_is_on());
 }
 
+static void a_relay_that_is_still_shorted_is_told_anew_after_new_settings(void)
+{
+    pins_fault("Q", "shorted", 1);
+    (void)seconds_to("OUTPUT_CONTRADICTED Q ", 3u * ON_S + 2u);
+    pot.t = 20.0; /* else it comes to the limit before it is told */
+    ask_ok("set out1.proof_off 901");
+    board_forget();
+    (void)seconds_to("OUTPUT_CONTRADICTED Q ", 3u * ON_S + 10u);
+    TEST_ASSERT_TRUE_MESSAGE(said("off, and it warms"), board.said);
+}
+
+/* What the pump brings may be hot. */
+static void a_heater_is_not_judged_while_another_output_is_on(void)
+{
+    ask_ok("out Pu 10");
+    for (unsigned n = 0; n < 5u * ON_S; n++) {
+        pot.t += 0.05;
+        quiet(1);
+    }
+}
+
 static void heat_through_a_welded_contactor_is_told_as_well(void)
 {
     pot.welded = true;
@@ -312,6 +333,8 @@ int main(void)
     RUN_TEST(a_shorted_relay_of_a_cold_heater_opens_the_contactor);
     RUN_TEST(a_relay_that_shorts_while_heating_is_told_once_the_heater_is_off);
     RUN_TEST(a_heater_without_power_stays_so_until_its_pins_are_set_anew);
+    RUN_TEST(a_relay_that_is_still_shorted_is_told_anew_after_new_settings);
+    RUN_TEST(a_heater_is_not_judged_while_another_output_is_on);
     RUN_TEST(heat_through_a_welded_contactor_is_told_as_well);
     RUN_TEST(a_heater_that_is_switched_often_is_quiet);
     RUN_TEST(a_flow_without_its_pump_is_told_in_words);

@@ -315,6 +315,26 @@ static void readings_of_the_link_are_missing_three_intervals_and_a_tick_after_th
     reads("T6", 115.0);
 }
 
+/* As a silent link is down after 2 s, and not before. */
+static void readings_of_a_fast_link_last_two_seconds(void)
+{
+    pins_power_on(wiring);
+    name_link("T5", "T6");
+    set_up();
+    board.tick_ms = 100;
+    connect_plant();
+    PINS_ASK("set tick.base 0.1", "log on");
+    for (unsigned n = 0; n < 60; n++) {
+        samples(1);
+        pass(100);
+    }
+    (void)pins_take_rows();
+    pass(1700);
+    TEST_ASSERT_TRUE(is_good("T5"));
+    pass(500);
+    TEST_ASSERT_FALSE(is_good("T5"));
+}
+
 static void a_sample_whose_time_stands_still_is_not_new(void)
 {
     for (unsigned i = 0; i < 20; i++) {
@@ -421,6 +441,7 @@ int main(void)
     RUN_TEST(settings_that_come_while_the_plant_is_away_leave_the_board_alone);
     RUN_TEST(a_board_begins_without_its_link);
     RUN_TEST(readings_of_the_link_are_missing_three_intervals_and_a_tick_after_the_last_sample);
+    RUN_TEST(readings_of_a_fast_link_last_two_seconds);
     RUN_TEST(a_sample_whose_time_stands_still_is_not_new);
     RUN_TEST(a_plant_with_a_channel_of_the_pins_is_refused_until_either_changes);
     RUN_TEST(a_plant_with_too_many_channels_beside_the_pins_is_refused);

@@ -39,6 +39,7 @@ void setUp(void)
     pins_measure("P", 101325);
     pins_measure("Tair", 23);
     buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_HIGH);
+    buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_HIGH);
     set_up();
     PINS_ASK("apply", "log on");
     pins_samples(8);
@@ -47,6 +48,7 @@ void setUp(void)
 void tearDown(void)
 {
     pins_close();
+    buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_OPEN);
     buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_OPEN);
 }
 
@@ -93,11 +95,60 @@ static void pulses_make_a_volume(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, pins_field("drawn.q"));
 }
 
+static void give_pulses(unsigned n)
+{
+    for (unsigned i = 0; i < n; i++) {
+        buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_LOW);
+        buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_HIGH);
+        if (i % 50 == 49)
+            pass(100);
+    }
+}
+
+/* New settings of the pins open all devices anew, and the counter begins at 0. From the upper half of its range that looks like a wrap. */
+static void a_counter_that_begins_anew_with_new_settings_is_no_volume(void)
+{
+    ask_ok("set block1.weight.2 0,0,1e-5,0,0,0,0,0");
+    ask_ok("block 1 reset");
+    pins_samples(3);
+    give_pulses(40000);
+    pins_samples(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.4, pins_field("drawn"));
+    TEST_ASSERT_EQUAL_DOUBLE(0, pins_field("drawn.q"));
+    ask_ok("set chan1.nominal 100");
+    pins_samples(5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.4, pins_field("drawn"));
+    TEST_ASSERT_TRUE(pins_field("drawn.q") > 0);
+}
+
+/* The other meter has counted more by then: that is no volume of it. */
+static void another_counter_in_the_place_of_the_first_adds_nothing_of_its_past(void)
+{
+    PINS_ASK("begin", "set chan4.name G", "set chan4.unit -", "set chan4.device pulses",
+             "set chan4.select PC8", "set meas6.name G", "set meas6.unit -", "set meas6.hi 65536",
+             "apply");
+    pins_samples(5);
+    for (unsigned i = 0; i < 450; i++) {
+        buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_LOW);
+        buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_HIGH);
+    }
+    ask_ok("block 1 reset");
+    pins_samples(3);
+    TEST_ASSERT_EQUAL_DOUBLE(0, pins_field("drawn"));
+    TEST_ASSERT_EQUAL_DOUBLE(0, pins_field("drawn.q"));
+    ask_ok("set block1.inputs T1,P,G");
+    pins_samples(5);
+    TEST_ASSERT_EQUAL_DOUBLE(0, pins_field("drawn"));
+    TEST_ASSERT_TRUE(pins_field("drawn.q") > 0);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_temperature_is_what_it_would_be_at_the_reference_pressure);
     RUN_TEST(without_a_barometer_there_is_no_compensated_temperature);
     RUN_TEST(pulses_make_a_volume);
+    RUN_TEST(a_counter_that_begins_anew_with_new_settings_is_no_volume);
+    RUN_TEST(another_counter_in_the_place_of_the_first_adds_nothing_of_its_past);
     return UNITY_END();
 }

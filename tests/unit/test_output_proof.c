@@ -60,12 +60,34 @@ static void a_heater_that_is_on_and_warms_nothing_is_dead(void)
     told_within(PROOF_NO_HEAT, heater.on_s);
 }
 
+static void the_longest_window_ends_with_the_slowest_tick(void)
+{
+    heater.on_s = UINT16_MAX;
+    look.part = 1.0f;
+    look.since_ms = HOUR_S * 1000u;
+    pass(&heater, 40, 0.0f); /* ticks */
+    told_within(PROOF_NO_HEAT, 1u + UINT16_MAX / HOUR_S);
+}
+
 static void a_dead_heater_that_warms_again_is_fine(void)
 {
     look.part = 1.0f;
     pass(&heater, HOUR_S, 0.0f);
     TEST_ASSERT_EQUAL_INT(PROOF_NO_HEAT, fault);
     pass(&heater, 600, 20.0f);
+    TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
+}
+
+static void a_dead_heater_is_fine_when_its_liquid_has_come_well_above_the_limit(void)
+{
+    look.part = 1.0f;
+    pass(&heater, HOUR_S, 0.0f);
+    look.part = 0.0f;
+    look.reading = 79.0f;
+    pass(&heater, 60, -1.0f);
+    TEST_ASSERT_EQUAL_INT(PROOF_NO_HEAT, fault);
+    look.reading = 80.5f;
+    pass(&heater, 60, -0.1f);
     TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
 }
 
@@ -109,6 +131,16 @@ static void a_heater_that_warms_although_it_is_off_is_stuck(void)
     pass(&heater, 7u * 24u * HOUR_S, 2.0f);
     TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
     pass(&heater, HOUR_S, 60.0f);
+    told_within(PROOF_WARMS, 3u * heater.on_s);
+}
+
+static void a_dead_heater_whose_relay_then_shorts_is_stuck_for_the_first_time(void)
+{
+    look.part = 1.0f;
+    pass(&heater, HOUR_S, 0.0f);
+    TEST_ASSERT_EQUAL_INT(PROOF_NO_HEAT, fault);
+    look.part = 0.0f;
+    pass(&heater, 1800, 50.0f);
     told_within(PROOF_WARMS, 3u * heater.on_s);
 }
 
@@ -305,6 +337,16 @@ static void a_pump_that_is_on_and_moves_nothing_is_told(void)
     told_within(PROOF_FINE, 2u * pump.on_s);
 }
 
+/* Five ticks of 7 s, 5 s more than the window. */
+static void a_flow_is_a_mean_over_the_ticks_that_a_window_really_has(void)
+{
+    look.part = 1.0f;
+    look.since_ms = 7000;
+    look.reading = 0.9f * pump.change;
+    pass(&pump, 12, 0.0f); /* ticks */
+    TEST_ASSERT_EQUAL_INT(PROOF_NO_FLOW, fault);
+}
+
 static void a_valve_that_is_partly_open_may_do_as_it_likes(void)
 {
     look.part = 0.3f;
@@ -335,12 +377,15 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_heater_that_is_on_and_warms_nothing_is_dead);
+    RUN_TEST(the_longest_window_ends_with_the_slowest_tick);
     RUN_TEST(a_dead_heater_that_warms_again_is_fine);
+    RUN_TEST(a_dead_heater_is_fine_when_its_liquid_has_come_well_above_the_limit);
     RUN_TEST(a_heater_is_not_dead_because_its_liquid_boils);
     RUN_TEST(a_heater_that_dies_at_the_boil_is_told_once_its_liquid_is_cooler);
     RUN_TEST(a_heater_that_holds_a_temperature_with_part_of_its_power_is_not_dead);
     RUN_TEST(cold_liquid_that_comes_in_is_no_dead_heater);
     RUN_TEST(a_heater_that_warms_although_it_is_off_is_stuck);
+    RUN_TEST(a_dead_heater_whose_relay_then_shorts_is_stuck_for_the_first_time);
     RUN_TEST(a_heater_that_warms_to_the_limit_although_it_is_off_is_stuck_there);
     RUN_TEST(warm_liquor_that_is_poured_in_is_no_stuck_heater);
     RUN_TEST(warm_feed_that_another_output_brings_is_no_stuck_heater);
@@ -359,6 +404,7 @@ int main(void)
     RUN_TEST(drops_are_counted_over_the_window);
     RUN_TEST(a_spike_is_no_flow);
     RUN_TEST(a_pump_that_is_on_and_moves_nothing_is_told);
+    RUN_TEST(a_flow_is_a_mean_over_the_ticks_that_a_window_really_has);
     RUN_TEST(a_valve_that_is_partly_open_may_do_as_it_likes);
     RUN_TEST(an_output_without_proof_is_not_watched);
     RUN_TEST(each_fault_has_words_of_its_own);

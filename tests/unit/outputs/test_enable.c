@@ -96,6 +96,18 @@ static void a_main_loop_that_hangs_drops_it_within_a_second(void)
     is_off();
 }
 
+/* A safe position that is not off is that of a loop, not that of a heater without its contactor. */
+static void a_heater_with_a_safe_position_is_off_without_the_contactor_too(void)
+{
+    settings[0] = bench_settings(OUTPUT_ANALOG, 0);
+    settings[0].heater = true;
+    settings[0].safe = 0.5f;
+    bench_open(settings, 3);
+    is_on();
+    turns(2000, false, true);
+    is_off();
+}
+
 static void both_hanging_drop_it_within_a_second_and_the_pump_goes_on_until_its_dead_man(void)
 {
     is_on();
@@ -208,6 +220,7 @@ int main(void)
     RUN_TEST(it_stays_off_as_long_as_one_of_them_has_never_reported);
     RUN_TEST(a_tick_that_hangs_drops_it_within_a_second);
     RUN_TEST(a_main_loop_that_hangs_drops_it_within_a_second);
+    RUN_TEST(a_heater_with_a_safe_position_is_off_without_the_contactor_too);
     RUN_TEST(both_hanging_drop_it_within_a_second_and_the_pump_goes_on_until_its_dead_man);
     RUN_TEST(reports_just_in_time_keep_it_on);
     RUN_TEST(a_clock_that_stood_for_more_than_a_second_drops_it_in_its_first_turn);

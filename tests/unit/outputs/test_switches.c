@@ -49,6 +49,28 @@ static void a_relay_switches_at_the_edges_of_its_hysteresis(void)
     }
 }
 
+/* The check takes half a code of 16 bits as rounding of the settings. */
+static void an_analogue_output_that_falls_half_a_code_below_0_is_at_0(void)
+{
+    settings = bench_settings(OUTPUT_ANALOG, 0);
+    settings.offset = 0.5f;
+    settings.gain = -0.5f - 0x1p-17f;
+    begin(settings);
+    run(1.0, 2);
+    TEST_ASSERT_EQUAL_UINT16(0, bench_pins[pin].part);
+}
+
+static void a_relay_without_hysteresis_does_not_chatter_at_its_edge(void)
+{
+    settings = bench_settings(OUTPUT_RELAY, 0);
+    settings.hysteresis = 0.0f;
+    settings.least_on = settings.least_off = 0.0f;
+    begin(settings);
+    run(0.5, 1000);
+    TEST_ASSERT_TRUE(bench_on(pin));
+    TEST_ASSERT_EQUAL_UINT(1, bench_pins[pin].rises);
+}
+
 static void a_relay_keeps_its_least_times_whatever_the_command_does(void)
 {
     settings = bench_settings(OUTPUT_RELAY, 0);
@@ -145,6 +167,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_relay_switches_at_the_edges_of_its_hysteresis);
+    RUN_TEST(an_analogue_output_that_falls_half_a_code_below_0_is_at_0);
+    RUN_TEST(a_relay_without_hysteresis_does_not_chatter_at_its_edge);
     RUN_TEST(a_relay_keeps_its_least_times_whatever_the_command_does);
     RUN_TEST(an_output_that_is_on_when_low_has_the_levels_turned_round);
     RUN_TEST(a_pulse_width_is_the_command_and_is_written_only_when_it_changes);
