@@ -20,6 +20,10 @@ void wired_close(struct wired *w);
 const struct world *wired_world(struct wired *w);
 const struct wiring *wired_wiring(const struct wired *w);
 
+/* In place of a sensor: 0: nothing flows or moves until it is 1, when plant time begins. Both are moments soon after the board's clock has
+ * turned (chips/at_pin.h). Who never says so begins at power-on. */
+#define WIRED_TIME "-"
+
 /* Gives the sensor of this name the value of its quantity from this moment on. */
 void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value);
 
