@@ -196,6 +196,9 @@ static enum outcome pass_tick(struct lockstep *k, const struct link_sample *samp
         k->console->before_run = false;
     }
     if (r == GOT_IT) {
+        if (first) {
+            pins_side_start(k->pins);
+        }
         pins_side_begin(k->pins, sample);
         r = run_board(k);
     }
