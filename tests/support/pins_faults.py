@@ -167,8 +167,8 @@ DEVICES = (
            faults=(*ANALOG, Fault("transmitter at 22.4 mA", ("T1.stuck=230",), ("out of range",), back=("T1.free=1",), told_as="MEASUREMENT_BAD",
                                   why="above meas1.hi, which tells before NAMUR NE 43 does"))),
     Device("analog, 0-10 V", "pin", "PC0 lo=0 hi=200 lo_in=0 hi_in=2.5", ("device analog", "select PC0", "type 0-10V", "lo 0", "hi 200"), faults=ANALOG),
-    # A result is of half a second, so that a pulse more is 0.5 degC, and a millisecond of the fault up to three.
-    Device("flow", "pin", "PC9 lo=0 hi=200 lo_in=0 hi_in=800", ("device flow", "select PC9"), "1/s", 0, 4, near=1.6, faults=FLOW),
+    # A result is of half a second, so that a pulse more is 0.5 degC, and a millisecond of the fault up to 2 degC.
+    Device("flow", "pin", "PC9 lo=0 hi=200 lo_in=0 hi_in=800", ("device flow", "select PC9"), "1/s", 0, 4, near=2.6, faults=FLOW),
     Device("level", "pin", "spi1 PA4 reference=430 wires=3", ("device max31865", "bus spi1", "select PA4"), faults=LEVEL, beside=SWITCH, more=LOCKED),
 )
 CHIP_OF = {"bme280_temperature": "bme280", "level": "max31865"}
