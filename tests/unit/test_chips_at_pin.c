@@ -244,6 +244,25 @@ static void a_contact_bounces_for_its_time_and_no_longer(void)
     TEST_ASSERT_TRUE(edges > 40); /* 20 without bounces */
 }
 
+static void a_contact_that_jams_in_the_moment_of_a_change_stays_as_it_was(void)
+{
+    measure(1 * S, "L", 20);
+    fault(1 * S, "L", "jammed", 1);
+    TEST_ASSERT_FALSE(low(1 * S + 100 * MS, AT_L));
+}
+
+static void a_contact_moves_in_the_middle_of_a_millisecond(void)
+{
+    fault(0, "M", "lost", 1);
+    fault(0, "O", "lost", 1);
+    measure(1 * S, "L", 20);
+    uint64_t at = world->next_edge(world->context, 1 * S);
+    for (; at != UINT64_MAX; at = world->next_edge(world->context, at)) {
+        TEST_ASSERT_EQUAL_UINT64(MS / 2, at % MS);
+        TEST_ASSERT_TRUE(low(at, AT_L) != low(at - 1, AT_L));
+    }
+}
+
 static void a_contact_may_jam_chatter_and_have_broken_or_shorted_wires(void)
 {
     measure(1 * S, "L", 20);
@@ -320,6 +339,8 @@ int main(void)
     RUN_TEST(a_contact_closes_at_its_limit_and_opens_below_its_hysteresis);
     RUN_TEST(one_that_is_normally_closed_opens_at_its_limit_at_once);
     RUN_TEST(a_contact_bounces_for_its_time_and_no_longer);
+    RUN_TEST(a_contact_that_jams_in_the_moment_of_a_change_stays_as_it_was);
+    RUN_TEST(a_contact_moves_in_the_middle_of_a_millisecond);
     RUN_TEST(a_contact_may_jam_chatter_and_have_broken_or_shorted_wires);
     RUN_TEST(boards_that_look_a_part_of_a_millisecond_apart_see_the_same);
     return UNITY_END();
