@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, STATES, STEP, Cell, Device, Fault, Job, Run, State, find)
+from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, SAMPLES, STATES, STEP, Cell, Device, Fault, Job, Run, State,
+                         find)
 
 LATE_S = 1.0          # of what follows from a lost reading: the next sample
 SLOW_S = 3            # a reading is of one of the last so many samples
@@ -191,6 +192,16 @@ def outputs(seen: Seen, wrong: list[str]) -> None:
                 wrong.append(f"{name} is not safe {late[0] - since:g} s after the loss")
 
 
+def held_off(seen: Seen, wrong: list[str]) -> None:
+    """While an interlock is told, its output is off."""
+    if seen.fault.told_as != "INTERLOCK_ON" or seen.sometimes:
+        return
+    on = [number for number, row in enumerate(seen.run.log)
+          if seen.begin_s + SAMPLES + LATE_S < number <= seen.end_s and abs(float(row["Qrb.cmd"])) > STEP["Qrb"]]
+    if on:
+        wrong.append(f"Qrb is on {on[0] - seen.begin_s:g} s after it, {len(on)} times")
+
+
 def back(seen: Seen, wrong: list[str]) -> None:
     """What was told before is told to be over."""
     over = OVER.get(seen.fault.told_as, "SENSOR_FINE")
@@ -233,5 +244,6 @@ def judge(job: Job, run: Run) -> Cell:
         wrong.append("told, but the measurement is not lost")
     readings(seen, wrong)
     fell = fall_back(seen, wrong)
+    held_off(seen, wrong)
     back(seen, wrong)
     return Cell(f"{words or 'not told'}; {fell}", wrong)
