@@ -127,7 +127,8 @@ FLOW = (
 LOCK = "lock2"
 # A switch that is closed as long as all is well, with an interlock on it.
 SWITCH = "S level PC8 quantity=T9 limit=80 hysteresis=1"
-LOCKED = ("chan3.name S", "chan3.unit -", "chan3.device level", "chan3.select PC8", "meas3.name S", "meas3.unit -", "meas3.lo 0", "meas3.hi 1", "meas3.test off",
+LOCKED = ("chan3.name S", "chan3.unit -", "chan3.device level", "chan3.select PC8", "meas3.name S", "meas3.unit -", "meas3.lo 0", "meas3.hi 1",
+          "meas3.test off",
           "lock2.meas S", "lock2.mv Qrb", "lock2.side below", "lock2.limit 0.5", "lock2.hysteresis 0.1", "lock2.value 0")
 LEVEL = (
     Fault("it is low", ("T9.stuck=20",), (LOCK,), back=("T9.free=1",), told_as="INTERLOCK_ON", why="no fault: the interlock acts"),

@@ -3,6 +3,8 @@ foreach(part pins pins_check output_proof output_proof_pots)
   reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c" LIBS reflux_hal_memory reflux_app reflux_link)
 endforeach()
 reflux_test(wired LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_wired.c" LIBS reflux_chips)
-reflux_test(host_buses LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_host_buses.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c"
-            LIBS reflux_chips reflux_hal)
-target_include_directories(test_host_buses PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+foreach(part host_buses host_inputs)
+  reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c"
+              LIBS reflux_chips reflux_hal)
+  target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+endforeach()
