@@ -113,13 +113,12 @@ static uint64_t start_ms(const struct pins_side *p)
 void pins_side_set_up(struct pins_side *p, const struct link_sample *sample)
 {
     measure(p, sample);
-    p->port->ops->measure(p->port, WIRED_TIME, 0.0);
     stop_at(p, next_multiple(p, start_ms(p)));
 }
 
-void pins_side_start(struct pins_side *p)
+void pins_side_count(struct pins_side *p, bool flows)
 {
-    p->port->ops->measure(p->port, WIRED_TIME, 1.0);
+    p->port->ops->measure(p->port, WIRED_TIME, flows ? 1.0 : 0.0);
 }
 
 bool pins_side_is_set_up(const struct pins_side *p)

@@ -51,8 +51,9 @@ bool pins_side_is_set_up(const struct pins_side *p);
 /* While plant time has not begun: goes on until the board has taken its next sample. */
 void pins_side_next_sample(struct pins_side *p);
 
-/* Plant time begins: until now nothing flowed through the meters, and contacts and the mains count their time from now on. */
-void pins_side_start(struct pins_side *p);
+/* Once the clock is there: all that pulses or bounces counts its time from now on. flows: plant time begins; else nothing flows through meters until
+ * it does. The mains do not notice the second time, because there are whole cycles between the two. */
+void pins_side_count(struct pins_side *p, bool flows);
 
 /* Begins a tick with these readings. Its first part ends when the board has taken its sample; pins_side_go_on() begins the second. */
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample);
