@@ -175,6 +175,7 @@ static enum outcome set_up_board(struct lockstep *k, const struct link_sample *s
 {
     enum outcome r = run_to_start(k, sample);
     if (r == GOT_IT) {
+        pins_side_count(k->pins, false);
         pins_side_begin(k->pins, sample);
         r = run_board(k);
     }
@@ -196,6 +197,9 @@ static enum outcome pass_tick(struct lockstep *k, const struct link_sample *samp
         k->console->before_run = false;
     }
     if (r == GOT_IT) {
+        if (first) {
+            pins_side_count(k->pins, true);
+        }
         pins_side_begin(k->pins, sample);
         r = run_board(k);
     }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bench/text.h"
+#include "chips/wired.h"
 
 #define NS_PER_MS 1e6
 #define MS_NS     UINT64_C(1000000)
@@ -94,10 +95,14 @@ static uint64_t next_multiple(const struct pins_side *p, uint64_t step_ms)
 
 static void measure(struct pins_side *p, const struct link_sample *sample)
 {
-    for (size_t i = 0; i < p->n_measurements; i++)
-        if (p->sensor_of[i] != PINS_NONE)
-            p->port->ops->measure(p->port, wiring_sensor(p->wiring, p->sensor_of[i])->name,
-                                  (double)sample->measurement[i].value);
+    for (size_t i = 0; i < p->n_measurements; i++) {
+        size_t first = p->sensor_of[i];
+        for (size_t k = first; first != PINS_NONE && k < wiring_n_sensors(p->wiring); k++) {
+            const struct wiring_sensor *s = wiring_sensor(p->wiring, k);
+            if (strcmp(s->quantity, wiring_sensor(p->wiring, first)->quantity) == 0)
+                p->port->ops->measure(p->port, s->name, (double)sample->measurement[i].value);
+        }
+    }
 }
 
 static uint64_t start_ms(const struct pins_side *p)
@@ -109,6 +114,11 @@ void pins_side_set_up(struct pins_side *p, const struct link_sample *sample)
 {
     measure(p, sample);
     stop_at(p, next_multiple(p, start_ms(p)));
+}
+
+void pins_side_count(struct pins_side *p, bool flows)
+{
+    p->port->ops->measure(p->port, WIRED_TIME, flows ? 1.0 : 0.0);
 }
 
 bool pins_side_is_set_up(const struct pins_side *p)

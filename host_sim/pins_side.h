@@ -20,8 +20,8 @@
 struct pins_side {
     struct transport *port;
     const struct wiring *wiring;
-    uint8_t
-        sensor_of[LINK_CHANNELS_MAX]; /* line of the wiring for each measurement; PINS_NONE: none */
+    uint8_t sensor_of
+        [LINK_CHANNELS_MAX]; /* first line of the wiring for each measurement; PINS_NONE: none */
     uint8_t output_of[LINK_CHANNELS_MAX]; /* likewise for each manipulated variable */
     size_t n_measurements, n_outputs;
     double loads_ns[LINK_CHANNELS_MAX]; /* at the beginning of the tick */
@@ -50,6 +50,10 @@ bool pins_side_is_set_up(const struct pins_side *p);
 
 /* While plant time has not begun: goes on until the board has taken its next sample. */
 void pins_side_next_sample(struct pins_side *p);
+
+/* Once the clock is there: all that pulses or bounces counts its time from now on. flows: plant time begins; else nothing flows through meters until
+ * it does. The mains do not notice the second time, because there are whole cycles between the two. */
+void pins_side_count(struct pins_side *p, bool flows);
 
 /* Begins a tick with these readings. Its first part ends when the board has taken its sample; pins_side_go_on() begins the second. */
 void pins_side_begin(struct pins_side *p, const struct link_sample *sample);

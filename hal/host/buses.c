@@ -17,19 +17,30 @@
 
 #define PINS        256u
 #define SEARCH_BITS 64u
+#define SUPPLY_MV   3300u
 #define REFERENCE_V 3.3f
+#define MEAN        16u /* conversions */
 #define NS_PER_MS   UINT64_C(1000000)
 
 static struct world outside;
 static struct {
     bool output, low, pulled, on;
+    bool counts, high; /* high: when an edge was looked for */
+    bool converts;
+    uint8_t dead_ms;
+    uint8_t converted; /* conversions so far, at most MEAN */
     enum pin_level level;
     uint32_t pulses;
+    uint64_t edge_ns; /* of the last falling edge; 0: there was none */
+    uint16_t code[MEAN];
 } pins[PINS];
+static uint64_t looked_ns; /* edges of the world are counted up to here */
+static unsigned turns;     /* of the clock */
 
 void buses_set_world(const struct world *world)
 {
     outside = world != NULL ? *world : (struct world){.context = NULL};
+    looked_ns = hal_clock_ms() * NS_PER_MS;
 }
 
 static uint64_t now_ns(void)
@@ -67,16 +78,21 @@ void hal_pin_use(hal_pin pin, enum hal_pin_use use)
         drive(pin, pins[pin].pulled ? PIN_PULLED_UP : PIN_FLOATS);
 }
 
-bool hal_pin_read(hal_pin pin)
+static bool is_high(unsigned pin, uint64_t at_ns)
 {
     if (pins[pin].output)
         return pins[pin].on != pins[pin].low;
     enum pin_level level = PIN_LEVEL_OPEN;
     if (outside.pin_input != NULL)
-        level = outside.pin_input(outside.context, now_ns(), pin);
+        level = outside.pin_input(outside.context, at_ns, pin);
     if (level == PIN_LEVEL_OPEN)
         level = pins[pin].level;
     return level == PIN_LEVEL_OPEN ? pins[pin].pulled : level == PIN_LEVEL_HIGH;
+}
+
+bool hal_pin_read(hal_pin pin)
+{
+    return is_high(pin, now_ns());
 }
 
 void hal_pin_write(hal_pin pin, bool high)
@@ -84,18 +100,64 @@ void hal_pin_write(hal_pin pin, bool high)
     hal_output_set(pin, high);
 }
 
+/* A falling edge counts where no contact bounces. */
+static void look_for_edge(unsigned pin, uint64_t at_ns)
+{
+    bool before = pins[pin].high;
+    pins[pin].high = is_high(pin, at_ns);
+    if (!pins[pin].counts || !before || pins[pin].high)
+        return;
+    bool bounces =
+        pins[pin].edge_ns != 0 && at_ns - pins[pin].edge_ns < pins[pin].dead_ms * NS_PER_MS;
+    pins[pin].edge_ns = at_ns;
+    pins[pin].pulses += !bounces;
+}
+
 void buses_set_pin(unsigned pin, enum pin_level level)
 {
-    bool before = hal_pin_read((hal_pin)pin);
     pins[pin].level = level;
-    if (before && !hal_pin_read((hal_pin)pin))
-        pins[pin].pulses++;
+    look_for_edge(pin, now_ns());
+}
+
+/* The edges that the world has made by itself since it was looked at. */
+static void catch_up(void)
+{
+    uint64_t now = now_ns(), at_ns;
+    while (outside.next_edge != NULL &&
+           (at_ns = outside.next_edge(outside.context, looked_ns)) <= now) {
+        looked_ns = at_ns;
+        for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+            if (pins[pin].counts)
+                look_for_edge(pin, at_ns);
+    }
+    looked_ns = now;
+}
+
+static unsigned convert(unsigned pin)
+{
+    double part = outside.pin_volts != NULL
+                      ? outside.pin_volts(outside.context, now_ns(), pin) * 1000.0 / SUPPLY_MV
+                      : 0.0;
+    return part <= 0.0 ? 0 : part >= 1.0 ? 4095u : (unsigned)(part * 4095.0 + 0.5);
+}
+
+void buses_clock(void)
+{
+    catch_up();
+    turns++;
+    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+        if (pins[pin].converts) {
+            pins[pin].code[turns % MEAN] = (uint16_t)convert(pin);
+            pins[pin].converted = (uint8_t)(pins[pin].converted + (pins[pin].converted < MEAN));
+        }
 }
 
 void buses_reset(void)
 {
-    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+    for (unsigned pin = 0; pin < WORLD_PINS; pin++) {
         hal_pin_use((hal_pin)pin, HAL_PIN_CLOSED);
+        pins[pin].counts = pins[pin].converts = false;
+    }
 }
 
 /* ---- outputs ---- */
@@ -372,17 +434,22 @@ bool hal_analog_has(hal_pin pin)
 
 enum err hal_analog_open(hal_pin pin)
 {
-    return hal_analog_has(pin) ? ERR_OK : ERR_RANGE;
+    if (!hal_analog_has(pin))
+        return ERR_RANGE;
+    if (!pins[pin].converts)
+        pins[pin].converted = 0;
+    pins[pin].converts = true;
+    return ERR_OK;
 }
 
+/* 16 conversions of 12 bits, as the chip has. */
 bool hal_analog_read(hal_pin pin, uint16_t *code)
 {
-    double part = outside.pin_volts != NULL
-                      ? outside.pin_volts(outside.context, now_ns(), pin) / (double)REFERENCE_V
-                      : 0.0;
-    unsigned steps = part <= 0.0 ? 0 : part >= 1.0 ? 4095u : (unsigned)(part * 4095.0 + 0.5);
-    *code = (uint16_t)(steps * 16u + steps / 256u); /* 12 bits, as the chip has */
-    return true;
+    unsigned sum = 0;
+    for (unsigned i = 0; i < MEAN; i++)
+        sum += pins[pin].code[i];
+    *code = (uint16_t)(sum + (sum >> 12));
+    return pins[pin].converts && pins[pin].converted == MEAN;
 }
 
 float hal_analog_reference(void)
@@ -395,17 +462,22 @@ enum err hal_pulse_open(hal_pin pin)
     if (!hal_pin_is_free(pin))
         return ERR_RANGE;
     hal_pin_use(pin, HAL_PIN_INPUT_PULLED);
+    catch_up();
+    pins[pin].counts = true;
+    pins[pin].high = is_high(pin, now_ns());
     pins[pin].pulses = 0;
+    pins[pin].edge_ns = 0;
+    pins[pin].dead_ms = 0;
     return ERR_OK;
 }
 
 uint32_t hal_pulse_count(hal_pin pin)
 {
+    catch_up();
     return pins[pin].pulses;
 }
 
 void hal_pulse_set_dead_time(hal_pin pin, uint8_t dead_ms)
 {
-    (void)pin;
-    (void)dead_ms; /* contacts of the host do not bounce */
+    pins[pin].dead_ms = dead_ms;
 }

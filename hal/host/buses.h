@@ -14,6 +14,10 @@ void buses_set_world(const struct world *world);
 /* What is wired to an input has another level from now on. A falling edge counts as a pulse. */
 void buses_set_pin(unsigned pin, enum pin_level level);
 
+/* The board's clock has turned: counts the edges that have come since, and converts each analogue input that is open. Once a millisecond, before the
+ * world changes. */
+void buses_clock(void);
+
 /* A reset of the board: all pins are inputs. */
 void buses_reset(void);
 

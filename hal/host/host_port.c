@@ -133,8 +133,10 @@ void host_port_run(void)
     clocked_ms = hal_clock_ms();
     while (!stopping) {
         uint64_t now = hal_clock_ms();
-        while (clocked_ms < now)
+        while (clocked_ms < now) {
             app_clock(app_instance(), (uint32_t)++clocked_ms);
+            buses_clock();
+        }
         if (tick_asked || now - ticked_ms >= HAL_TICK_PERIOD_MS) {
             tick_asked = false;
             ticked_ms = now;

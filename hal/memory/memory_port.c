@@ -74,8 +74,10 @@ void memory_port_start(void)
 
 void memory_port_set_clock(uint64_t ms)
 {
-    while (clock_ms < ms)
+    while (clock_ms < ms) {
         app_clock(app_instance(), (uint32_t)++clock_ms);
+        buses_clock();
+    }
 }
 
 void memory_port_jump(uint64_t ms)

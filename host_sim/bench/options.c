@@ -45,7 +45,7 @@ static void print_pins_faults(void)
     (void)fputs(
         HELP_INDENT
         "with --wiring, of a line or bus of the file, as T1.open=1; 0 takes it back:\n" HELP_INDENT
-        " any chip: missing, dead, wrong (not on wire1, wire2); and\n",
+        " any chip on a bus: missing, dead, wrong (not on wire1, wire2); and\n",
         stdout);
     for (size_t i = 0; i < n; i++) {
         (void)printf(HELP_INDENT "  %s:", kinds[i]->name);

@@ -12,7 +12,7 @@
 
 #include "hal/pin.h"
 
-enum chip_bus { CHIP_SPI, CHIP_I2C, CHIP_ONEWIRE };
+enum chip_bus { CHIP_SPI, CHIP_I2C, CHIP_ONEWIRE, CHIP_PIN /* none: a pin of the board itself */ };
 
 struct chip;
 struct chips;

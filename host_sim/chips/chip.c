@@ -15,8 +15,8 @@
 #define NAME_SIZE 64u
 
 static const struct chip_kind *const kinds[] = {
-    &chip_max31865, &chip_max31856, &chip_ds18b20,  &chip_ads1115,
-    &chip_bme280,   &chip_bmp280,   &chip_xgzp6897, &chip_ad5422,
+    &chip_max31865, &chip_max31856, &chip_ds18b20, &chip_ads1115, &chip_bme280, &chip_bmp280,
+    &chip_xgzp6897, &chip_ad5422,   &chip_analog,  &chip_flow,    &chip_mains,  &chip_level,
 };
 
 const struct chip_kind *const *chip_kinds(size_t *n)

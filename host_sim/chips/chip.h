@@ -66,6 +66,16 @@ struct chip_kind {
     /* Of a chip that has a load: mA or V there, and the level of its pin CLEAR, which works without a bus. NULL: it has none. */
     double (*drives)(struct chip *c, uint64_t now_ns);
     void (*clear)(struct chip *c, uint64_t now_ns, bool high);
+
+    /* Of what is at a pin of the board itself (CHIP_PIN, chips/at_pin.h). From now on it counts its milliseconds anew; flows: what it measures
+     * moves, else nothing does until it is called again. */
+    void (*begin)(struct chip *c, uint64_t now_ns, bool flows);
+    /* The pin is pulled to ground; else it is left alone. NULL: never. */
+    bool (*low)(const struct chip *c, uint64_t now_ns);
+    /* The first moment after now at which that may change, as long as no input does; UINT64_MAX: none. */
+    uint64_t (*next_edge)(const struct chip *c, uint64_t now_ns);
+    /* V at the pin. NULL: 0. */
+    double (*pin_volts)(const struct chip *c, uint64_t now_ns);
 };
 
 #define CHIP_INPUTS_MAX 16u

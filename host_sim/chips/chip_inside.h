@@ -11,7 +11,7 @@
 #define CHIP_MS(ms)       ((uint64_t)((ms)*1e6 + 0.5)) /* ns */
 
 extern const struct chip_kind chip_max31865, chip_max31856, chip_ds18b20, chip_ads1115, chip_bme280,
-    chip_bmp280, chip_xgzp6897, chip_ad5422;
+    chip_bmp280, chip_xgzp6897, chip_ad5422, chip_analog, chip_flow, chip_mains, chip_level;
 
 /* Notes a broken rule of the data sheet, behind the chip's name: "max31865: register 00h: notch changed in automatic mode". The first one
  * stays in c->wrong, all are counted. */

@@ -123,7 +123,29 @@ static enum pin_level pin_input(void *context, uint64_t now_ns, unsigned pin)
             return left * o->travel_s <= CONTACT_S ? PIN_LEVEL_LOW : PIN_LEVEL_OPEN;
         }
     }
-    return PIN_LEVEL_OPEN;
+    const struct chip *c = wiring_at_pin(w->wiring, pin);
+    bool low = c != NULL && c->kind->low != NULL && c->kind->low(c, now_ns);
+    return low ? PIN_LEVEL_LOW : PIN_LEVEL_OPEN;
+}
+
+static uint64_t next_edge(void *context, uint64_t now_ns)
+{
+    const struct wired *w = context;
+    uint64_t first = UINT64_MAX;
+    for (size_t i = 0; i < wiring_n_sensors(w->wiring); i++) {
+        const struct wiring_sensor *s = wiring_sensor(w->wiring, i);
+        uint64_t at = s->chip->kind->next_edge == NULL ? UINT64_MAX
+                                                       : s->chip->kind->next_edge(s->chip, now_ns);
+        first = at < first ? at : first;
+    }
+    return first;
+}
+
+static double pin_volts(void *context, uint64_t now_ns, unsigned pin)
+{
+    const struct wired *w = context;
+    const struct chip *c = wiring_at_pin(w->wiring, pin);
+    return c == NULL || c->kind->pin_volts == NULL ? 0.0 : c->kind->pin_volts(c, now_ns);
 }
 
 /* A step is where the pin goes on. A pump that turns backwards brings nothing. */
@@ -259,6 +281,8 @@ struct wired *wired_open(const char *path, uint64_t seed, char *err, size_t err_
                               .pin_driven = pin_driven,
                               .pin_pulses = pin_pulses,
                               .pin_input = pin_input,
+                              .next_edge = next_edge,
+                              .pin_volts = pin_volts,
                               .spi_exchange = spi_exchange,
                               .i2c_address = i2c_address,
                               .i2c_write = i2c_write,
@@ -292,6 +316,8 @@ const struct wiring *wired_wiring(const struct wired *w)
 void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value)
 {
     wiring_at(w->wiring, now_ns);
+    if (strcmp(sensor, WIRED_TIME) == 0)
+        wiring_begin(w->wiring, now_ns, value != 0.0);
     for (size_t i = 0; i < wiring_n_sensors(w->wiring); i++)
         if (strcmp(wiring_sensor(w->wiring, i)->name, sensor) == 0)
             wiring_measure(w->wiring, i, value);
@@ -333,7 +359,7 @@ static bool one_line(struct wired *w, uint64_t now_ns, char *line, char *err, si
         return sim_fail(err, err_size, "pins.%s: must be a name, a blank and a number", line);
     *blank = '\0';
     char *dot = strchr(line, '.');
-    if (dot == NULL && !has_sensor(w, line))
+    if (dot == NULL && strcmp(line, WIRED_TIME) != 0 && !has_sensor(w, line))
         return sim_fail(err, err_size, "pins.%s: the wiring has no sensor of that name", line);
     if (dot == NULL) {
         wired_measure(w, now_ns, line, value);

@@ -20,6 +20,10 @@ void wired_close(struct wired *w);
 const struct world *wired_world(struct wired *w);
 const struct wiring *wired_wiring(const struct wired *w);
 
+/* In place of a sensor: pulses, contacts and the mains count their time anew from this moment, soon after the board's clock has turned
+ * (chips/at_pin.h). 0: nothing flows through meters; 1: it does, plant time begins. Who never says so begins with 1 at power-on. */
+#define WIRED_TIME "-"
+
 /* Gives the sensor of this name the value of its quantity from this moment on. */
 void wired_measure(struct wired *w, uint64_t now_ns, const char *sensor, double value);
 

@@ -78,7 +78,8 @@ const struct wiring_output *wiring_output(const struct wiring *w, size_t i)
 
 struct chips *wiring_bus(const struct wiring *w, enum chip_bus kind, unsigned number)
 {
-    return number >= 1 && number <= WIRING_BUSES_MAX ? w->bus[kind][number - 1] : NULL;
+    bool is_bus = kind < WIRING_BUS_KINDS && number >= 1 && number <= WIRING_BUSES_MAX;
+    return is_bus ? w->bus[kind][number - 1] : NULL;
 }
 
 void wiring_power(struct wiring *w, uint64_t now_ns, bool on)
@@ -86,6 +87,25 @@ void wiring_power(struct wiring *w, uint64_t now_ns, bool on)
     for (size_t i = 0; i < w->n_chips; i++) {
         chip_power(w->chip[i], now_ns, on);
     }
+}
+
+void wiring_begin(struct wiring *w, uint64_t now_ns, bool flows)
+{
+    for (size_t i = 0; i < w->n_chips; i++) {
+        if (w->chip[i]->kind->begin != NULL) {
+            w->chip[i]->kind->begin(w->chip[i], now_ns, flows);
+        }
+    }
+}
+
+const struct chip *wiring_at_pin(const struct wiring *w, unsigned pin)
+{
+    for (size_t i = 0; i < w->n_sensors; i++) {
+        if (w->sensor[i].bus == CHIP_PIN && w->sensor[i].select == pin) {
+            return w->sensor[i].chip;
+        }
+    }
+    return NULL;
 }
 
 void wiring_at(struct wiring *w, uint64_t now_ns)

@@ -5,13 +5,17 @@
  *     T10      ds18b20   wire1            rom=28-000005e2fdc3
  *     dP       ads1115   i2c1 0x48 2      lo=0 hi=60 lo_in=0.4 hi_in=2
  *     P        bme280    i2c1 0x76 pressure  lo_in=0 hi_in=100 # mbar to Pa
+ *     I        analog    PC0              lo=0 hi=10 lo_in=0.4 hi_in=2
+ *     F        flow      PC9              hi=8 # 450 pulses a litre at 8 l/h are 1 a second
+ *     low      level     PC8              quantity=M limit=2 hysteresis=0.1 normally=closed
+ *     grid     mains     PC7              frequency=60
  *     Q        ssr       PB0              hi=3
  *     Lr       valve     PB1 PB2          hi=20 travel=60 active=low
  *     F        ad5422    spi2 PC0         clear=PC1 hi=8
  *     D        stepper   PB3 PB4          steps=120 hi=6
  *
  * A sensor stands on spiN and the pin of its select, on i2cN and its address, or on wireN; behind that the input of the chip: a name, or the number
- * of one of several alike. Several lines may name one chip, each with another input; the chip's properties stand on the first.
+ * of one of several alike. Voltages, pulses and contacts stand on a pin of the board (chips/at_pin.h). Several lines may name one chip, each with another input; the chip's properties stand on the first.
  *
  * Properties of each line: quantity, the plant's name where it is another; lo and hi, values of the quantity at lo_in and hi_in of the chip's input
  * (a straight line; without them they are the same), of an output with the load off and fully on (without them 0 and 1).
@@ -50,7 +54,7 @@ struct wiring_sensor {
     char quantity[WIRING_NAME_SIZE]; /* of the plant */
     enum chip_bus bus;
     unsigned bus_number; /* from 1 */
-    hal_pin select;      /* SPI, else HAL_PIN_NONE */
+    hal_pin select;      /* SPI, or what is at a pin of the board; else HAL_PIN_NONE */
     uint8_t address;     /* I2C */
     struct chip *chip;
     const char *input;   /* of the chip */
@@ -98,6 +102,12 @@ struct chips *wiring_bus(const struct wiring *w, enum chip_bus kind, unsigned nu
 
 /* Supply of all chips. */
 void wiring_power(struct wiring *w, uint64_t now_ns, bool on);
+
+/* What is at pins of the board begins its time anew: see begin() of its kind. */
+void wiring_begin(struct wiring *w, uint64_t now_ns, bool flows);
+
+/* What is at this pin of the board. NULL: nothing is. */
+const struct chip *wiring_at_pin(const struct wiring *w, unsigned pin);
 
 /* Before the world changes: see chip_at(). */
 void wiring_at(struct wiring *w, uint64_t now_ns);

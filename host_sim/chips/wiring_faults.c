@@ -87,9 +87,11 @@ static void offer(struct pick *p, struct wiring_fault fault)
 static void offer_sensor(struct pick *p, const struct wiring *w, const struct wiring_sensor *s)
 {
     const struct chip_kind *kind = s->chip->kind;
-    offer(p, missing);
-    offer(p, dead);
-    if (kind->bus != CHIP_ONEWIRE) {
+    if (kind->bus != CHIP_PIN) {
+        offer(p, missing);
+        offer(p, dead);
+    }
+    if (kind->bus != CHIP_PIN && kind->bus != CHIP_ONEWIRE) {
         offer(p, wrong);
     }
     if (has_numbered_inputs(kind)) {

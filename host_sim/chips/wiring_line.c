@@ -51,8 +51,8 @@ bool wiring_take_pin(const struct wiring *w, const char *text, hal_pin *pin, cha
     }
     for (size_t i = 0; i < w->n_sensors; i++) {
         if (w->sensor[i].select == *pin) {
-            return sim_fail(err, err_size,
-                            "%s is the select of %s in line %u; each has its own pin", text,
+            return sim_fail(err, err_size, "%s is the %s of %s in line %u; each has its own pin",
+                            text, w->sensor[i].bus == CHIP_PIN ? "pin" : "select",
                             w->sensor[i].name, w->sensor[i].line);
         }
     }
@@ -248,6 +248,10 @@ static bool read_place(const struct words *s, const struct chip_kind *kind,
                        struct wiring_sensor *sensor, char *err, size_t err_size)
 {
     static const char *const examples[] = {"spi1 PA4", "i2c1 0x48", "wire1"};
+    if (kind->bus == CHIP_PIN) {
+        return s->places == 3 ||
+               sim_fail(err, err_size, "%s stands at one pin, as in PC0", kind->name);
+    }
     size_t needed = kind->bus == CHIP_ONEWIRE ? 3u : 4u;
     enum chip_bus bus = kind->bus;
     if (s->places < 3 || !wiring_bus_named(s->word[2], &bus, &sensor->bus_number)) {
@@ -300,10 +304,11 @@ static bool share_chip(const struct wiring *w, const struct chip_kind *kind, con
 {
     for (size_t i = 0; i < w->n_sensors; i++) {
         const struct wiring_sensor *o = &w->sensor[i];
-        bool same_place = kind->bus == o->bus && kind->bus != CHIP_ONEWIRE &&
-                          (kind->bus == CHIP_SPI ? o->select == sensor->select
-                                                 : o->address == sensor->address &&
-                                                       o->bus_number == sensor->bus_number);
+        bool same_place =
+            kind->bus == o->bus && kind->bus != CHIP_ONEWIRE && kind->bus != CHIP_PIN &&
+            (kind->bus == CHIP_SPI
+                 ? o->select == sensor->select
+                 : o->address == sensor->address && o->bus_number == sensor->bus_number);
         if (!same_place) {
             continue;
         }
@@ -349,7 +354,8 @@ static bool make_chip(struct wiring *w, const struct chip_kind *kind, const char
                             o->line);
         }
     }
-    return chips_add(wiring_make_bus(w, sensor->bus, sensor->bus_number), sensor->chip,
+    return kind->bus == CHIP_PIN ||
+           chips_add(wiring_make_bus(w, sensor->bus, sensor->bus_number), sensor->chip,
                      sensor->select, err, err_size);
 }
 
@@ -368,12 +374,13 @@ static bool read_sensor(struct wiring *w, const struct words *s, const struct ch
     if (own.has_active || own.has_travel) {
         return sim_fail(err, err_size, "active and travel are properties of outputs");
     }
-    const char *place = kind->bus == CHIP_ONEWIRE ? s->word[2] : s->word[3];
+    bool one_word = kind->bus == CHIP_ONEWIRE || kind->bus == CHIP_PIN;
+    const char *place = s->word[one_word ? 2 : 3];
     if (!share_chip(w, kind, rest, place, &sensor, &there, err, err_size)) {
         return false;
     }
-    if (!there && kind->bus == CHIP_SPI &&
-        !wiring_take_pin(w, s->word[3], &sensor.select, err, err_size)) {
+    if (!there && (kind->bus == CHIP_SPI || kind->bus == CHIP_PIN) &&
+        !wiring_take_pin(w, place, &sensor.select, err, err_size)) {
         return false;
     }
     if (!there && !make_chip(w, kind, rest, &sensor, err, err_size)) {

@@ -34,8 +34,11 @@ struct world {
     void (*pin_driven)(void *context, uint64_t now_ns, unsigned pin, enum pin_drive drive);
     /* A pin has a pulse width from now on: high for this part of each period, 0 to 1. Edges are not told one by one. */
     void (*pin_pulses)(void *context, uint64_t now_ns, unsigned pin, double hz, double high);
-    /* What is wired to an input, asked whenever the board looks at the pin; its edges are no pulses. NULL or open: what the board was told. */
+    /* What is wired to an input, asked whenever the board looks at the pin. NULL or open: what the board was told. */
     enum pin_level (*pin_input)(void *context, uint64_t now_ns, unsigned pin);
+    /* The first moment after now at which inputs may get another level although nobody changes the world; UINT64_MAX: none. NULL: inputs change
+     * only when somebody changes the world. */
+    uint64_t (*next_edge)(void *context, uint64_t now_ns);
     /* V at an analogue input; NULL: 0. */
     double (*pin_volts)(void *context, uint64_t now_ns, unsigned pin);
 

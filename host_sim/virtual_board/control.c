@@ -4,6 +4,7 @@
 #include "chips/wired.h"
 #include "control_frame.h"
 #include "faults.h"
+#include "world.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -78,8 +79,10 @@ static bool serve_one(struct board *b, struct wired *wired, int fd)
     char refused[BOARD_VERDICT];
     if (faults > FRAME_MOST || !frame_whole(fd, bytes, faults, false))
         return false;
-    if (wired != NULL)
+    if (wired != NULL && faults != 0) {
         faults = wired_lines(wired, board_ns(b), (char *)bytes, faults, refused, sizeof(refused));
+        board_world_changed(b);
+    }
     if (faults > FRAME_MOST ||
         !faults_add_text(b, (const char *)bytes, faults, refused, sizeof(refused)))
         board_verdict(b, "%s", refused);

@@ -11,7 +11,7 @@ target_compile_definitions(test_interrupted_blocks PRIVATE SCENARIOS="${PROJECT_
                            DECOUPLING="${CMAKE_CURRENT_LIST_DIR}/decoupling" FEEDFORWARD="${CMAKE_CURRENT_LIST_DIR}/feedforward")
 
 # The plant at the board's own pins, with models of chips.
-foreach(part board_pins board_pins_kinds board_anew both_sources derived_pins board_proof)
+foreach(part board_pins board_pins_kinds board_anew both_sources derived_pins board_proof wired_inputs)
   reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_hal_memory reflux_app reflux_link reflux_chips)
 endforeach()
 # Proofs of outputs on a plant of the bench, without the firmware around them.

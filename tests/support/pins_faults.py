@@ -63,6 +63,8 @@ class Device:
     slope: float = 1.0
     near: float = 0.4
     faults: tuple[Fault, ...] = ()
+    beside: str = ""             # line of a switch beside T1, which has the faults
+    more: tuple[str, ...] = ()   # its settings
 
 
 NO_CHIP, WRONG, CHECK, OPEN, SHORT = "no chip answers", "another chip", "checksum wrong", "sensor or wire open", "sensor shorted"
@@ -109,6 +111,33 @@ DS18B20 = (
     *of_all_chips(wrong=False), Fault("power lost", ("T1.power_loss=1",), (POWER, NO_CHIP)),
     Fault("checksum", ("T1.crc=1",), (CHECK, NO_CHIP)), Fault("short", ("T1.short=1",), ANY))
 VOLTS = (*of_all_chips(), *on_i2c())
+FROZEN = Fault("frozen", ("T1.frozen=1",), ("frozen", "out of range"), why="a voltage like any other; told by meas.frozen", within_s=FROZEN_S + SAMPLES,
+               readings="stand still", settings=(f"set meas1.frozen {FROZEN_S}",), told_as="MEASUREMENT_BAD")
+BELOW, ABOVE = "a value like any other; below meas1.lo", "a value like any other; above meas1.hi"
+ANALOG = (
+    Fault("wire broken", ("T1.open=1",), ("out of range",), told_as="MEASUREMENT_BAD", why=BELOW),
+    Fault("wire at ground", ("T1.short_low=1",), ("out of range",), told_as="MEASUREMENT_BAD", why=BELOW),
+    Fault("wire at the supply", ("T1.short_high=1",), (RANGE,)), FROZEN,
+    Fault("noise of 20 mV", ("T1.pickup=0.02",), readings="wrong", why="the mean of 16 conversions leaves a quarter of it"))
+FLOW = (
+    Fault("no pulses", ("T1.stopped=1",), ("out of range",), told_as="MEASUREMENT_BAD", why="no pulses are no flow; below meas1.lo"),
+    Fault("each pulse comes as three", ("T1.bounce=1",), ("out of range",), told_as="MEASUREMENT_BAD", why=ABOVE),
+    Fault("50 pulses a second from the wire", ("T1.pickup=50",), readings="wrong", why="they are as good as others"),
+    Fault("3,000 pulses a second from the wire", ("T1.pickup=3000",), (RANGE,)))
+LOCK = "lock2"
+# A switch that is closed as long as all is well, with an interlock on it.
+SWITCH = "S level PC8 quantity=T9 limit=80 hysteresis=1"
+LOCKED = ("chan3.name S", "chan3.unit -", "chan3.device level", "chan3.select PC8", "meas3.name S", "meas3.unit -", "meas3.lo 0", "meas3.hi 1",
+          "meas3.test off",
+          "lock2.meas S", "lock2.mv Qrb", "lock2.side below", "lock2.limit 0.5", "lock2.hysteresis 0.1", "lock2.value 0")
+LEVEL = (
+    Fault("it is low", ("T9.stuck=20",), (LOCK,), back=("T9.free=1",), told_as="INTERLOCK_ON", why="no fault: the interlock acts"),
+    Fault("wire broken", ("S.open=1",), (LOCK,), told_as="INTERLOCK_ON", why="reads as danger, as the switch is wired"),
+    Fault("wires touch", ("S.short=1",), why="reads as the contact that is closed"),
+    Fault("wires touch, it is low", ("S.short=1", "T9.stuck=20"), back=("S.short=0", "T9.free=1"), why="reads as a closed contact: danger is hidden"),
+    Fault("jammed, it is low", ("S.jammed=1", "T9.stuck=20"), back=("S.jammed=0", "T9.free=1"), why="nobody can know: danger is hidden"),
+    Fault("chatters each 5 ms", ("S.chatter=5",), (LOCK,), sometimes=True, told_as="INTERLOCK_ON", why="what it shows for 20 ms counts"),
+    Fault("chatters each 0.1 s", ("S.chatter=100",), (LOCK,), sometimes=True, told_as="INTERLOCK_ON", why="a contact that closes and opens"))
 
 DEVICES = (
     Device("max31865", "spi1", "spi1 PA4 reference=430 wires=3", ("device max31865", "bus spi1", "select PA4"),
@@ -135,8 +164,15 @@ DEVICES = (
            near=1.0, faults=(*of_all_chips(wrong=False),
                              Fault("wrong chip", ("T1.wrong=1",), readings="wrong", why="the chip has no identity"),
                              *on_i2c(), *of_bus("i2c1", False))),
+    Device("analog, 4-20 mA", "pin", "PC0 lo=0 hi=200 lo_in=0.4 hi_in=2", ("device analog", "select PC0", "type 4-20mA", "lo 0", "hi 200"),
+           faults=(*ANALOG, Fault("transmitter at 22.4 mA", ("T1.stuck=230",), ("out of range",), back=("T1.free=1",), told_as="MEASUREMENT_BAD",
+                                  why="above meas1.hi, which tells before NAMUR NE 43 does"))),
+    Device("analog, 0-10 V", "pin", "PC0 lo=0 hi=200 lo_in=0 hi_in=2.5", ("device analog", "select PC0", "type 0-10V", "lo 0", "hi 200"), faults=ANALOG),
+    # A result is of half a second, so that a pulse more is 0.5 degC, and a millisecond of the fault up to 2 degC.
+    Device("flow", "pin", "PC9 lo=0 hi=200 lo_in=0 hi_in=800", ("device flow", "select PC9"), "1/s", 0, 4, near=2.6, faults=FLOW),
+    Device("level", "pin", "spi1 PA4 reference=430 wires=3", ("device max31865", "bus spi1", "select PA4"), faults=LEVEL, beside=SWITCH, more=LOCKED),
 )
-CHIP_OF = {"ads1115, 4-20 mA": "ads1115", "ads1115, 0-10 V": "ads1115", "bme280_temperature": "bme280"}
+CHIP_OF = {"bme280_temperature": "bme280", "level": "max31865"}
 
 # ---- loads ------------------------------------------------------------------------------------------------------------------------
 
@@ -180,6 +216,12 @@ def with_chip(row: int, more: str) -> tuple[str, ...]:
     return tuple(f"out{row}.{word}" for word in ("kind ad5422", "pin PC5", "pin2 PC4", "bus spi1", more))
 
 
+CROSSINGS = "no zero crossings"
+MAINS = (
+    Fault("mains lost", ("mains.lost=1",), (CROSSINGS,), told_as="OUTPUT_FAULT", why="groups go on by time"),
+    Fault("mains of 40 Hz", ("mains.shift=-10",), (CROSSINGS,), told_as="OUTPUT_FAULT", why="groups go on by time"),
+    Fault("mains of 47 Hz", ("mains.shift=-3",), why="groups follow the mains"),
+    Fault("30 pulses a second from the wire", ("mains.pickup=30",), sometimes=True, why="one that is too early does not count"))
 LOADS = (
     Load("window", (PULSES[0], "Qrb ssr PB1 lo=0 hi=1.5"), ("out2.kind window",)),
     Load("burst", (PULSES[0], "Qrb ssr PB1 lo=0 hi=1.5"), ("out2.kind burst",)),
@@ -193,13 +235,12 @@ LOADS = (
          of_output_chip("Lr", True), off=0.0),
     Load("ad5422, 0-10 V", (PULSES[0], "Qrb ad5422 spi1 PC4 clear=PC5 signal=voltage lo=0 hi=1.5"), with_chip(2, "range 0-10V"),
          faults=of_output_chip("Qrb", False), off=0.0),
+    Load("burst, zero crossings", (PULSES[0], "Qrb ssr PB1 lo=0 hi=1.5", "mains mains PC7"), ("out2.kind burst", "out2.zero_cross PC7"), faults=MAINS),
 )
 LOAD_WHY = "no pin reads what the load does; below, out.proof tells by what it does"
 SHORTED, BROKEN = "shorted", "broken"
 NOT_SHOWN = {
-    "analog": "a wiring file has no voltage at a pin of the chip", "flow": "a wiring file has no flow meter: no flow without pump",
-    "pulses": "a wiring file has no pulses to count",
-    "level": "a wiring file has no contact",
+    "pulses": "the same pin and pulses as of flow, and a count leaves no range",
     "enable": "a wiring file has no contactor in series with the heaters",
 }
 
@@ -246,7 +287,7 @@ def settings(device: Device, load: Load, state: State, fault_settings: tuple[str
              "meas2.name T10", "meas2.unit degC", "meas2.lo 70", "meas2.hi 130", f"meas2.hold {HOLD_S}"]
     pilot = (ROOT / "host_sim" / "scenarios" / "pilot-pins.conf").read_text(encoding="utf-8").splitlines()
     rows += [line.removeprefix("set ") for line in pilot if re.match(r"set (mv|loop|lock)", line)]
-    rows += [row.format(far=eu(129), usual=eu(87.2)) for row in state.settings]
+    rows += [*device.more, *(row.format(far=eu(129), usual=eu(87.2)) for row in state.settings)]
     return ["begin", *(f"set {row}" for row in rows), *fault_settings, "apply", "log on"]
 
 
@@ -331,7 +372,9 @@ def simulate(job: Job, place: Path | None = None, wire: Callable[[Path], str] | 
     """The run of a cell, on the host; with `wire` on the virtual board: a function that gives the port of one with this wiring file."""
     device, load, fault = find(job)
     state = STATES[job.state]
-    wiring = [f"T1 {CHIP_OF.get(device.name, device.name)} {device.wiring}", "T10 max31865 spi1 PB12 reference=430 wires=3", *load.wiring]
+    kind = device.name.split(",")[0]
+    wiring = [f"T1 {CHIP_OF.get(kind, kind)} {device.wiring}", "T10 max31865 spi1 PB12 reference=430 wires=3", *load.wiring,
+              *filter(None, [device.beside])]
     end_s = state.fault_s + fault.lasts_s
     lines = [f"0 {line}" for line in settings(device, load, state, fault.settings)]
     lines += [f"3 out {name} {value:g}" for name, value in MANUAL.items()] + [f"{ENTER_S} {line}" for line in state.lines]

@@ -11,12 +11,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, STATES, STEP, Cell, Device, Fault, Job, Load, Run, State, find)
+from pins_faults import (AFTER_S, BACK_S, ENTER_S, FAULT_S, HOLD_S, LIMITS, LOADS, MANUAL, SAMPLES, STATES, STEP, Cell, Device, Fault, Job, Run, State,
+                         find)
 
 LATE_S = 1.0          # of what follows from a lost reading: the next sample
 SLOW_S = 3            # a reading is of one of the last so many samples
 SETTLED_S = 6         # outputs are what was commanded at 3 s, and T1 was read
 VALVE_NEAR = 0.36     # l/h, the dead band of a valve and what it overruns; one that has just been switched on closes first, to know where it is
+OVER = {"SENSOR_FAULT": "SENSOR_FINE", "OUTPUT_FAULT": "OUTPUT_FINE", "INTERLOCK_ON": "INTERLOCK_OFF"}  # what tells the end of what
 NOT_GOOD = ("MEASUREMENT_BAD", "MEASUREMENT_GOOD")
 
 
@@ -40,6 +42,12 @@ class Seen:
         return self.state.fault_s + self.fault.lasts_s
 
     @property
+    def subject(self) -> str:
+        """Of what is told of the fault."""
+        load = next((load for load in LOADS if load.name == self.job.device), None)
+        return load.moved if load else "Qrb" if self.fault.told_as == "INTERLOCK_ON" else "T1"
+
+    @property
     def sometimes(self) -> bool:
         """The fault may be told or not, as the moment is."""
         return self.fault.sometimes or self.state.flickers
@@ -59,9 +67,9 @@ def cause(rest: str) -> str:
     return rest.rsplit(": ", 1)[-1]
 
 
-def told(seen: Seen, wrong: list[str], subject: str = "T1") -> str:
+def told(seen: Seen, wrong: list[str]) -> str:
     """What was told of the fault, in words, empty: nothing."""
-    fault, event = seen.fault, seen.during(seen.fault.told_as, subject)
+    fault, event = seen.fault, seen.during(seen.fault.told_as, seen.subject)
     if event is None:
         if fault.says and not seen.sometimes:
             wrong.append("it is not told")
@@ -86,7 +94,7 @@ def right(seen: Seen, at: float, value: str) -> bool:
 def readings(seen: Seen, wrong: list[str]) -> None:
     """No good reading is wrong while the fault lasts, and at the end it is good and right."""
     rows, last = seen.run.rows, max(seen.run.rows)
-    free = {"wrong": seen.fault.lasts_s, "stand still": seen.fault.lasts_s}.get(seen.fault.readings, 0.0)
+    free = {"wrong": seen.fault.lasts_s + LATE_S, "stand still": seen.fault.lasts_s}.get(seen.fault.readings, 0.0)
     bad = [at for at, row in rows.items() if seen.begin_s + free < at <= seen.end_s and row["T1.q"] == "0" and not right(seen, at, row["T1"])]
     if bad:
         wrong.append(f"{len(bad)} wrong readings are good, first after {bad[0] - seen.begin_s:g} s: {rows[bad[0]]['T1']}")
@@ -130,6 +138,8 @@ def fall_back(seen: Seen, wrong: list[str]) -> str:
     if since is None or how == "":
         if not seen.sometimes:
             unmoved(seen, "MANUAL_BY_BOARD", ("top", *others), wrong)
+            if seen.fault.readings == "wrong" and (event := seen.during("COMMISSION_ENDED", "T1")):
+                return f"ended at {event[0] - seen.begin_s:g} s"  # a test that went past its limit
             unmoved(seen, "COMMISSION_ENDED", ("T1",), wrong)
             unmoved(seen, "SEQUENCE_HELD", ("T1", "top"), wrong)
         return "goes on"
@@ -171,7 +181,7 @@ def outputs(seen: Seen, wrong: list[str]) -> None:
         values = [(at, value) for at, value in values if at >= from_s]
         if load is not None and load.name == "relay" and name == load.moved:
             continue  # it has no part of its span
-        falls = load is not None and name == load.moved and seen.fault in load.faults
+        falls = load is not None and load.off is not None and name == load.moved and seen.fault in load.faults
         if falls and load and load.off is not None:  # its chip may be let fall, in any part of a sample, and be given less
             lo = load.off
             values += [(number, float(row[f"{name}.cmd"])) for number, row in enumerate(seen.run.log) if number >= from_s]
@@ -188,25 +198,25 @@ def outputs(seen: Seen, wrong: list[str]) -> None:
                 wrong.append(f"{name} is not safe {late[0] - since:g} s after the loss")
 
 
+def held_off(seen: Seen, wrong: list[str]) -> None:
+    """While an interlock is told, its output is off."""
+    if seen.fault.told_as != "INTERLOCK_ON" or seen.sometimes:
+        return
+    on = [number for number, row in enumerate(seen.run.log)
+          if seen.begin_s + SAMPLES + LATE_S < number <= seen.end_s and abs(float(row["Qrb.cmd"])) > STEP["Qrb"]]
+    if on:
+        wrong.append(f"Qrb is on {on[0] - seen.begin_s:g} s after it, {len(on)} times")
+
+
 def back(seen: Seen, wrong: list[str]) -> None:
     """What was told before is told to be over."""
-    faults = [code for at, code, who, _ in seen.run.said if who == "T1" and code in ("SENSOR_FAULT", "SENSOR_FINE") and at <= seen.end_s]
-    if not faults or faults[-1] == "SENSOR_FINE":
+    over = OVER.get(seen.fault.told_as, "SENSOR_FINE")
+    faults = [code for at, code, who, _ in seen.run.said if who == seen.subject and code in (*OVER, *OVER.values()) and at <= seen.end_s]
+    if not faults or faults[-1] == over:
         return
-    event = seen.after("SENSOR_FINE", "T1")
+    event = seen.after(over, seen.subject)
     if event is None or event[0] - seen.end_s > BACK_S:
         wrong.append("its end is not told" if event is None else f"its end is told after {event[0] - seen.end_s:g} s")
-
-
-def told_of_chip(seen: Seen, load: Load, wrong: list[str]) -> str:
-    """What the chip behind an output reported, and that it was told to be over."""
-    words = told(seen, wrong, load.moved)
-    faults = [code for at, code, who, _ in seen.run.said if who == load.moved and code in ("OUTPUT_FAULT", "OUTPUT_FINE") and at <= seen.end_s]
-    if faults and faults[-1] == "OUTPUT_FAULT":
-        fine = seen.after("OUTPUT_FINE", load.moved)
-        if fine is None or fine[0] - seen.end_s > BACK_S:
-            wrong.append("its end is not told" if fine is None else f"its end is told after {fine[0] - seen.end_s:g} s")
-    return words or load_words(seen)
 
 
 def load_words(seen: Seen) -> str:
@@ -233,12 +243,16 @@ def judge(job: Job, run: Run) -> Cell:
     if run.warned and not hides_chip(fault):
         wrong.append(run.warned)
     if job.device in {load.name for load in LOADS}:
-        load = next(load for load in LOADS if load.name == job.device)
-        return Cell(told_of_chip(seen, load, wrong) if fault in load.faults else load_words(seen), wrong)
+        words = ""
+        if fault.told_as == "OUTPUT_FAULT":
+            words = told(seen, wrong)
+            back(seen, wrong)
+        return Cell(words or load_words(seen), wrong)
     words = told(seen, wrong)
-    if words and not seen.sometimes and lost_since(seen) is None:
+    if words and not seen.sometimes and fault.told_as != "INTERLOCK_ON" and lost_since(seen) is None:
         wrong.append("told, but the measurement is not lost")
     readings(seen, wrong)
     fell = fall_back(seen, wrong)
+    held_off(seen, wrong)
     back(seen, wrong)
     return Cell(f"{words or 'not told'}; {fell}", wrong)

@@ -56,6 +56,8 @@ CASES = (
           (10, "mode top auto"), (10, "mode bottom auto"), (25, "sp top 87.5"), (45, "mode bottom manual"), (46, "out Qrb 0.7")),
          {"T1": (87.0, 5.0), "T10": (107.0, 5.0)}, {"top.mode": 1, "bottom.mode": 0, "top.sp": 87.5, "Qrb.cmd": 0.7},
          "pilot-pins", ("Lr stepper PB0 PC2 steps=120 hi=12", "Qrb ad5422 spi1 PC4 clear=PC5 lo=0 hi=1.5")),
+    # Its own events: the mains are lost for a while, a leak to the level switch, noise and faults of a voltage, a flow meter and the switch.
+    Case("inputs-pins", ((5, "out vF 100"), (30, "status"), (35, "out vCW 80")), {"T1": (20.0, 1.0)}, {"vF.cmd": 100, "vCW.cmd": 80, "wet": 0}),
 )
 
 
@@ -115,6 +117,33 @@ class SameLogTest(unittest.TestCase):
         self.assertAlmostEqual(actual[next(k for k in range(len(time)) if time[k] == 60)], 8.0, delta=0.4)
         codes = {code for _, _, code, _ in runner.events_in(result.out / "transcript.txt")}
         self.assertNotIn("VALVE_FAULT", codes)
+
+    FAULTS = ("OUTPUT_FAULT", "OUTPUT_FINE", "SENSOR_FAULT", "SENSOR_FINE", "INTERLOCK_ON")
+
+    def test_currents_pulses_and_a_contact_are_read_and_their_faults_told(self) -> None:
+        case = next(case for case in CASES if case.name == "inputs-pins")
+        result = self.run_on("memory", case, "inputs")
+        log = result.log
+        time = [int(t) for t in log.numbers("time")]
+        read = {name: dict(zip(time, log.numbers(f"fw.{name}"))) for name in ("LB", "TB", "Fcw", "Vcw", "wet", "Qrb.app")}
+        given = {name: dict(zip(time, log.numbers(f"{name}.meas"))) for name in ("LB", "TB", "Fcw")}
+        for t in range(1, 39):  # a sample has what was measured in the one before
+            self.assertAlmostEqual(read["LB"][t], given["LB"][t - 1], delta=0.05)  # 4,095 codes of 3.3 V
+            self.assertAlmostEqual(read["TB"][t], given["TB"][t - 1], delta=0.1 if t < 20 else 4.0)  # noise of 12.5 mV in the mean
+            self.assertAlmostEqual(read["Fcw"][t], max(given["Fcw"][t - 1], 0) / 4, delta=2.0)  # a pulse in half a second
+        drawn = sum(max(given["Fcw"][t], 0) / 4 for t in range(39))
+        self.assertAlmostEqual(read["Vcw"][39], drawn, delta=1.5)
+        self.assertGreater(drawn, 50)
+        dry = next(t for t in time if read["wet"][t] == 0)
+        self.assertTrue(all(given["LB"][t] >= 17.0 - 0.3 for t in range(dry - 1)))
+        self.assertLessEqual(given["LB"][dry - 1], 17.0 - 0.3)
+        self.assertAlmostEqual(read["Qrb.app"][dry - 1], 0.9, places=4)
+        self.assertEqual(read["Qrb.app"][dry + 2], 0.0)
+        self.assertEqual({read["Fcw"][t] for t in (50, 51)}, {0.0})
+        told = [(code, at) for at, _, code, _ in runner.events_in(result.out / "transcript.txt") if code in self.FAULTS]
+        begin = told[0][1] - 12  # of plant time, by the board's clock; the mains are found again when a second of crossings was right
+        self.assertEqual([(code, at - begin) for code, at in told[:5]],
+                         [("OUTPUT_FAULT", 12), ("OUTPUT_FINE", 16), ("INTERLOCK_ON", dry), ("SENSOR_FAULT", 40), ("SENSOR_FINE", 44)])
 
     def test_a_run_on_the_host_repeats_to_the_bit(self) -> None:
         first, second = (self.run_on("memory", CASES[0], name) for name in ("first", "second"))

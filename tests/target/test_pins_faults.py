@@ -36,7 +36,7 @@ IMAGE = "stm32f405"
 BOARD = board.ROOT / "build" / "host" / "reflux-board"
 SHARE = 23  # of the cells, the default test runs one in so many; the states and the faults of a device have no such factor
 ON_BOARD = (Job("max31865", "open", "auto"), Job("max31856", "missing chip", "sequence"), Job("ads1115, 4-20 mA", "bus stuck low", "auto, safe"),
-            Job("ad5422, 4-20 mA", "missing chip", "auto"))
+            Job("ad5422, 4-20 mA", "missing chip", "auto"), Job("flow", "no pulses", "auto"), Job("level", "chatters each 5 ms", "auto"))
 
 
 # A chip of each bus with faults that overlap, plant time in s.

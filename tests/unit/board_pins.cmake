@@ -6,6 +6,8 @@ foreach(part wired wired_driven)
   reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c" LIBS reflux_chips)
 endforeach()
 reflux_test(board_io LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_board_io.c" LIBS reflux_hal_memory reflux_app reflux_link reflux_chips)
-reflux_test(host_buses LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_host_buses.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c"
-            LIBS reflux_chips reflux_hal)
-target_include_directories(test_host_buses PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+foreach(part host_buses host_inputs)
+  reflux_test(${part} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c" "${PROJECT_SOURCE_DIR}/hal/host/buses.c"
+              LIBS reflux_chips reflux_hal)
+  target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+endforeach()

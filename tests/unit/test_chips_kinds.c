@@ -46,7 +46,7 @@ static void what_cannot_be_a_property_is_refused_in_words(void)
 {
     expect_refused("max31866", "",
                    "no chip is called max31866; there are max31865, max31856, ds18b20, ads1115, "
-                   "bme280, bmp280, xgzp6897, ad5422");
+                   "bme280, bmp280, xgzp6897, ad5422, analog, flow, mains, level");
     expect_refused(
         "max31865", "refrence=400",
         "max31865 has no property refrence; it has reference, nominal, wires, capacitor, noise");
@@ -74,7 +74,7 @@ static void every_kind_is_whole_and_has_words_for_its_inputs(void)
 {
     size_t n;
     const struct chip_kind *const *kinds = chip_kinds(&n);
-    TEST_ASSERT_EQUAL_size_t(8, n);
+    TEST_ASSERT_EQUAL_size_t(12, n);
     for (size_t i = 0; i < n; i++) {
         const struct chip_kind *k = kinds[i];
         struct chip *c = chip_new(k->name, "", 3, err, sizeof(err));
@@ -83,6 +83,8 @@ static void every_kind_is_whole_and_has_words_for_its_inputs(void)
         TEST_ASSERT_TRUE(k->bus != CHIP_SPI || (k->select && k->exchange));
         TEST_ASSERT_TRUE(k->bus != CHIP_I2C || (k->address && k->write && k->read && k->stop));
         TEST_ASSERT_TRUE(k->bus != CHIP_ONEWIRE || (k->presence && k->bit_in && k->bit_out));
+        TEST_ASSERT_TRUE(k->bus != CHIP_PIN ||
+                         (k->begin && (k->pin_volts || (k->low && k->next_edge))));
         for (size_t m = 0; m < k->n_inputs; m++) {
             const struct chip_input *in = &k->inputs[m];
             TEST_ASSERT_TRUE(in->lo <= in->at_first && in->at_first <= in->hi && in->what[0]);

@@ -109,6 +109,8 @@ static void send_rubbish(const char *kind, uint8_t address)
         case CHIP_ONEWIRE:
             wire_rubbish();
             break;
+        case CHIP_PIN:
+            break;
         }
         bench_wait_us(draw(20000));
     }

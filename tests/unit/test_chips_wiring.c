@@ -189,7 +189,12 @@ static void lines_that_are_not_whole_are_refused(void)
     expect_refused("\n\nT1 max31866 spi1 PA4\n", 3,
                    "max31866 is no chip and no output; there are max31865, max31856, ds18b20, "
                    "ads1115, bme280, bmp280, xgzp6897, ad5422, "
-                   "ssr, relay, pwm, valve, stepper");
+                   "analog, flow, mains, level, ssr, relay, pwm, valve, stepper");
+    expect_refused("F flow\n", 1, "flow stands at one pin, as in PC0");
+    expect_refused("F flow PC9 PC8\n", 1, "flow stands at one pin, as in PC0");
+    expect_refused("F flow spi1\n", 1, "spi1 is no pin; pins are PA0 to PI15");
+    expect_refused("F flow PC9\nL level PC9\n", 2,
+                   "PC9 is the pin of F in line 1; each has its own pin");
     expect_refused("T1 max31865\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 PA4\n", 1, "max31865 stands on a bus, as in spi1 PA4");
     expect_refused("T1 max31865 spi1\n", 1, "max31865 has its place as in spi1 PA4");

@@ -7,7 +7,6 @@
 
 #include "buses.h"
 #include "chips/wired.h"
-#include "hal/analog.h"
 #include "hal/clock.h"
 #include "hal/i2c.h"
 #include "hal/onewire.h"
@@ -342,90 +341,12 @@ static void pins_that_are_not_free_are_no_outputs(void)
     }
 }
 
-/* ---- inputs ---- */
-
-static void an_open_input_has_the_level_of_its_pull_up(void)
-{
-    hal_pin_use(HAL_PIN('C', 8), HAL_PIN_INPUT_PULLED);
-    TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 8)));
-    buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_LOW);
-    TEST_ASSERT_FALSE(hal_pin_read(HAL_PIN('C', 8)));
-    buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_HIGH);
-    TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 8)));
-    buses_set_pin(HAL_PIN('C', 8), PIN_LEVEL_OPEN);
-    TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 8)));
-}
-
-static enum pin_level low_at_c8(void *context, uint64_t now_ns, unsigned pin)
-{
-    (void)context;
-    (void)now_ns;
-    return pin == HAL_PIN('C', 8) ? PIN_LEVEL_LOW : PIN_LEVEL_OPEN;
-}
-
-static void an_input_has_the_level_that_the_world_gives_it(void)
-{
-    const struct world wired = {.pin_input = low_at_c8};
-    hal_pin_use(HAL_PIN('C', 8), HAL_PIN_INPUT_PULLED);
-    hal_pin_use(HAL_PIN('C', 7), HAL_PIN_INPUT_PULLED);
-    buses_set_world(&wired);
-    TEST_ASSERT_FALSE(hal_pin_read(HAL_PIN('C', 8)));
-    TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('C', 7)));
-    buses_set_pin(HAL_PIN('C', 7), PIN_LEVEL_LOW);
-    TEST_ASSERT_FALSE(hal_pin_read(HAL_PIN('C', 7))); /* the world says nothing about it */
-    buses_set_pin(HAL_PIN('C', 7), PIN_LEVEL_OPEN);
-}
-
-static void falling_edges_are_pulses(void)
-{
-    TEST_ASSERT_EQUAL_INT(ERR_OK, hal_pulse_open(HAL_PIN('C', 9)));
-    for (unsigned i = 0; i < 7; i++) {
-        buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_LOW);
-        buses_set_pin(HAL_PIN('C', 9), PIN_LEVEL_LOW); /* no edge */
-        buses_set_pin(HAL_PIN('C', 9), i % 2 ? PIN_LEVEL_OPEN : PIN_LEVEL_HIGH);
-    }
-    TEST_ASSERT_EQUAL_UINT32(7, hal_pulse_count(HAL_PIN('C', 9)));
-    TEST_ASSERT_EQUAL_INT(ERR_OK, hal_pulse_open(HAL_PIN('C', 9)));
-    TEST_ASSERT_EQUAL_UINT32(0, hal_pulse_count(HAL_PIN('C', 9)));
-}
-
-static double volts_at_pin;
-static double pin_volts(void *context, uint64_t now_ns, unsigned pin)
-{
-    (void)context;
-    (void)now_ns;
-    return pin == HAL_PIN('C', 0) ? volts_at_pin : 0.0;
-}
-
-static void an_analogue_input_is_a_part_of_the_reference(void)
-{
-    struct world volts = {.pin_volts = pin_volts};
-    static const double at[] = {0.0, 0.33, 1.65, 3.0, 3.3};
-    uint16_t code;
-    buses_set_world(&volts);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, hal_analog_open(HAL_PIN('C', 0)));
-    for (unsigned i = 0; i < sizeof at / sizeof *at; i++) {
-        volts_at_pin = at[i];
-        TEST_ASSERT_TRUE(hal_analog_read(HAL_PIN('C', 0), &code));
-        TEST_ASSERT_DOUBLE_WITHIN(3.3 / 4096, at[i],
-                                  code * (double)hal_analog_reference() / HAL_ANALOG_FULL);
-    }
-    volts_at_pin = 5.0;
-    TEST_ASSERT_TRUE(hal_analog_read(HAL_PIN('C', 0), &code));
-    TEST_ASSERT_EQUAL_UINT16(HAL_ANALOG_FULL, code);
-    volts_at_pin = -1.0;
-    TEST_ASSERT_TRUE(hal_analog_read(HAL_PIN('C', 0), &code));
-    TEST_ASSERT_EQUAL_UINT16(0, code);
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, hal_analog_open(HAL_PIN('C', 8)));
-}
-
 /* ---- an empty board ---- */
 
 static void on_an_empty_board_nobody_answers(void)
 {
     uint8_t in[2] = {0}, at = 3, rom[ONEWIRE_ROM_BYTES] = {0};
     volatile uint8_t branch = 0;
-    uint16_t code = 1;
     buses_set_world(NULL);
     TEST_ASSERT_EQUAL_INT(TRANSFER_NO_ANSWER, read_register(1, 0x48, in));
     struct transfer t = {.in = rom, .n_in = sizeof rom};
@@ -436,8 +357,6 @@ static void on_an_empty_board_nobody_answers(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, hal_spi_start(&d, &t));
     TEST_ASSERT_EQUAL_UINT8(TRANSFER_DONE, t.state); /* SPI cannot tell */
     TEST_ASSERT_EQUAL_HEX8(0xFF, in[0]);
-    TEST_ASSERT_TRUE(hal_analog_read(HAL_PIN('C', 0), &code));
-    TEST_ASSERT_EQUAL_UINT16(0, code);
     TEST_ASSERT_EQUAL_INT(ERR_OK, hal_output_open(HAL_PIN('B', 0), false));
     hal_output_set(HAL_PIN('B', 0), true);
     TEST_ASSERT_TRUE(hal_pin_read(HAL_PIN('B', 0)));
@@ -461,10 +380,6 @@ int main(void)
     RUN_TEST(output_safe_switches_every_output_off);
     RUN_TEST(an_output_that_becomes_an_input_goes_off);
     RUN_TEST(pins_that_are_not_free_are_no_outputs);
-    RUN_TEST(an_open_input_has_the_level_of_its_pull_up);
-    RUN_TEST(an_input_has_the_level_that_the_world_gives_it);
-    RUN_TEST(falling_edges_are_pulses);
-    RUN_TEST(an_analogue_input_is_a_part_of_the_reference);
     RUN_TEST(on_an_empty_board_nobody_answers);
     return UNITY_END();
 }

@@ -54,6 +54,37 @@ static bool asks(unsigned irq)
 
 /* ---- edges ---- */
 
+/* The world pulls PB6 down in each second half of a millisecond. */
+static enum pin_level half(void *context, uint64_t now_ns, unsigned pin)
+{
+    (void)context;
+    return pin == PIN('B', 6) && now_ns / (500 * US) % 2 != 0 ? PIN_LEVEL_LOW : PIN_LEVEL_HIGH;
+}
+
+static uint64_t next_half(void *context, uint64_t now_ns)
+{
+    (void)context;
+    return now_ns - now_ns % (500 * US) + 500 * US;
+}
+
+static void test_edges_that_the_world_makes_by_itself_are_pending_at_their_time(void)
+{
+    const struct world moving = {.pin_input = half, .next_edge = next_half};
+    put_ok(SYSCFG_EXTICR(1), 1u << 8);
+    put_ok(EXTI_FTSR, BIT(6));
+    board_set_world(b, &moving);
+    put_ok(EXTI_PR, BIT(6));
+    uint64_t begin_ns = board_ns(b);
+    for (unsigned n = 0; n < 5; n++) {
+        uint64_t edge_ns = begin_ns - begin_ns % (1000 * US) + 1500 * US + n * 1000 * US;
+        pass(edge_ns - 20 * US - board_ns(b));
+        TEST_ASSERT_EQUAL_HEX32(0, get(EXTI_PR));
+        pass(edge_ns + 20 * US - board_ns(b));
+        TEST_ASSERT_EQUAL_HEX32(BIT(6), get(EXTI_PR));
+        put_ok(EXTI_PR, BIT(6));
+    }
+}
+
 static void test_an_edge_that_is_wanted_is_pending_until_it_is_cleared(void)
 {
     board_set_pin(b, PIN('B', 6), PIN_LEVEL_HIGH);
@@ -287,6 +318,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_an_edge_that_is_wanted_is_pending_until_it_is_cleared);
+    RUN_TEST(test_edges_that_the_world_makes_by_itself_are_pending_at_their_time);
     RUN_TEST(test_a_pin_has_the_level_that_the_world_gives_it);
     RUN_TEST(test_a_line_sees_the_port_that_is_chosen);
     RUN_TEST(test_an_output_makes_edges);

@@ -26,7 +26,8 @@ static const struct reg syscfg_regs[] = {
 };
 
 struct exti {
-    bool high[LINES]; /* as it was seen last */
+    bool high[LINES];        /* as it was seen last */
+    struct board_event edge; /* of the world */
 };
 
 static const struct {
@@ -63,6 +64,32 @@ void exti_look(struct board *b, unsigned pin)
         update_irq(p);
     }
     e->high[line] = high;
+}
+
+void board_world_changed(struct board *b)
+{
+    struct part *p = bus_part(b, "EXTI");
+    if (p == NULL)
+        return;
+    struct exti *e = p->state;
+    uint64_t at_ns = BOARD_NEVER;
+    for (unsigned line = 0; line < LINES; line++)
+        exti_look(b, pin_of(b, line));
+    if (b->world.next_edge != NULL)
+        at_ns = b->world.next_edge(b->world.context, board_ns(b));
+    board_schedule(b, &e->edge, at_ns);
+}
+
+static void edge_due(void *context)
+{
+    board_world_changed(context);
+}
+
+static void exti_start(struct part *p)
+{
+    struct exti *e = p->state;
+    e->edge = (struct board_event){.due = edge_due, .context = p->board};
+    board_add_event(p->board, &e->edge);
 }
 
 static void exti_reset(struct part *p, enum board_reset kind)
@@ -102,6 +129,7 @@ const struct part_class exti_class = {.name = "EXTI",
                                       .n_regs = sizeof(exti_regs) / sizeof(exti_regs[0]),
                                       .state_bytes = sizeof(struct exti),
                                       .widths = WIDTH_WORD,
+                                      .start = exti_start,
                                       .reset = exti_reset,
                                       .write = exti_write};
 const struct part_class syscfg_class = {.name = "SYSCFG",

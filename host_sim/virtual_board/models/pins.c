@@ -80,6 +80,7 @@ void board_set_world(struct board *b, const struct world *world)
 {
     b->world = *world;
     b->has_world = true;
+    board_world_changed(b);
 }
 
 void board_set_pin(struct board *b, unsigned pin, enum pin_level level)

@@ -13,6 +13,14 @@ def range_of(lo: str, hi: str, form: str) -> str:
     return form or f"{lo} .. {hi}"
 
 
+def shared(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Rows of several chips that differ in nothing but the chip, in one row."""
+    chips: dict[tuple[str, ...], list[str]] = {}
+    for chip, *rest in rows:
+        chips.setdefault(tuple(rest), []).append(chip)
+    return [(", ".join(names), *rest) for rest, names in chips.items()]
+
+
 def pins(rows: Rows) -> str:
     noted = notes("pins")
     check_same("device", "pins", noted["device"], (name for name, *_ in rows["device"]))
@@ -38,5 +46,5 @@ def pins(rows: Rows) -> str:
         table(("`kind`", "what it does", "pins", "numbers"), outputs),
         ["## Proof of outputs"], noted["about"]["proof"].strip().splitlines(),
         ["## Wiring files"], noted["about"]["wiring"].strip().splitlines(),
-        table(("chip", "property", "unit", "range", "at first"), properties),
-        table(("chip", "input or fault", "unit", "range", "what it is"), inputs))
+        table(("chip", "property", "unit", "range", "at first"), shared(properties)),
+        table(("chip", "input or fault", "unit", "range", "what it is"), shared(inputs)))

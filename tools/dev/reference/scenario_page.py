@@ -49,10 +49,10 @@ FAULTS = "Faults of a board's hardware"
 
 WIRING = "Faults of a wiring"
 OF_WIRING = (
-    ("a sensor", "`missing`", "no chip is there; one that is back has just got power"),
-    ("a sensor", "`dead`", "the chip does not answer, and keeps its registers"),
+    ("a chip", "`missing`", "no chip is there; one that is back has just got power"),
+    ("a chip", "`dead`", "the chip does not answer, and keeps its registers"),
     ("a sensor on `spi` or `i2c`", "`wrong`", "another chip is in its place"),
-    ("a sensor on `i2c`", "`frozen`", "its result stays as it is"),
+    ("a sensor on `i2c`, an `analog`", "`frozen`", "its result stays as it is"),
     ("a sensor behind a voltage", "`open`", "the wire is broken: 0 V, no current"),
     ("a sensor", "any other input or fault of its chip", "[pins.md](pins.md#wiring-files)"),
     ("a bus: `spi1`, `i2c1`, `wire1`", "`noise`", "probability that a bit is wrong"),
