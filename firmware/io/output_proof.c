@@ -3,6 +3,8 @@
 
 #define PASSED_MASK   0x3FFFFFFu
 #define PASSED_MAX_MS PASSED_MASK /* longer than the longest window, 65535 s */
+/* Least part that the last of three windows has of what all three warmed; the same heat gives a third. */
+#define STILL_HEATED 0.25f
 
 enum proof_phase {
     PHASE_NONE,         /* nothing can be said */
@@ -94,20 +96,26 @@ static void judge_heat(struct output_proof *p, const struct proof_config *c, flo
     open_window(p, PHASE_FULL, t);
 }
 
-/* Judges a heater that is off, below the limit. */
+/* Judges a heater that is off, below the limit. `extreme` is the reading that the first of the warmer windows began with. */
 static void judge_rest(struct output_proof *p, const struct proof_config *c, float t)
 {
     if (c->on_s == 0 || p->passed_ms < c->on_s * 500u)
         return;
-    bool warmer = t - p->first >= 0.5f * c->change;
+    float risen = t - p->first, began = p->phase == PHASE_REST ? p->first : p->extreme;
+    bool warmer = risen >= 0.5f * c->change;
     enum proof_phase next = PHASE_REST;
-    if (warmer && p->phase == PHASE_REST)
+    if (warmer && p->phase == PHASE_REST) {
         next = PHASE_WARMER;
-    else if (warmer && p->phase == PHASE_WARMER)
+    } else if (warmer && p->phase == PHASE_WARMER) {
         next = PHASE_TWICE_WARMER;
-    else if (warmer)
+    } else if (warmer && risen < STILL_HEATED * (t - began)) {
+        next = PHASE_WARMER; /* it dies away: the count begins anew with this window */
+        began = p->first;
+    } else if (warmer) {
         tell_stuck(p, PROOF_WARMS);
+    }
     open_window(p, next, t);
+    p->extreme = began;
 }
 
 /* Judges a heater that is off, at the limit or above. */

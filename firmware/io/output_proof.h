@@ -6,7 +6,8 @@
  *         reading falls by `change` something cold comes in, and the time begins anew.
  *   off   below `limit`: not warmer by half of `change` in each of three halves of `on_s` in a row; at `limit` two have been enough. So
  *         warm liquor that is poured in within half of `on_s` accuses nobody. While another output of the board is on, what it brings may be
- *         warm, and nothing is said. The heat that metal and pipes had is given `on_s` to come out.
+ *         warm, and nothing is said. The heat that metal and pipes had is given `on_s` to come out; where it still comes, each half brings
+ *         less of it, and the third is no quarter of the three.
  *   off   at `limit` or above: cooler by `change` within `off_s`, again and again. A heater that boils although it is off does not cool.
  *         Nothing that flows in may be so hot.
  * Of a heater that is partly on nothing is said: at rest losses take all that it gives.
@@ -51,8 +52,9 @@ enum output_proof_fault {
 
 /* All zero: nothing is known. */
 struct output_proof {
-    float first;              /* reading that this window began with */
-    float extreme;            /* its lowest or highest reading; of a pump its volume, EU x s */
+    float first;   /* reading that this window began with */
+    float extreme; /* its lowest or highest reading; of a pump its volume, EU x s; of a heater that
+                               * rests what the first of the warmer windows began with */
     uint32_t passed_ms : 26;  /* of this window; stops at its largest value */
     uint32_t phase : 3;       /* enum proof_phase, output_proof.c */
     uint32_t known_fault : 3; /* enum output_proof_fault */

@@ -185,6 +185,50 @@ static void heat_that_was_stored_makes_no_stuck_heater(void)
     TEST_ASSERT_EQUAL_INT(PROOF_FINE, fault);
 }
 
+/* A pot of 50 degC/kW with 2 kW and a time of 3000 s, in a mantle or with a thermowell that adds a lag. */
+struct late_heat {
+    unsigned lag_s, on_s;
+    float change;
+};
+
+static const struct late_heat late_heat[] = {
+    {120, 116, 0.4f}, {200, 146, 0.4f}, {300, 218, 0.6f}, {400, 249, 0.6f}};
+
+/* Seconds after it was switched off at which something is told; hours without: 0. */
+static unsigned told_after_heating(const struct late_heat *l, unsigned heated_s, bool shorted)
+{
+    double mantle = 0.0, pot = 0.0;
+    setUp();
+    heater.on_s = (uint16_t)l->on_s;
+    heater.change = l->change;
+    for (unsigned s = 1; s <= heated_s + 4u * HOUR_S; s++) {
+        bool off = s > heated_s;
+        mantle += ((off && !shorted ? 0.0 : 100.0) - mantle) / 3000.0;
+        pot += (mantle - pot) / l->lag_s;
+        look.part = off ? 0.0f : 1.0f;
+        look.reading = 20.0f + (float)pot;
+        if (output_proof_step(&proof, &heater, &look) != PROOF_FINE && off)
+            return s - heated_s;
+    }
+    return 0;
+}
+
+static void heat_that_comes_late_makes_no_stuck_heater(void)
+{
+    for (unsigned i = 0; i < sizeof late_heat / sizeof *late_heat; i++) {
+        TEST_ASSERT_EQUAL_UINT(0, told_after_heating(&late_heat[i], 300, false));
+        TEST_ASSERT_EQUAL_UINT(0, told_after_heating(&late_heat[i], 600, false));
+    }
+}
+
+static void a_relay_that_welds_is_told_where_heat_comes_late_too(void)
+{
+    for (unsigned i = 0; i < sizeof late_heat / sizeof *late_heat; i++) {
+        unsigned after_s = told_after_heating(&late_heat[i], 300, true);
+        TEST_ASSERT_TRUE(after_s > 0 && after_s <= 3u * late_heat[i].on_s + 2u);
+    }
+}
+
 static void a_heater_that_boils_although_it_is_off_is_stuck(void)
 {
     look.part = 0.4f;
@@ -390,6 +434,8 @@ int main(void)
     RUN_TEST(warm_liquor_that_is_poured_in_is_no_stuck_heater);
     RUN_TEST(warm_feed_that_another_output_brings_is_no_stuck_heater);
     RUN_TEST(heat_that_was_stored_makes_no_stuck_heater);
+    RUN_TEST(heat_that_comes_late_makes_no_stuck_heater);
+    RUN_TEST(a_relay_that_welds_is_told_where_heat_comes_late_too);
     RUN_TEST(a_heater_that_boils_although_it_is_off_is_stuck);
     RUN_TEST(a_hot_heater_that_is_off_and_cools_is_fine);
     RUN_TEST(a_heater_that_was_stuck_stays_so);
