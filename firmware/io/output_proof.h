@@ -52,9 +52,8 @@ enum output_proof_fault {
 
 /* All zero: nothing is known. */
 struct output_proof {
-    float first;   /* reading that this window began with */
-    float extreme; /* its lowest or highest reading; of a pump its volume, EU x s; of a heater that
-                               * rests what the first of the warmer windows began with */
+    float first;              /* reading that this window began with */
+    float extreme;            /* its lowest or highest, or where warming began; of a pump EU x s */
     uint32_t passed_ms : 26;  /* of this window; stops at its largest value */
     uint32_t phase : 3;       /* enum proof_phase, output_proof.c */
     uint32_t known_fault : 3; /* enum output_proof_fault */
