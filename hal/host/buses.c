@@ -36,6 +36,7 @@ static struct {
 } pins[PINS];
 static uint64_t looked_ns; /* edges of the world are counted up to here */
 static unsigned turns;     /* of the clock */
+static unsigned n_converting;
 
 void buses_set_world(const struct world *world)
 {
@@ -145,7 +146,7 @@ void buses_clock(void)
 {
     catch_up();
     turns++;
-    for (unsigned pin = 0; pin < WORLD_PINS; pin++)
+    for (unsigned pin = 0; n_converting != 0 && pin < WORLD_PINS; pin++)
         if (pins[pin].converts) {
             pins[pin].code[turns % MEAN] = (uint16_t)convert(pin);
             pins[pin].converted = (uint8_t)(pins[pin].converted + (pins[pin].converted < MEAN));
@@ -158,6 +159,7 @@ void buses_reset(void)
         hal_pin_use((hal_pin)pin, HAL_PIN_CLOSED);
         pins[pin].counts = pins[pin].converts = false;
     }
+    n_converting = 0;
 }
 
 /* ---- outputs ---- */
@@ -436,8 +438,10 @@ enum err hal_analog_open(hal_pin pin)
 {
     if (!hal_analog_has(pin))
         return ERR_RANGE;
-    if (!pins[pin].converts)
+    if (!pins[pin].converts) {
         pins[pin].converted = 0;
+        n_converting++;
+    }
     pins[pin].converts = true;
     return ERR_OK;
 }

@@ -354,9 +354,8 @@ static bool make_chip(struct wiring *w, const struct chip_kind *kind, const char
                             o->line);
         }
     }
-    return kind->bus == CHIP_PIN ||
-           chips_add(wiring_make_bus(w, sensor->bus, sensor->bus_number), sensor->chip,
-                     sensor->select, err, err_size);
+    return kind->bus == CHIP_PIN || chips_add(wiring_make_bus(w, sensor->bus, sensor->bus_number),
+                                              sensor->chip, sensor->select, err, err_size);
 }
 
 static bool read_sensor(struct wiring *w, const struct words *s, const struct chip_kind *kind,

@@ -108,6 +108,7 @@ static void the_clock_never_goes_back(void)
     memory_port_set_clock(1000);
     memory_port_set_clock(400);
     TEST_ASSERT_EQUAL_UINT64(1000, hal_clock_ms());
+    memory_port_jump(UINT64_C(0xFFFFFFFF));
     memory_port_set_clock(UINT64_C(0x100000001));
     TEST_ASSERT_EQUAL_UINT64(UINT64_C(0x100000001), hal_clock_ms());
 }
