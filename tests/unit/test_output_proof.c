@@ -192,7 +192,7 @@ struct late_heat {
 };
 
 static const struct late_heat late_heat[] = {
-    {120, 116, 0.4f}, {200, 146, 0.4f}, {300, 218, 0.6f}, {400, 249, 0.6f}};
+    {200, 146, 0.3f}, {300, 218, 0.3f}, {400, 249, 0.4f}, {400, 201, 0.4f}};
 
 /* Seconds after it was switched off at which something is told; hours without: 0. */
 static unsigned told_after_heating(const struct late_heat *l, unsigned heated_s, bool shorted)
