@@ -104,9 +104,9 @@ static const char *output_unit(const struct config *config, const char *name)
 static const char *alarm_unit(const struct config *config, const char *name)
 {
     uint8_t i = alarm_find(config, name);
-    const struct alarm_config *alarm = i == PLAN_NONE ? NULL : &config->alarm[i];
-    if (!alarm || alarm_is_on_event(alarm))
+    if (i == PLAN_NONE || alarm_is_on_event(&config->alarm[i]))
         return "";
+    const struct alarm_config *alarm = &config->alarm[i];
     return alarm->side == ALARM_DEVIATION ? loop_unit(config, alarm->on)
                                           : measurement_unit(config, alarm->on);
 }
