@@ -1,22 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 /* The world of a wiring file: what its loads were over time, as their pins had it, and what lines of text do to its chips. */
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "chips/chip.h"
-#include "chips/wired.h"
-#include "unity.h"
-
-#define MS    UINT64_C(1000000)
-#define S     UINT64_C(1000000000)
-#define EXACT 1e-3 /* ns */
-
-static char path[64];
-static char err[512];
-static struct wired *w;
-static const struct world *world;
+#include "wired_bench.h"
 
 static const char column[] = "T1  max31865 spi1 PA4  reference=430\n"
                              "T2  max31865 spi2 PC0\n"
@@ -29,38 +16,16 @@ static const char column[] = "T1  max31865 spi1 PA4  reference=430\n"
                              "Lr  valve    PB8 PB9   travel=60\n";
 enum { Q, E, W, X, LR, LOADS };
 
-static void open_text(const char *text)
-{
-    FILE *f = fopen(path, "w");
-    TEST_ASSERT_NOT_NULL(f);
-    (void)fputs(text, f);
-    (void)fclose(f);
-    wired_close(w);
-    w = wired_open(path, 1, err, sizeof(err));
-    world = w != NULL ? wired_world(w) : NULL;
-}
-
 void setUp(void)
 {
-    (void)snprintf(path, sizeof(path), "/tmp/wired_test_XXXXXX");
-    int file = mkstemp(path);
-    TEST_ASSERT_TRUE(file >= 0);
-    (void)close(file);
-    w = NULL;
+    begin_wired();
     open_text(column);
     TEST_ASSERT_NOT_NULL_MESSAGE(w, err);
 }
 
 void tearDown(void)
 {
-    wired_close(w);
-    w = NULL;
-    (void)remove(path);
-}
-
-static void drive(uint64_t now_ns, char port, int number, enum pin_drive as)
-{
-    world->pin_driven(world->context, now_ns, HAL_PIN(port, number), as);
+    end_wired();
 }
 
 /* Integral of one load up to now, ns. */
@@ -69,11 +34,6 @@ static double load(unsigned i, uint64_t now_ns)
     double ns[WIRED_OUTPUTS_MAX];
     TEST_ASSERT_EQUAL_size_t(LOADS, wired_loads(w, now_ns, ns));
     return ns[i];
-}
-
-static bool fault(uint64_t now_ns, const char *name, const char *what, double value)
-{
-    return wired_fault(w, now_ns, name, what, value, err, sizeof(err));
 }
 
 /* ---- loads ---- */

@@ -1,57 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only */
 /* The world of a wiring file: loads behind a chip, which follow its current, and pumps with a stepper. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-#include "chips/wired.h"
-#include "unity.h"
-
-#define MS    UINT64_C(1000000)
-#define S     UINT64_C(1000000000)
-#define EXACT 1e-3 /* ns */
-
-static char path[64];
-static char err[512];
-static struct wired *w;
-static const struct world *world;
-
-static void open_text(const char *text)
-{
-    FILE *f = fopen(path, "w");
-    TEST_ASSERT_NOT_NULL(f);
-    (void)fputs(text, f);
-    (void)fclose(f);
-    wired_close(w);
-    w = wired_open(path, 1, err, sizeof(err));
-    TEST_ASSERT_NOT_NULL_MESSAGE(w, err);
-    world = wired_world(w);
-}
+#include "wired_bench.h"
 
 void setUp(void)
 {
-    (void)snprintf(path, sizeof(path), "/tmp/wired_test_XXXXXX");
-    int file = mkstemp(path);
-    TEST_ASSERT_TRUE(file >= 0);
-    (void)close(file);
-    w = NULL;
+    begin_wired();
 }
 
 void tearDown(void)
 {
-    wired_close(w);
-    w = NULL;
-    (void)remove(path);
-}
-
-static void drive(uint64_t now_ns, char port, int number, enum pin_drive as)
-{
-    world->pin_driven(world->context, now_ns, HAL_PIN(port, number), as);
-}
-
-static bool fault(uint64_t now_ns, const char *name, const char *what, double value)
-{
-    return wired_fault(w, now_ns, name, what, value, err, sizeof(err));
+    end_wired();
 }
 
 static void frame(uint64_t now_ns, uint8_t command, uint16_t value)
@@ -85,6 +43,7 @@ static void open_loop(const char *properties)
     char text[128];
     (void)snprintf(text, sizeof(text), "Lr ad5422 spi1 PC4 clear=PC5 hi=12 %s\n", properties);
     open_text(text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(w, err);
 }
 
 static void a_load_behind_a_chip_follows_its_current(void)
