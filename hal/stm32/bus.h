@@ -1,4 +1,4 @@
-/* Interrupts of buses: all have the priority PRIORITY_BUS.
+/* Interrupts and resets of buses. All their interrupts have the priority PRIORITY_BUS.
  *
  * SPDX-License-Identifier: Apache-2.0 OR GPL-2.0-only
  */
@@ -23,6 +23,14 @@ static inline uint32_t io_hold(void)
 static inline void io_release(uint32_t before)
 {
     mask_restore(before);
+}
+
+/* Resets a bus by its bit of a clock register. fast: that of APB2, else of APB1. What it was set to is gone. */
+static inline void io_reset_bus(bool fast, uint32_t clock)
+{
+    volatile uint32_t *reset = fast ? &RCC_APB2RSTR : &RCC_APB1RSTR;
+    *reset |= clock;
+    *reset &= ~clock;
 }
 
 #endif

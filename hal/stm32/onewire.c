@@ -309,12 +309,10 @@ void hal_onewire_stop(uint8_t bus)
     }
     const struct wire_hardware *h = &hardware[bus - 1u];
     struct wire_run *r = &runs[bus - 1u];
-    volatile uint32_t *reset = h->fast ? &RCC_APB2RSTR : &RCC_APB1RSTR;
     uint32_t before = io_hold();
     struct transfer *t = r->transfer;
     if (t != NULL) {
-        *reset |= h->clock;
-        *reset &= ~h->clock;
+        io_reset_bus(h->fast, h->clock);
         USART_CR3(h->base) = USART_CR3_HDSEL;
         set_baud(h, RESET_BAUD);
         USART_CR1(h->base) = PORT_ON;

@@ -179,13 +179,11 @@ void hal_spi_stop(uint8_t bus)
     }
     const struct spi_hardware *h = &hardware[bus - 1u];
     struct spi_run *r = &runs[bus - 1u];
-    volatile uint32_t *reset = h->fast ? &RCC_APB2RSTR : &RCC_APB1RSTR;
     uint32_t before = io_hold();
     struct transfer *t = r->transfer;
     if (t != NULL) {
         hal_pin_write(r->select, true);
-        *reset |= h->clock;
-        *reset &= ~h->clock;
+        io_reset_bus(h->fast, h->clock);
         SPI_CR2(h->base) = SPI_CR2_RXNEIE;
         r->transfer = NULL;
         t->state = TRANSFER_FAILED;
