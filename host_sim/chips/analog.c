@@ -23,14 +23,7 @@ struct analog {
 
 static void begin(struct chip *c, uint64_t now_ns, bool flows)
 {
-    struct analog *a = (struct analog *)c;
-    a->at.begin_ns = now_ns;
-    a->at.stands = !flows;
-}
-
-static void power_on(struct chip *c, uint64_t now_ns)
-{
-    begin(c, now_ns, true);
+    at_pin_begin(&((struct analog *)c)->at, now_ns, flows);
 }
 
 static void catch_up(struct chip *c, uint64_t now_ns)
@@ -64,7 +57,7 @@ const struct chip_kind chip_analog = {.name = "analog",
                                       .inputs = inputs,
                                       .n_inputs = CHIP_COUNT(inputs),
                                       .size = sizeof(struct analog),
-                                      .power_on = power_on,
+                                      .power_on = at_pin_power_on,
                                       .catch_up = catch_up,
                                       .begin = begin,
                                       .pin_volts = pin_volts};

@@ -21,6 +21,19 @@ struct at_pin {
     bool stands; /* what it measures does not move */
 };
 
+/* What begin() of each kind does. */
+static inline void at_pin_begin(struct at_pin *p, uint64_t now_ns, bool flows)
+{
+    p->begin_ns = now_ns;
+    p->stands = !flows;
+}
+
+/* power_on() of each kind: its time begins. */
+static inline void at_pin_power_on(struct chip *c, uint64_t now_ns)
+{
+    c->kind->begin(c, now_ns, true);
+}
+
 /* The nearest whole millisecond of its time. */
 static inline uint64_t at_pin_ms(const struct at_pin *p, uint64_t now_ns)
 {

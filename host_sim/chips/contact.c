@@ -104,14 +104,8 @@ static void begin(struct chip *c, uint64_t now_ns, bool flows)
     struct contact *k = (struct contact *)c;
     k->before = is_closed(k);
     k->beyond = is_beyond(k);
-    k->at.begin_ns = now_ns;
-    k->at.stands = !flows;
+    at_pin_begin(&k->at, now_ns, flows);
     k->since_ms = 0;
-}
-
-static void power_on(struct chip *c, uint64_t now_ns)
-{
-    begin(c, now_ns, true);
 }
 
 /* Several inputs may change in one moment; what was before is what was before the first of them. */
@@ -134,7 +128,7 @@ const struct chip_kind chip_level = {.name = "level",
                                      .inputs = inputs,
                                      .n_inputs = CHIP_COUNT(inputs),
                                      .size = sizeof(struct contact),
-                                     .power_on = power_on,
+                                     .power_on = at_pin_power_on,
                                      .catch_up = catch_up,
                                      .begin = begin,
                                      .low = low,

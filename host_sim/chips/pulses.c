@@ -136,15 +136,9 @@ static uint64_t next_edge(const struct chip *c, uint64_t now_ns)
 static void begin(struct chip *c, uint64_t now_ns, bool flows)
 {
     struct pulses *p = (struct pulses *)c;
-    p->at.begin_ns = now_ns;
-    p->at.stands = !flows;
+    at_pin_begin(&p->at, now_ns, flows);
     p->since_ms = 0;
     p->count = 0.0;
-}
-
-static void power_on(struct chip *c, uint64_t now_ns)
-{
-    begin(c, now_ns, true);
 }
 
 static void catch_up(struct chip *c, uint64_t now_ns)
@@ -160,7 +154,7 @@ const struct chip_kind chip_flow = {.name = "flow",
                                     .inputs = flow_inputs,
                                     .n_inputs = CHIP_COUNT(flow_inputs),
                                     .size = sizeof(struct pulses),
-                                    .power_on = power_on,
+                                    .power_on = at_pin_power_on,
                                     .catch_up = catch_up,
                                     .begin = begin,
                                     .low = low,
@@ -172,7 +166,7 @@ const struct chip_kind chip_mains = {.name = "mains",
                                      .inputs = mains_inputs,
                                      .n_inputs = CHIP_COUNT(mains_inputs),
                                      .size = sizeof(struct pulses),
-                                     .power_on = power_on,
+                                     .power_on = at_pin_power_on,
                                      .catch_up = catch_up,
                                      .begin = begin,
                                      .low = low,
