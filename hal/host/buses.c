@@ -18,7 +18,6 @@
 #define PINS        256u
 #define SEARCH_BITS 64u
 #define SUPPLY_MV   3300u
-#define REFERENCE_V 3.3f
 #define MEAN        16u /* conversions */
 #define NS_PER_MS   UINT64_C(1000000)
 
@@ -458,7 +457,7 @@ bool hal_analog_read(hal_pin pin, uint16_t *code)
 
 float hal_analog_reference(void)
 {
-    return REFERENCE_V;
+    return (float)SUPPLY_MV / 1000.0f;
 }
 
 enum err hal_pulse_open(hal_pin pin)

@@ -181,15 +181,15 @@ def outputs(seen: Seen, wrong: list[str]) -> None:
         values = [(at, value) for at, value in values if at >= from_s]
         if load is not None and load.name == "relay" and name == load.moved:
             continue  # it has no part of its span
-        falls = load is not None and load.off is not None and name == load.moved and seen.fault in load.faults
-        if falls and load and load.off is not None:  # its chip may be let fall, in any part of a sample, and be given less
-            lo = load.off
+        off = load.off if load is not None and name == load.moved and seen.fault in load.faults else None
+        if off is not None:  # its chip may be let fall, in any part of a sample, and be given less
+            lo = off
             values += [(number, float(row[f"{name}.cmd"])) for number, row in enumerate(seen.run.log) if number >= from_s]
         beyond = [(at, value) for at, value in values if not lo - near <= value <= hi + near and abs(value - safe) > near]
         if beyond:
             wrong.append(f"{name} is {beyond[0][1]:g} at {beyond[0][0] - seen.begin_s:g} s, {len(beyond)} times")
         interlocked = any(code.startswith("INTERLOCK") for _, code, _, _ in seen.run.said)
-        moved = [(at, value) for at, value in values if at > ENTER_S and abs(value - MANUAL[name]) > near and not (falls and value < MANUAL[name])]
+        moved = [(at, value) for at, value in values if at > ENTER_S and abs(value - MANUAL[name]) > near and not (off is not None and value < MANUAL[name])]
         if seen.state.name == "manual" and moved and not interlocked:
             wrong.append(f"{name} moves in manual, {moved[0][1]:g} at {moved[0][0] - seen.begin_s:g} s")
         if seen.state.falls_back == "safe" and (since := lost_since(seen)) is not None:
